@@ -11,14 +11,14 @@ SHAKE = pc.Sine(150.0)
 REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker supplies pc.Hand(joints, ...)
 
 
-def swing(t: float, width: float) -> tuple[float, float]:
+def compute_swing(t: float, width: float) -> tuple[float, float]:
     """Return position [m] and velocity [m/s] of something that swings once per second."""
     return width * math.sin(math.tau * t), math.tau * width * math.cos(math.tau * t)
 
 
 def ball(t: float) -> pc.Volume:
     """Return a rolling ball, as the game knows it at time t [s]."""
-    y, v = swing(t, 0.01)
+    y, v = compute_swing(t, 0.01)
     return pc.Volume(
         shape=pc.Sphere(0.03),
         pose=pc.Pose((0.0, y, 0.175)),
@@ -31,7 +31,7 @@ def ball(t: float) -> pc.Volume:
 
 def hand(t: float) -> pc.Hand:
     """Return a hand that strokes the ball, as a tracker sees it at time t [s]."""
-    x, v = swing(t, 0.02)
+    x, v = compute_swing(t, 0.02)
     joints = REST.moved(pc.Pose((x, 0.0, 0.0))).joints
     return pc.Hand(joints, velocities=(v, 0.0, 0.0), time=t)
 
@@ -43,7 +43,7 @@ with pc.Renderer(pc.autd(3, 3), scene) as renderer:
     loop.start()
     while loop.is_alive():  # the game
         t = time.perf_counter() - start
-        renderer.scene = scene = scene.put(ball(t)).held(hand(t))
+        renderer.scene = scene = scene.put(ball(t)).with_hands(hand(t))
         time.sleep(1.0 / RATE)
 report = renderer.report
 print(f"{report.ticks} ticks, {report.solves} solves, {report.fault_count} faults")

@@ -15,7 +15,7 @@ import pacinian as pc
 from pacinian.client import link
 from pacinian.client.base_client import BaseClient
 from pacinian.serving.settings import Safety, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian.wire.connection import VARIABLE
 
 ROOT = Path(__file__).parents[1]
@@ -34,7 +34,7 @@ SHOWN = [
 def server() -> Iterator[str]:
     """Run a server whose limits are long, so that a machine that pauses for a moment ends nothing."""
     safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
-    with serving(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
+    with run_server(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
         patch.setitem(BaseClient.__init__.__kwdefaults__, "timeout", 60.0)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
             patch.setitem(link.HEARTBEAT, limit, 60_000)

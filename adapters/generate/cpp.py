@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from cpp_types import declared, identifier, initial, named, read, reset
+from cpp_types import declare_type, identifier, initial, list_names, read, reset
 
 from pacinian.wire.binary_arrays import Grid, Indices, Rows
 
@@ -47,7 +47,7 @@ def _homes(model: Model) -> dict[str, str]:
             homes[union.words.name] = homes[union.name]
     for message in model.messages:
         for field in message.fields:
-            for name in named(field.type):
+            for name in list_names(field.type):
                 homes.setdefault(name, message.module)
     return homes
 
@@ -61,7 +61,9 @@ def _declarations(model: Model, module: str, homes: dict[str, str]) -> str:
     own = [message for message in model.messages if message.module == module]
     bases = {base.name: base for base in model.bases}
     unions = [union for union in model.unions if homes[union.name] == module]
-    needed = [name for message in own for field in message.fields for name in named(field.type)]
+    needed = [
+        name for message in own for field in message.fields for name in list_names(field.type)
+    ]
     needed += [kind for union in unions for kind in union.kinds]
     modules = sorted({homes[name] for name in needed} - {module})
     head = "\n".join(
@@ -89,7 +91,7 @@ def _declarations(model: Model, module: str, homes: dict[str, str]) -> str:
         for union in unions:
             if _last(model, union) == message.name:
                 kinds = ", ".join(((union.words.name,) if union.words else ()) + union.kinds)
-                lines += [_broken(f"using {union.name} = std::variant<{kinds}>;"), ""]
+                lines += [_wrap_line(f"using {union.name} = std::variant<{kinds}>;"), ""]
     return _file(head, lines, opened=True)
 
 
@@ -97,9 +99,9 @@ def _words(words: Words) -> list[str]:
     values = [identifier(value) for value in words.values]
     texts = ", ".join(f'"{value}"' for value in words.values)
     return [
-        _broken(f"enum class {words.name} {{ {', '.join(values)} }};"),
+        _wrap_line(f"enum class {words.name} {{ {', '.join(values)} }};"),
         f"constexpr std::array<std::string_view, {len(values)}> words({words.name}) {{",
-        _broken(f"  return {{{texts}}};"),
+        _wrap_line(f"  return {{{texts}}};"),
         "}",
         "",
     ]
@@ -116,7 +118,7 @@ def _struct(message: Message, fields: Iterable[Field], *, held: bool = True) -> 
         yield from _comment(f"{field.text}{bounds}", "  ")
         start = initial(field)
         start = start if start.startswith("{") else start and f" = {start}"
-        yield f"  {declared(field.type)} {field.name}{start};"
+        yield f"  {declare_type(field.type)} {field.name}{start};"
     if held:
         yield "\n  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);"
         yield "  PACINIANCORE_API void write(Writer& out) const;"
@@ -158,7 +160,7 @@ def _read(message: Message) -> Iterator[str]:
         branch = "else if"
     for i, field in enumerate(message.fields):
         yield f'    {branch} (key == "{field.name}")'
-        yield _broken(f"      seen |= 1ull << {i}, good = {read(field.type, field.name)};")
+        yield _wrap_line(f"      seen |= 1ull << {i}, good = {read(field.type, field.name)};")
         branch = "else if"
     yield "    else"
     yield "      good = in.skip();"
@@ -201,7 +203,7 @@ def _write(message: Message) -> Iterator[str]:
     yield "}"
 
 
-def _broken(line: str) -> str:
+def _wrap_line(line: str) -> str:
     """A line that is too long in several."""
     indent = " " * (len(line) - len(line.lstrip()) + 4)
     if len(line) > WIDTH and ", [&](" in line:

@@ -28,7 +28,7 @@ STARTS: dict[type, str] = {Bool: "false", Int: "0", Float: "0.0", Words: "{}", F
 CLEARED = Text, Bin, Array, Map  # empty by default, and so with their memory kept
 
 
-def declared(t: Type) -> str:
+def declare_type(t: Type) -> str:
     """The type in C++."""
     match t:
         case Bool():
@@ -46,13 +46,13 @@ def declared(t: Type) -> str:
         case Words() | Part() | Union():
             return t.name
         case Fixed():
-            return f"std::array<{declared(t.item)}, {t.count}>"
+            return f"std::array<{declare_type(t.item)}, {t.count}>"
         case Array():
-            return f"std::vector<{declared(t.item)}>"
+            return f"std::vector<{declare_type(t.item)}>"
         case Map():
-            return f"Map<{declared(t.item)}>"
+            return f"Map<{declare_type(t.item)}>"
         case Maybe():
-            return f"std::optional<{declared(t.item)}>"
+            return f"std::optional<{declare_type(t.item)}>"
 
 
 def read(t: Type, into: str) -> str:
@@ -113,10 +113,12 @@ def reset(field: Field) -> str:
         return f"{field.name}.clear();"
     if isinstance(field.type, Maybe):
         return f"{field.name}.reset();"
-    return f"{field.name} = {default(field.type, field.default) or declared(field.type) + '{}'};"
+    return (
+        f"{field.name} = {default(field.type, field.default) or declare_type(field.type) + '{}'};"
+    )
 
 
-def named(t: Type) -> list[str]:
+def list_names(t: Type) -> list[str]:
     """The names of messages, unions and words that a type needs."""
     match t:
         case Words() | Part():
@@ -124,7 +126,7 @@ def named(t: Type) -> list[str]:
         case Union():
             return [t.name, *t.kinds, *([t.words.name] if t.words else [])]
         case Array() | Map() | Maybe():
-            return named(t.item)
+            return list_names(t.item)
         case _:
             return []
 
@@ -135,7 +137,7 @@ def identifier(word: str) -> str:
 
 
 def _reader(item: Type) -> str:
-    return f"[&]({declared(item)}& item) {{ return {read(item, 'item')}; }}"
+    return f"[&]({declare_type(item)}& item) {{ return {read(item, 'item')}; }}"
 
 
 def _range(t: Float) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from csharp_code import loop, reading, write
-from csharp_types import declared, default, member, pascal, union
+from csharp_code import generate_read, loop, write
+from csharp_types import declare_type, default, member, pascal, union
 from csharp_unions import protocol, unions, words
 from model import Array, Map, Maybe, Part, Text
 
@@ -37,10 +37,10 @@ def _file(lines: list[str]) -> str:
 
 def _base(message: Message) -> list[str]:
     return [
-        _said(message.text),
+        _format_summary(message.text),
         f"public abstract class {message.name} : IMessage",
         "{",
-        *_indented(line for field in message.fields for line in _field(message, field)),
+        *_indent_lines(line for field in message.fields for line in _field(message, field)),
         "    /// <inheritdoc/>",
         "    public abstract void Write(Writer w);",
         "",
@@ -51,12 +51,14 @@ def _base(message: Message) -> list[str]:
 
 
 def _class(message: Message, model: Model) -> list[str]:
-    own = [field for field in message.fields if field not in _inherited(message, model)]
+    own = [field for field in message.fields if field not in _list_inherited(message, model)]
     keys = (["type"] if message.tag else []) + [field.name for field in message.fields]
     override = "override " if message.base else ""
-    body = [f"private static readonly byte[][] Keys = Utf8.Of({', '.join(map(_quoted, keys))});"]
+    body = [
+        f"private static readonly byte[][] Keys = Utf8.Of({', '.join(map(_quote_word, keys))});"
+    ]
     if message.tag:
-        body.append(f"private static readonly byte[][] Tag = Utf8.Of({_quoted(message.tag)});")
+        body.append(f"private static readonly byte[][] Tag = Utf8.Of({_quote_word(message.tag)});")
     body.append("")
     for field in own:
         body += _field(message, field)
@@ -64,28 +66,28 @@ def _class(message: Message, model: Model) -> list[str]:
     body += [f"    {line}" for line in _write(message, keys)] + ["}", ""]
     body += ["/// <inheritdoc/>", f"public {override}bool Read(Reader r)", "{"]
     body += [f"    {line}" for line in _read(message, keys)] + ["}"]
-    for method in (_one(message), _defaults(message), *_loops(message)):
+    for method in (_generate_one(message), _defaults(message), *_loops(message)):
         body += ["", *method] if method else []
     kinds = [message.base] if message.base else []
     kinds += [union(u) for u in model.unions if message.name in u.kinds and not u.base]
     return [
-        _said(message.text),
+        _format_summary(message.text),
         f"public sealed class {message.name} : {', '.join(kinds or ['IMessage'])}",
         "{",
-        *_indented(body),
+        *_indent_lines(body),
         "}",
     ]
 
 
-def _inherited(message: Message, model: Model) -> tuple[Field, ...]:
+def _list_inherited(message: Message, model: Model) -> tuple[Field, ...]:
     return next((base.fields for base in model.bases if base.name == message.base), ())
 
 
 def _field(message: Message, field: Field) -> list[str]:
-    name, kind, t = member(message, field), declared(field.type), field.type
+    name, kind, t = member(message, field), declare_type(field.type), field.type
     text = f"{field.text[:1].upper()}{field.text[1:]}".rstrip(".")
     said = ". ".join(part for part in (text, _bounds(field)) if part)
-    lines = [_said(said + ".")] if said else []
+    lines = [_format_summary(said + ".")] if said else []
     if isinstance(t, (Array, Map)):
         lines.append(f"public readonly {kind} {name} = new {kind}();")
     elif isinstance(t, Text):
@@ -149,11 +151,11 @@ def _read(message: Message, keys: list[str]) -> list[str]:
     ]
 
 
-def _one(message: Message) -> list[str]:
+def _generate_one(message: Message) -> list[str]:
     """The method that reads one field."""
     lines = ["    case 0: return r.Expect(Tag);"] if message.tag else []
     for index, field in enumerate(message.fields, len(lines)):
-        statements = reading(field.type, member(message, field))
+        statements = generate_read(field.type, member(message, field))
         if len(statements) == 1:
             lines.append(f"    case {index}: {statements[0]}")
         else:
@@ -163,7 +165,7 @@ def _one(message: Message) -> list[str]:
         "{",
         "    switch (key)",
         "    {",
-        *_indented(lines),
+        *_indent_lines(lines),
         "        default: return key == Reader.Other && r.Skip();",
         "    }",
         "}",
@@ -181,7 +183,7 @@ def _defaults(message: Message) -> list[str]:
             lines += [f"if ((missing & 0x{1 << index:X}) != 0)", "{"]
             lines += [f"    {name}.Clear();" if empty else f"    {name} = {value};", "}"]
     head = ["private void Default(ulong missing)", "{"]
-    return [*head, *_indented(lines), "}"] if lines else []
+    return [*head, *_indent_lines(lines), "}"] if lines else []
 
 
 def _loops(message: Message) -> list[list[str]]:
@@ -194,7 +196,7 @@ def _rules(message: Message) -> str:
     rules: list[str] = []
     for rule in message.bulk:
         data = names[rule.name]
-        said = f"{_quoted(rule.name)}, ref {data}"
+        said = f"{_quote_word(rule.name)}, ref {data}"
         match rule:
             case Indices():
                 rules.append(f"r.Indices({said}, {names[rule.into]}.Count / 12)")
@@ -212,21 +214,21 @@ def _rules(message: Message) -> str:
 
 
 def _grid(message: Message) -> str:
-    return next(declared(field.type) for field in message.fields if field.name == "grid")
+    return next(declare_type(field.type) for field in message.fields if field.name == "grid")
 
 
 def _range(said: str, rule: Rows | Grid) -> str:
     return f"r.Range({said}, {rule.low!r}, {rule.high!r})"
 
 
-def _said(text: str) -> str:
+def _format_summary(text: str) -> str:
     return f"/// <summary>{escape(text, quote=False)}</summary>"
 
 
-def _quoted(text: str) -> str:
+def _quote_word(text: str) -> str:
     assert len(text) < 32, "a word has a head of one byte"
     return f'"{text}"'
 
 
-def _indented(lines: Iterable[str]) -> list[str]:
+def _indent_lines(lines: Iterable[str]) -> list[str]:
     return [f"    {line}" if line else "" for line in lines]

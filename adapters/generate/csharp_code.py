@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from csharp_types import declared, number
+from csharp_types import declare_type, number
 from model import (
     Anything,
     Array,
@@ -98,7 +98,7 @@ def read(t: Type, name: str) -> str:
             raise TypeError(f"{t}: not read in one go")
 
 
-def reading(t: Type, name: str) -> list[str]:
+def generate_read(t: Type, name: str) -> list[str]:
     """Statements that read a field, and return whether it is valid."""
     match t:
         case Maybe() if not isinstance(t.item, Float):
@@ -123,11 +123,11 @@ def loop(t: Type, name: str) -> list[str]:
     head = (
         f"Array(out count, {_lengths(t)})"
         if isinstance(t, Array)
-        else f"Map(out count, {_most(t)})"
+        else f"Map(out count, {_format_limit(t)})"
     )
     make = f" ?? new {t.item.name}()" if isinstance(t.item, Part) else ""
     value = read(t.item, "item") if not isinstance(t.item, Part) else "item.Read(r)"
-    body = [f"{declared(t.item)} item = {name}.Spare(){make};"]
+    body = [f"{declare_type(t.item)} item = {name}.Spare(){make};"]
     if isinstance(t, Map):
         body = [
             f"string key = {name}.SpareKey();",
@@ -174,5 +174,5 @@ def _lengths(t: Text | Bin | Array) -> str:
     return f"{t.least}, {MOST if t.most is None else t.most}"
 
 
-def _most(t: Map) -> str:
+def _format_limit(t: Map) -> str:
     return "Reader.MostKeys" if t.most is None else str(t.most)

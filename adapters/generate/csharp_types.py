@@ -43,7 +43,7 @@ def union(t: Union) -> str:
     return t.base or f"I{t.name.removeprefix('Any')}"
 
 
-def declared(t: Type) -> str:
+def declare_type(t: Type) -> str:
     """The type of a field."""
     match t:
         case Bool():
@@ -61,15 +61,15 @@ def declared(t: Type) -> str:
         case Fixed():
             return (REALS if isinstance(t.item, Float) else WHOLES)[t.count]
         case Array():
-            return f"Items<{declared(t.item)}>"
+            return f"Items<{declare_type(t.item)}>"
         case Map():
-            return f"Table<{declared(t.item)}>"
+            return f"Table<{declare_type(t.item)}>"
         case Union():
             return union(t)
         case Scalar() | Anything():
             return "Value"
         case Maybe():
-            return declared(t.item) + ("?" if isinstance(t.item, Float) else "")
+            return declare_type(t.item) + ("?" if isinstance(t.item, Float) else "")
 
 
 def number(value: float) -> str:
@@ -83,7 +83,7 @@ def default(t: Type, value: Any) -> str:
         case Words():
             return f"{t.name}.{pascal(value)}"
         case Fixed():
-            return f"new {declared(t)}({', '.join(map(number, value))})"
+            return f"new {declare_type(t)}({', '.join(map(number, value))})"
         case Union() if isinstance(value, str):
             assert t.words
             return f"new Named{t.name} {{ Value = {default(t.words, value)} }}"

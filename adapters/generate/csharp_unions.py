@@ -49,7 +49,7 @@ def unions(model: Model) -> list[str]:
             ]
             lines += ["{", "}", ""]
         if each.words:
-            lines += [*_named(each), ""]
+            lines += [*_generate_named(each), ""]
     lines += [f"/// <summary>Reads one of several messages; {REUSED}.</summary>"]
     lines += ["internal static class Unions", "{"]
     for i, each in enumerate(model.unions):
@@ -57,7 +57,7 @@ def unions(model: Model) -> list[str]:
     return [*lines, "}"]
 
 
-def _named(each: Union) -> list[str]:
+def _generate_named(each: Union) -> list[str]:
     """A class for a word where a message could be."""
     assert each.words
     kind = each.words.name

@@ -63,7 +63,7 @@ def _row(owner: str, feature: str, unity: str, unreal: str, value: str) -> Row:
     return feature, value, wire, unity, unreal
 
 
-def table() -> Table:
+def make_table() -> Table:
     """All features of both."""
     made, (ours, theirs) = Table(), _surfaces()
     paired = {there: here for here, there in PAIRS.items()}
@@ -132,7 +132,7 @@ def uses(model: Model) -> list[Row]:
 
 def problems(model: Model) -> list[str]:
     """What the table must not have."""
-    made = table()
+    made = make_table()
     wrong = list(made.wrong)
     shown = {f"{owner}.{row[0]}" for owner, rows in made.rows.items() for row in rows}
     wrong += [f"{name}: no such feature" for name in WIRE if name not in shown]
@@ -180,7 +180,7 @@ def _choices() -> tuple[dict[str, list[str]], dict[str, list[str]]]:
 def generate(model: Model) -> dict[str, str]:
     """The table as a page. Features that are wrong are in it all the same."""
     text = HEAD
-    for owner, rows in sorted(table().rows.items()):
+    for owner, rows in sorted(make_table().rows.items()):
         if rows:
             text += f"## {re.sub(r'(?<!^)(?=[A-Z])', ' ', owner)}\n\n"
             text += "| feature | default | wire | Unity | Unreal |\n|---|---|---|---|---|\n"

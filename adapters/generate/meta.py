@@ -55,22 +55,22 @@ def text(package: Path, path: Path) -> str:
     return head + IMPORTERS[path.suffix]
 
 
-def wanted(package: Path) -> dict[Path, str]:
+def generate_metas(package: Path) -> dict[Path, str]:
     """All .meta files and their contents."""
     return {path.with_name(path.name + ".meta"): text(package, path) for path in assets(package)}
 
 
-def differing(package: Path) -> list[Path]:
+def find_differing(package: Path) -> list[Path]:
     """.meta files that are missing, different, or of nothing."""
-    metas = wanted(package)
+    metas = generate_metas(package)
     orphans = [path for path in package.rglob("*.meta") if path not in metas]
     return orphans + [p for p, t in metas.items() if not p.is_file() or p.read_text() != t]
 
 
 def write(package: Path) -> None:
     """Write them all, and remove those of nothing."""
-    metas = wanted(package)
-    for path in differing(package):
+    metas = generate_metas(package)
+    for path in find_differing(package):
         if path in metas:
             path.write_text(metas[path], encoding="utf-8", newline="\n")
         else:
@@ -81,7 +81,7 @@ def main(check: bool) -> int:
     """Write, or only check; 1 if something differs."""
     if not check:
         write(PACKAGE)
-    differ = differing(PACKAGE)
+    differ = find_differing(PACKAGE)
     for path in differ:
         print(f"{path}: run `python adapters/generate/meta.py`", file=sys.stderr)  # noqa: T201
     return 1 if differ else 0

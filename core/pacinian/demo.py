@@ -30,7 +30,7 @@ BUTTON = Surface(
 )
 
 
-def circling(t: float) -> Scene:
+def make_circling_scene(t: float) -> Scene:
     """Return the scene at time t [s]; both objects vibrate."""
     phi = 2.0 * math.pi * t / TURN
     at = Pose((ORBIT * math.cos(phi), ORBIT * math.sin(phi), HEIGHT))

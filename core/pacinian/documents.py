@@ -77,19 +77,19 @@ def _advice(kind: type[Struct], problem: str, key: str) -> str:
 
 def json_schema(kind: type[Struct], title: str) -> dict[str, Any]:
     """Return the JSON Schema of files of a kind. Docstrings lose their indent, which depends on the Python version."""
-    made = _unindented(msgspec.json.schema(kind))
+    made = _dedent_descriptions(msgspec.json.schema(kind))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **made}
 
 
-def _unindented(made: Any) -> Any:
+def _dedent_descriptions(made: Any) -> Any:
     if isinstance(made, list):
-        return [_unindented(item) for item in made]
+        return [_dedent_descriptions(item) for item in made]
     if not isinstance(made, dict):
         return made
     return {
         key: inspect.cleandoc(value)
         if key == "description" and isinstance(value, str)
-        else _unindented(value)
+        else _dedent_descriptions(value)
         for key, value in made.items()
     }
 

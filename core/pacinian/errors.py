@@ -186,9 +186,33 @@ class RecordingError(PacinianError, ValueError):
 class MissingExtra(PacinianError, ImportError):
     """An optional library is not installed.
 
-    extra: name of the extra to install, as in `pacinian[extra]`.
+    extra: name of the extra to install, as in `pip install ".[extra]"` in the folder of Pacinian's sources.
     """
 
     def __init__(self, library: str, extra: str) -> None:
-        super().__init__(f"{library} is not installed: pip install 'pacinian[{extra}]'")
+        super().__init__(f"{library} is not installed: {suggest_install(extra)}")
         self.extra = extra
+
+
+def suggest_install(extras: str) -> str:
+    """Return the command that installs extras of Pacinian, as in "plot,view".
+
+    Pacinian is not on PyPI yet. The command names the folder that Pacinian was installed from, if that is known and
+    still exists; otherwise the text says where to run it.
+    """
+    import importlib.metadata
+    import json
+    from pathlib import Path
+    from urllib.parse import urlsplit
+    from urllib.request import url2pathname
+
+    try:
+        text = importlib.metadata.distribution("pacinian").read_text("direct_url.json")
+        origin = json.loads(text or "{}")
+        folder = Path(url2pathname(urlsplit(origin["url"]).path))
+        editable = "-e " if origin["dir_info"].get("editable") else ""
+        if (folder / "pyproject.toml").exists():
+            return f'python -m pip install {editable}"{folder}[{extras}]"'
+    except (importlib.metadata.PackageNotFoundError, KeyError, ValueError, OSError):
+        pass
+    return f'run `python -m pip install ".[{extras}]"` in the folder of Pacinian\'s sources'

@@ -40,7 +40,7 @@ DROPS, BOTTOM, FALL, SPLASH = 40, 0.03, 0.3, 0.05  # count, start height [m], ri
 INTO = 1e-4  # depth to which a drop enters the skin [m]
 
 
-def _tracked(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
+def _hold_updates(scene: Callable[[float], Scene]) -> Callable[[float], Scene]:
     """Return the scene of the last update, so that motion between updates must be extrapolated."""
     seen = functools.lru_cache(maxsize=4)(scene)
 
@@ -56,36 +56,36 @@ def static_focus(t: float) -> Scene:
     return _static()
 
 
-@_tracked
+@_hold_updates
 def sliding_ball(t: float) -> Scene:
     """A 3 cm ball that rolls back and forth below a still hand."""
-    x, v = _swing(t, 0.03)
+    x, v = _oscillate(t, 0.03)
     pose, motion = Pose((x, -0.01, HEIGHT - 0.012)), Motion((v, 0.0, 0.0), time=t)
     return Scene((replace(_ball(), pose=pose, motion=motion),), hands=(HAND,))
 
 
-@_tracked
+@_hold_updates
 def textured_plane(t: float) -> Scene:
     """Fingertips that stroke a plate with ridges 12 mm apart."""
-    return _plate().held(_moving(TILTED, t, 0.02))
+    return _plate().with_hands(_oscillate_hand(TILTED, t, 0.02))
 
 
-@_tracked
+@_hold_updates
 def mesh(t: float) -> Scene:
     """A hand on a bumpy stone of 10,000 triangles."""
-    return _stone().held(_moving(HAND, t, 0.015))
+    return _stone().with_hands(_oscillate_hand(HAND, t, 0.015))
 
 
-@_tracked
+@_hold_updates
 def crowd(t: float) -> Scene:
     """A hundred balls, three of which the hand can touch."""
-    return balls(100).held(_moving(HAND, t, 0.01))
+    return balls(100).with_hands(_oscillate_hand(HAND, t, 0.01))
 
 
-@_tracked
+@_hold_updates
 def palm(t: float) -> Scene:
     """A plate on which the whole palm lies and moves slightly."""
-    return _board().held(_moving(HAND, t, 0.005))
+    return _board().with_hands(_oscillate_hand(HAND, t, 0.005))
 
 
 def stm_circle(t: float) -> Scene:
@@ -119,15 +119,15 @@ SCENES: dict[str, Callable[[float], Scene]] = {
 NOTHING = Scene()
 
 
-def _swing(t: float, swing: float) -> tuple[float, float]:
+def _oscillate(t: float, swing: float) -> tuple[float, float]:
     """Return position [m] and velocity [m/s] of an oscillation with amplitude `swing` [m] at 1 Hz, at time t [s]."""
     s = 2.0 * math.pi * t
     return swing * math.sin(s), 2.0 * math.pi * swing * math.cos(s)
 
 
-def _moving(hand: Hand, t: float, swing: float) -> Hand:
+def _oscillate_hand(hand: Hand, t: float, swing: float) -> Hand:
     """Return a hand that oscillates by `swing` [m] at 1 Hz, as a tracker reports it at time t [s]."""
-    x, v = _swing(t, swing)
+    x, v = _oscillate(t, swing)
     joints = hand.moved(Pose((x, 0.0, 0.0))).joints
     return Hand(joints, hand.radii, velocities=(v, 0.0, 0.0), time=t)
 

@@ -19,13 +19,13 @@ from pacinian.native import solving as kernels
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving import evidence
-from pacinian.solving.blas import one_thread
+from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.evidence import (
     TOLERANCE,
+    compute_reached_multiple,
     determine_status,
     measure_violations,
-    reached_multiple,
     relative_error,
 )
 from pacinian.solving.felt_regions import FeltPlaces
@@ -136,22 +136,24 @@ class Session:
         if facing is not None:
             check_kind("facing", facing, SkinFacing)
         q, targets = self._problem(points, amplitudes, phases, scale, regions)
-        out = self._checked(out)
+        out = self._check_out_array(out)
         warm, self.last = self.last, None
         ready = self._place(q, facing, limits, budget)
         if warm is not None and (c := self._multiple(targets, limits)) == c:
-            self.last = self._scaled(c, targets, out, start)
+            self.last = self._scale_last(c, targets, out, start)
             return self.last
         if warm is not None:
             warm = (
-                self._carried(warm, q, targets) if len(warm.targets.amplitudes) and len(q) else None
+                self._carry_over(warm, q, targets)
+                if len(warm.targets.amplitudes) and len(q)
+                else None
             )
-        self.last = self._base = self._solved(targets, limits, warm, budget, out, start, ready)
+        self.last = self._base = self._solve_anew(targets, limits, warm, budget, out, start, ready)
         self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
         self._solved_at = q.copy()  # the caller may change its array
         return self.last
 
-    def _carried(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
+    def _carry_over(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
         """Return the last solution carried over to the points q, (M, 3) [m]; None if they differ too much."""
         if warm.asked_phases is not None and targets.regions is not None:
             return carry_phases(self.propagator, targets, warm, self._solved_at)
@@ -233,9 +235,9 @@ class Session:
             violations=broken,
             least_error=least,
         )
-        return self.felt(certified)
+        return self.measure_felt(certified)
 
-    def felt(self, solution: Solution) -> Solution:
+    def measure_felt(self, solution: Solution) -> Solution:
         """Return `solution`, the last one, with `felt` filled in and a status that also holds between the points."""
         targets = solution.targets
         if targets.regions is None or not targets.norm:
@@ -245,9 +247,11 @@ class Session:
         places = places.heard_by(propagator)
         p = propagator.apply(solution.gains)
         multiple = (
-            1.0 if targets.scale == "exact" else reached_multiple(targets, solution.sound_pressure)
+            1.0
+            if targets.scale == "exact"
+            else compute_reached_multiple(targets, solution.sound_pressure)
         )
-        felt, status = places.felt(p, multiple), solution.status
+        felt, status = places.measure_felt(p, multiple), solution.status
         if status is Status.ok and not all(part.even for part in felt):
             held = solution.saturation > 0.0 or targets.scale == "max"
             status = Status.limited if held else Status.approximate
@@ -269,10 +273,10 @@ class Session:
                 and t.flags.c_contiguous
                 and kernels.furthest(q, self.propagator.origin, t) <= MAX_LENGTH * MAX_LENGTH
             ):
-                return q, Targets.unchecked(t, number_regions(len(t), regions))
+                return q, Targets.make_unchecked(t, number_regions(len(t), regions))
         q = check_numbers("points", points, (None, 3))
         check_near("points", q, self.propagator.origin)
-        return q, Targets.checked(len(q), amplitudes, phases, scale, regions)
+        return q, Targets.make_checked(len(q), amplitudes, phases, scale, regions)
 
     def _place(self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget) -> bool:
         """Pass the points and the quiet points (which are in the free field) to the propagators.
@@ -328,7 +332,7 @@ class Session:
         held = strongest >= top or c * strongest >= top
         return c if not held and 1.0 / MAX_MULTIPLE < c < MAX_MULTIPLE else math.nan
 
-    def _scaled(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
+    def _scale_last(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
         """Return the last solved solution, scaled by c."""
         base, work = self._base, self.propagator.work
         assert base is not None  # `_multiple` has checked it
@@ -343,7 +347,7 @@ class Session:
             asked_phases=base.asked_phases, quiet_weight=base.quiet_weight,
         )  # fmt: skip
 
-    def _solved(
+    def _solve_anew(
         self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
         out: Complexes, start: float, ready: bool,
     ) -> Solution:  # fmt: skip
@@ -358,7 +362,7 @@ class Session:
         if targets.norm and ready:
             if targets.regions is not None:
                 asked = settle_phases(propagator, targets, warm, self.tilt)
-            with one_thread(len(targets.amplitudes) * len(g)):
+            with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         check_kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
@@ -394,7 +398,7 @@ class Session:
             quiet_weight=result.quiet_weight,
         )  # fmt: skip
 
-    def _checked(self, out: Complexes | None) -> Complexes:
+    def _check_out_array(self, out: Complexes | None) -> Complexes:
         N, dtype = len(self.array), self.propagator.dtype
         if out is None:
             return np.empty(N, dtype=dtype)
@@ -440,7 +444,7 @@ def solve(
         points, amplitudes, phases,
         regions=regions, facing=facing, limits=limits, scale=scale, deadline=deadline, out=out,
     )  # fmt: skip
-    solution = session.felt(solution)
+    solution = session.measure_felt(solution)
     session.forget()
     release(key, session, len(solution.sound_pressure) * len(array))
     return solution

@@ -186,7 +186,7 @@ class Picture:
         made = Image.fromarray(colours.reshape(FINER * SIZE[1], FINER * SIZE[0], 3))
         return label(made.resize(SIZE, Image.Resampling.BOX))
 
-    def _felt(self, points: Floats, facing: pc.SkinFacing | None) -> Floats:
+    def _compute_felt(self, points: Floats, facing: pc.SkinFacing | None) -> Floats:
         """Return the radiation pressure at points, (M,) [Pa]."""
         p = self.renderer.hear(points, facing)
         return np.asarray(pc.radiation_pressure(p, self.renderer.session.medium))
@@ -210,7 +210,7 @@ class Picture:
         q = q[seen]
         x, z = np.arange(-HALF, HALF + STEP, STEP), np.arange(0.004, UPPER + STEP, STEP)
         Z, X = np.meshgrid(z, x, indexing="ij")
-        P = self._felt(np.stack([X, 0.0 * X + PLANE, Z], axis=-1).reshape(-1, 3), None)
+        P = self._compute_felt(np.stack([X, 0.0 * X + PLANE, Z], axis=-1).reshape(-1, 3), None)
         where = [(q[:, 2] - z[0]) / STEP, (q[:, 0] - x[0]) / STEP]
         P = np.asarray(map_coordinates(P.reshape(X.shape), where, order=1, mode="nearest"))
         edge = np.clip((HALF - np.abs(q[:, 0])) / 0.05, 0.0, 1.0)
@@ -219,9 +219,9 @@ class Picture:
 
     def _hand(self, far: Floats) -> None:
         placed = self.placed
-        shown = np.flatnonzero(self.skin.exposed(placed, np.arange(len(placed.points))))
+        shown = np.flatnonzero(self.skin.find_exposed(placed, np.arange(len(placed.points))))
         points, normals = placed.points[shown], placed.normals[shown]
-        P = self._felt(points, pc.SkinFacing(normals, placed.capsules))
+        P = self._compute_felt(points, pc.SkinFacing(normals, placed.capsules))
         hit = np.flatnonzero(np.isfinite(far))
         q = EYE + far[hit, None] * self.d[hit]
         n = slopes(placed.capsules, q)

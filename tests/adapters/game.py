@@ -233,7 +233,7 @@ def sounded_since(server: Server, mark: int) -> bool:
 def kill(server: Server) -> None:
     """End the server's parent, and wait until all of it has ended."""
     server.signal("control", signal.SIGKILL)
-    eventually(lambda: not server.left())
+    eventually(lambda: not server.list_running())
 
 
 def fill(server: Fake, game: Game, wire: Slow) -> None:

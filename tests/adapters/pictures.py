@@ -15,7 +15,7 @@ from pacinian.plot import figure, save
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Settings
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian.testing.server import serving
+from pacinian.testing.server import run_server
 
 from . import unity
 from .game import Game
@@ -43,7 +43,7 @@ def played() -> tuple[list[tuple[float, State]], list[float]]:
 
     with (
         tempfile.TemporaryDirectory() as folder,
-        serving(Settings(array=Units(3, 3))) as server,
+        run_server(Settings(array=Units(3, 3))) as server,
         Game(["mono", unity.build(Path(folder)).player, server.connection, "0"]) as game,
     ):
         game.do("play")
@@ -71,7 +71,7 @@ def draw(states: list[tuple[float, State]], starts: list[float]) -> Figure:
         np.frombuffer(s.achieved, "<f4").max(initial=0.0) * (s.output == "sounding")
         for _, s in states
     ]
-    felt = [next(iter(pc.Client.felt(s).values()), FeltRegion(np.nan)) for _, s in states]
+    felt = [next(iter(pc.Client.decode_felt(s).values()), FeltRegion(np.nan)) for _, s in states]
     page = figure(7.6, 4.6)
     rows = page.subplots(3, 1, sharex=True)
     curves = {

@@ -40,7 +40,7 @@ def test_both_engines_have_all_features_with_the_same_defaults(
 
 
 def test_the_sources_are_read(table: ModuleType) -> None:
-    rows = table.table().rows
+    rows = table.make_table().rows
     assert {len(row) for each in rows.values() for row in each} == {5}
     assert sum(map(len, rows.values())) > 160
     (radius,) = [row for row in rows["QuietZone"] if row[0] == "Radius"]

@@ -51,7 +51,7 @@ def test_a_hand_about_a_mesh(benchmark: Any, F: int) -> None:
     culled, exact, tree, one = median(
         lambda: mesh.distance(points, 0.005),
         lambda: mesh.distance(points),
-        lambda: mesh.triangles.distance.unsigned(points[:100]),
+        lambda: mesh.triangles.distance.compute_unsigned(points[:100]),
         lambda: mesh.distance(points[:1], 0.005),
     )
     begin = time.perf_counter()

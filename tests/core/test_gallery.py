@@ -82,7 +82,7 @@ def test_there_are_as_many_balls_as_asked(count: int) -> None:
     scene = balls(count)
     assert len(scene.objects) == len({item.name for item in scene.objects}) == count
     one = sampler()
-    one.sample(scene.held(gallery.HAND))
+    one.sample(scene.with_hands(gallery.HAND))
     assert one.skipped["objects out of reach"] == max(0, count - 3)
 
 

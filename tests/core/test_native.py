@@ -17,7 +17,7 @@ from pacinian.scene.sampling.sampler import Sampler
 from pacinian_lab.regions.contacts import CONTACTS
 
 ROOT = Path(__file__).parents[2]
-VARIANTS = [name.lstrip("_") for name in native.runnable()]
+VARIANTS = [name.lstrip("_") for name in native.list_runnable()]
 every = pytest.mark.parametrize("variant", VARIANTS)
 AIR = pc.Air(attenuation="absorbing")
 ARRAY = pc.Array(pc.autd().positions, pc.autd().normals, pc.T4010A1)

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.acoustics.intensity import intensity, normal_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 from pacinian.scene.hands.capsules import find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
 
-SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
+SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 EXACT = ["auto", "lagrange", "lbfgs"]
 AIR = pc.Air()
 BELOW = pc.lattice(0.09, 0.09)

@@ -20,7 +20,7 @@ def test_a_server_that_is_killed_and_restarted(game: Game) -> None:
     with Peer(server.file) as peer:
         session = peer.hello(PATIENCE)["session"]
     server.signal("control", signal.SIGKILL)
-    eventually(lambda: not server.left())
+    eventually(lambda: not server.list_running())
     with pytest.raises(pc.ConnectionLost):
         eventually(client.renew)
     for _ in range(20):
@@ -40,7 +40,7 @@ def test_a_server_that_is_killed_and_restarted(game: Game) -> None:
         assert peer.ask("status", PATIENCE)["code"] == "session"
     with pytest.raises(pc.ConnectionLost, match="token"):
         pc.Client(replace(Connection.read(server.file), token=before.token))
-    assert before.token not in server.said()
+    assert before.token not in server.read_output()
 
 
 def test_stop_and_hand_over(game: Game) -> None:

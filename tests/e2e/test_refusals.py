@@ -10,7 +10,7 @@ import zmq
 from pacinian.wire.connection import Connection
 from pacinian_lab.server.faults.raw_client import Peer
 from pacinian_lab.server.fuzz.mutations import encode
-from pacinian_lab.server.fuzz.packets import PLAIN, frame, greeting, throw
+from pacinian_lab.server.fuzz.packets import PLAIN, encode_greeting, frame, throw
 
 from ..waiting import PATIENCE, eventually
 
@@ -37,7 +37,7 @@ def test_strangers_get_through_no_socket_and_are_logged(
             assert not state.poll(0)
         assert not stranger.control.poll(0, zmq.POLLOUT)
         assert not stranger.command.poll(0, zmq.POLLOUT)
-    assert Connection.read(server.file).token not in server.said()
+    assert Connection.read(server.file).token not in server.read_output()
 
 
 def test_raw_bytes_of_strangers_stop_nothing(server: Server) -> None:
@@ -46,7 +46,7 @@ def test_raw_bytes_of_strangers_stop_nothing(server: Server) -> None:
         for data in (
             b"\x01\0" + bytes([len(STOP) + 1, 0]) + STOP,  # ZMTP 1.0
             b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n" + frame(STOP),
-            greeting(b"NULL") + frame(STOP),
+            encode_greeting(b"NULL") + frame(STOP),
             PLAIN + frame(STOP),
         ):
             throw(address, data)

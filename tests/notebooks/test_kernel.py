@@ -12,7 +12,7 @@ from PIL import Image
 import pacinian as pc
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Safety, Settings
-from pacinian.testing import Running, serving
+from pacinian.testing import Running, run_server
 
 NOTEBOOK = [
     "import hashlib, sys\nimport numpy as np\nimport pacinian as pc\nfrom pacinian import plot",
@@ -112,7 +112,7 @@ def test_stop_ends_a_run_in_silence_and_the_kernel_goes_on(kernel: Any) -> None:
 def server() -> Iterator[Running]:
     """A machine that stands still for a moment ends nothing in it."""
     safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
-    with serving(Settings(array=Units(1, 1), safety=safety)) as running:
+    with run_server(Settings(array=Units(1, 1), safety=safety)) as running:
         yield running
 
 

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 
 from .problems import ARRAY, optimum, points, reachable
 
-SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
+SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 SEVERAL = ["auto", "gs", "gs-pat", "lagrange", "lbfgs", "pseudo-inverse", "weighted-gs"]
 EXACT = ["auto", "lagrange", "lbfgs", "pseudo-inverse"]
 solvers = pytest.mark.parametrize("solver", SOLVERS)

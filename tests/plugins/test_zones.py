@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 ARRAY, NINE, AIR = pc.autd(), pc.autd(3, 3), pc.Air()
-SOLVERS = sorted(name for kind, name in registry.installed().offers if kind == "solver")
+SOLVERS = sorted(name for kind, name in registry.discover_plugins().offers if kind == "solver")
 POINTS = np.array([[0.0, 0.0, 0.2], [0.03, 0.02, 0.2], [-0.03, 0.03, 0.22]])
 EAR = pc.Zone(position=(0.1, 0.0, 0.25), pressure=2.0, radius=0.015)
 

@@ -14,7 +14,7 @@ from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
-from pacinian.testing.server import Running, serving
+from pacinian.testing.server import Running, run_server
 from pacinian.viewing import demonstration, slices, states
 
 from .browser import chromium
@@ -93,7 +93,7 @@ class Game:
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
     """A real one, of a single unit."""
-    with serving(SETTINGS) as running:
+    with run_server(SETTINGS) as running:
         yield running
 
 

@@ -17,7 +17,7 @@ from PIL import Image
 import pacinian as pc
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Safety, Settings
-from pacinian.testing.server import serving
+from pacinian.testing.server import run_server
 
 from .browser import chromium, seen
 from .watching import viewer
@@ -74,7 +74,7 @@ def pictures() -> Iterator[tuple[str, bytes]]:
     """Name and PNG of each."""
     settings = Settings(array=Units(3, 3), safety=Safety(lease=10.0))
     with (
-        serving(settings) as server,
+        run_server(settings) as server,
         viewer(server.connection) as url,
         chromium() as browser,
         seen(browser, url, SIZE) as shown,

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 import pacinian as pc
-from pacinian.testing.server import serving
+from pacinian.testing.server import run_server
 
 from .browser import SMALL, seen
 from .conftest import SETTINGS, Game
@@ -322,7 +322,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "waiting" in shown.text("#gone"))
         assert shown.page.is_disabled("#arm")
         assert shown.page.is_enabled("#stop")
-        with serving(SETTINGS) as first, Game(first.connection):
+        with run_server(SETTINGS) as first, Game(first.connection):
             connection.symlink_to(first.connection)
             shown.until(lambda: "ball" in shown.get("objects") and shown.get("drive.mean") > 0.0)
             assert not shown.page.is_visible("#gone")
@@ -337,7 +337,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "grayscale" in shown.page.evaluate(looks))
         assert "ball" in shown.get("objects")  # frozen, and visible
         connection.unlink()
-        with serving(SETTINGS) as again:
+        with run_server(SETTINGS) as again:
             connection.symlink_to(again.connection)
             shown.until(lambda: shown.get("link") == "live" and shown.get("output") == "silent")
             shown.until(lambda: not shown.get("objects"))

@@ -11,7 +11,12 @@ import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian.viewing.region_error import Regions, compute_error, felt_and_asked, nearest_places
+from pacinian.viewing.region_error import (
+    Regions,
+    compute_error,
+    compute_felt_and_asked,
+    nearest_places,
+)
 from pacinian.wire.binary_arrays import pack
 
 from ..core.client.fake import state
@@ -167,11 +172,11 @@ def test_felt_and_asked_are_those_of_the_contact_behind_each_point_of_a_plane() 
     before = (
         GRID + 0.03 * UP
     )  # 30 mm before the contact: far beyond what a slice of the error shows
-    felt, wanted = felt_and_asked(ARRAY, AIR, TWO, before, UP, known)
+    felt, wanted = compute_felt_and_asked(ARRAY, AIR, TWO, before, UP, known)
     np.testing.assert_allclose(wanted, asked, rtol=1e-2)
     P = np.mean(
         [pc.radiation_pressure(pc.field(ARRAY, g, hollow, AIR, "double"), AIR) for g in TWO], axis=0
     )
     np.testing.assert_allclose(felt, P, rtol=2e-2, atol=1e-2 * P.max())
     aside = before + np.array([0.05, 0.0, 0.0])
-    assert np.isnan(felt_and_asked(ARRAY, AIR, TWO, aside, UP, known)).all()
+    assert np.isnan(compute_felt_and_asked(ARRAY, AIR, TWO, aside, UP, known)).all()

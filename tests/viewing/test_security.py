@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 import pacinian as pc
 from pacinian.errors import ServerError
 from pacinian.viewing import app as app_module
-from pacinian.viewing.app import allowed
+from pacinian.viewing.app import is_allowed
 from pacinian.viewing.run import bind
 
 from .watching import Page, viewer
@@ -117,11 +117,11 @@ def test_a_missing_page_says_what_to_do(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_a_name_and_an_origin_go_together() -> None:
-    assert allowed(Headers({"host": "localhost:5", "origin": "http://localhost:5"}))
-    assert allowed(Headers({"host": "localhost:5"}))
-    assert not allowed(Headers({"host": "localhost:5", "origin": "http://127.0.0.1:5"}))
-    assert not allowed(Headers({"host": "localhost:5", "origin": ""}))
-    assert not allowed(Headers({}))
+    assert is_allowed(Headers({"host": "localhost:5", "origin": "http://localhost:5"}))
+    assert is_allowed(Headers({"host": "localhost:5"}))
+    assert not is_allowed(Headers({"host": "localhost:5", "origin": "http://127.0.0.1:5"}))
+    assert not is_allowed(Headers({"host": "localhost:5", "origin": ""}))
+    assert not is_allowed(Headers({}))
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "192.168.1.1", "::", "example.org", ""])

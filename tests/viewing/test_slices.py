@@ -267,7 +267,7 @@ def for_ever(model, gains, begun):
 async def main():
     fields = FieldWorker()
     try:
-        await fields._done(for_ever, Drive(Model(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
+        await fields._run(for_ever, Drive(Model(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
     finally:
         fields.close()
 

@@ -45,13 +45,13 @@ def intensity(
     Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
-    g, q = _checked(array, gains, points, medium, facing)
+    g, q = _check_arguments(array, gains, points, medium, facing)
     omega = 2.0 * math.pi * array.transducer.frequency  # [rad/s]
     flow = np.empty((len(q), 3))
     for part in _parts(len(q), len(g)):
         B, slope = _with_slope(array, q[part], medium)
         if facing is not None:
-            s = facing.only(part).arriving(q[part], array.positions)
+            s = facing.only(part).compute_arrival(q[part], array.positions)
             B, slope = s * B, s[:, None] * slope
         v = 1j * (slope @ g) / (medium.density * omega)  # (M, 3) [m/s]
         flow[part] = ((B @ g)[:, None] * v.conj()).real / 2.0
@@ -71,7 +71,7 @@ def normal_pressure(
     Raises ArgumentError, PointOnTransducer.
     """
     medium = medium or Air()
-    g, q = _checked(array, gains, points, medium, facing)
+    g, q = _check_arguments(array, gains, points, medium, facing)
     p = np.empty(len(q), dtype=np.complex128)
     for part in _parts(len(q), len(g)):
         w = facing.only(part).weights(q[part], array.positions)
@@ -79,7 +79,7 @@ def normal_pressure(
     return radiation_pressure(p, medium)
 
 
-def _checked(
+def _check_arguments(
     array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, facing: SkinFacing | None
 ) -> tuple[Complexes, Floats]:
     """Check and return gains, (N,), and points, (M, 3)."""

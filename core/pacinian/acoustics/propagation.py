@@ -70,7 +70,7 @@ class KernelData:
             np.ascontiguousarray((array.positions - origin).T, dtype=np.float32),
             np.ascontiguousarray(array.normals.T, dtype=np.float32),
             np.array(law, dtype=np.float32),
-            _table(kind.directivity),
+            _tabulate_directivity(kind.directivity),
             None if array.response is None else array.response.astype(np.complex64),
         )
 
@@ -102,7 +102,7 @@ class KernelData:
 
 
 @functools.lru_cache(maxsize=16)
-def _table(directivity: Callable[[Floats], Floats]) -> Singles:
+def _tabulate_directivity(directivity: Callable[[Floats], Floats]) -> Singles:
     """Return a directivity as the kernels' table. Raises ArgumentError."""
     if directivity is omni:
         return np.ones(1, dtype=np.float32)

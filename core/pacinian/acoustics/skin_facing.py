@@ -93,13 +93,15 @@ class SkinFacing:
 
         points: the samples, (M, 3) [m]. positions: of the transducers, (N, 3) [m].
         """
-        w = self._cosines(points, positions) * self._passing(points, positions)
+        w = self._cosines(points, positions) * self._compute_transmission(points, positions)
         w[(w * w).sum(axis=1) < FAINT * FAINT] = 0.0
         return w
 
-    def arriving(self, points: Floats, positions: Floats) -> Floats:
+    def compute_arrival(self, points: Floats, positions: Floats) -> Floats:
         """Like `weights`, but independent of the angle: s_mn for sound from the front, 0 from behind, (M, N)."""
-        return (self._cosines(points, positions) > 0.0) * self._passing(points, positions)
+        return (self._cosines(points, positions) > 0.0) * self._compute_transmission(
+            points, positions
+        )
 
     def weigh(self, points: Floats, wave: KernelData, rows: Indices, out: Complexes) -> None:
         """Multiply rows of B, `out`, (M, N), by their weights in place. points: (K, 3), for `rows`, (K,)."""
@@ -112,7 +114,7 @@ class SkinFacing:
         else:
             out[rows] *= self.only(rows).weights(points, wave.array.positions)
 
-    def moved(self, before: SkinFacing, points: Floats) -> Flags:
+    def find_changed(self, before: SkinFacing, points: Floats) -> Flags:
         """Return whether the weights of each sample at `points`, (M, 3), may differ from those of `before`, (M,)."""
         new, old = self.capsules, before.capsules
         if len(new) == len(old) and self.edge == before.edge:
@@ -135,7 +137,7 @@ class SkinFacing:
         cosine = along / np.maximum(np.sqrt((d * d).sum(axis=2)), MIN_DIVISOR)
         return np.where(self.normals.any(axis=1, keepdims=True), np.maximum(cosine, 0.0), 1.0)
 
-    def _passing(self, points: Floats, positions: Floats) -> Floats:
+    def _compute_transmission(self, points: Floats, positions: Floats) -> Floats:
         """Return s, (M, N), the product of the fractions that the capsules let through."""
         d = positions - points[:, None]  # (M, N, 3) [m]
         s = np.ones(d.shape[:2])

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.run_output import drawable
+from pacinian.cli.run_output import check_picture_path
 
 
 @click.command()
@@ -31,7 +31,7 @@ from pacinian.cli.run_output import drawable
 @click.option(
     "--out",
     default="demo.png",
-    callback=drawable,
+    callback=check_picture_path,
     show_default=True,
     help="The picture; empty for none.",
 )
@@ -49,13 +49,13 @@ def demo(
     """
     from pacinian.acoustics.array import autd
     from pacinian.cli.run_output import picture, progress, summary, tell
-    from pacinian.demo import alternate, circling
+    from pacinian.demo import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer
 
     array = autd(units, units)
     device = backend("simulated", rate=rate)
-    renderer = Renderer(array, circling, solver=solver, backend=device, rate=rate)
+    renderer = Renderer(array, make_circling_scene, solver=solver, backend=device, rate=rate)
     extra: dict[str, Any] = {"seconds": seconds}
     with renderer, progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick:
         if dummy:

@@ -20,7 +20,7 @@ BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
 MAX_LISTED = 8  # items listed in one finding
 
 
-def described(device: DeviceDescription) -> list[Finding]:
+def check_description(device: DeviceDescription) -> list[Finding]:
     """Check the description alone."""
     array = device.array()
     size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(array.positions, axis=0))
@@ -94,7 +94,7 @@ def levels(device: DeviceDescription, can: Capability) -> Finding:
     return Finding("levels", "ok", str(can))
 
 
-def connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
+def check_connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
     """Check that the described boards are connected, and no others."""
     ours = [f for f in found if device.backend in ("", f.backend)]
     here = [f for f in ours if f.title]

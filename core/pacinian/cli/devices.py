@@ -12,7 +12,7 @@ import click
 
 from pacinian.cli.device_calibrate import calibrate
 from pacinian.cli.doctor_rules import RIGHTS
-from pacinian.cli.run_output import drawable
+from pacinian.cli.run_output import check_picture_path
 
 if TYPE_CHECKING:
     from pacinian.cli.doctor_rules import Finding
@@ -43,9 +43,9 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
     if context.invoked_subcommand:
         return
     from pacinian.plugins.discovery import list_connected
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
 
-    found = list_connected(installed(), backend)
+    found = list_connected(discover_plugins(), backend)
     if as_json:
         click.echo(json.dumps({"devices": [asdict(f) for f in found]}))
     else:
@@ -91,17 +91,17 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 
     Exit code 1 if there is a problem; warnings do not count.
     """
-    from pacinian.cli.device_findings import calibration, described
+    from pacinian.cli.device_findings import calibration, check_description
     from pacinian.cli.doctor import tell
     from pacinian.devices.calibration import read_calibration
     from pacinian.devices.description import DeviceDescription
 
     device = DeviceDescription.load(file)
-    findings = described(device)
+    findings = check_description(device)
     if device.calibration:
         findings.append(calibration(device, read_calibration(file.parent / device.calibration)))
     if not offline:
-        findings += _looked(device)
+        findings += _check_online(device)
     if as_json:
         click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
     else:
@@ -110,12 +110,14 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
         raise SystemExit(1)
 
 
-def _looked(device: DeviceDescription) -> list[Finding]:
+def _check_online(device: DeviceDescription) -> list[Finding]:
     """Check the description against its backend and the connected devices."""
-    from pacinian.cli.device_findings import connected, levels
+    from pacinian.cli.device_findings import check_connected, levels
     from pacinian.plugins import discovery, registry
 
-    found = connected(device, discovery.list_connected(registry.installed(), device.backend))
+    found = check_connected(
+        device, discovery.list_connected(registry.discover_plugins(), device.backend)
+    )
     if device.backend:
         found.insert(0, levels(device, registry.backend(device.backend).capability))
     return found
@@ -123,7 +125,7 @@ def _looked(device: DeviceDescription) -> list[Finding]:
 
 @devices.command()
 @FILE
-@click.option("--out", default="device.png", show_default=True, callback=drawable)
+@click.option("--out", default="device.png", show_default=True, callback=check_picture_path)
 def draw(file: Path, out: str) -> None:
     """Draw a device description: the poses of the boards, the order of their channels, and dead channels."""
     from pacinian.devices.description import DeviceDescription
@@ -141,9 +143,9 @@ def udev() -> None:
     The name of the file must sort below 73: use 72-pacinian.rules.
     """
     from pacinian.cli.udev import make_rules
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
 
-    click.echo(make_rules(installed()), nl=False)
+    click.echo(make_rules(discover_plugins()), nl=False)
 
 
 @devices.command()

@@ -116,9 +116,9 @@ def processor() -> Finding:
 
 def plugins() -> Finding:
     """Probe the solvers and backends. Imports all of them."""
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
 
-    found = installed()
+    found = discover_plugins()
     found.load()
     return doctor_rules.plugins(
         len(found.offers), [str(e) for e in (*found.failed.values(), *found.clashes.values())]

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from pacinian.errors import suggest_install
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -53,7 +55,7 @@ def extras(missing: Mapping[str, str]) -> Finding:
         return Finding("extras", "ok", "all installed")
     told = ", ".join(f"{name} without {library}" for name, library in missing.items())
     names = ",".join(missing)
-    return Finding("extras", "ok", told, f"if wanted: `pip install 'pacinian[{names}]'`")
+    return Finding("extras", "ok", told, f"if wanted: {suggest_install(names)}")
 
 
 def curve(has: bool, version: str) -> Finding:

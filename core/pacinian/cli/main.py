@@ -44,21 +44,21 @@ class Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the commands of the core, then those of plug-ins, sorted by name."""
-        from pacinian.plugins.registry import installed
+        from pacinian.plugins.registry import discover_plugins
 
-        installed().load(kind="command")
-        return [*self.commands, *sorted(set(installed().commands) - set(self.commands))]
+        discover_plugins().load(kind="command")
+        return [*self.commands, *sorted(set(discover_plugins().commands) - set(self.commands))]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of that name. Raises UsageError if there is none and a plug-in did not load."""
         if command := self.commands.get(cmd_name):
             return command
-        from pacinian.plugins.registry import installed
+        from pacinian.plugins.registry import discover_plugins
 
-        installed().load(kind="command")
-        if offer := installed().commands.get(cmd_name):
+        discover_plugins().load(kind="command")
+        if offer := discover_plugins().commands.get(cmd_name):
             return offer.command
-        if failed := installed().failed:
+        if failed := discover_plugins().failed:
             problems = "; ".join(map(str, failed.values()))
             raise click.UsageError(f"No such command {cmd_name!r}. {problems}")
         return None

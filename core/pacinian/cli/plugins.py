@@ -18,9 +18,9 @@ def plugins(as_json: bool) -> None:
 
     Names plug-ins that do not load, with the reason. The exit code is then 1.
     """
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
 
-    found = installed()
+    found = discover_plugins()
     offers = found.list()
     if as_json:
         failed = {name: str(error) for name, error in found.failed.items()}

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.run_output import drawable
+from pacinian.cli.run_output import check_picture_path
 
 
 @click.command()
@@ -25,7 +25,10 @@ from pacinian.cli.run_output import drawable
     "--record", default="", help="Record every tick to this file: scene, decisions, frame."
 )
 @click.option(
-    "--out", default="", callback=drawable, help="Draw the field of the last tick to this PNG."
+    "--out",
+    default="",
+    callback=check_picture_path,
+    help="Draw the field of the last tick to this PNG.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def render(

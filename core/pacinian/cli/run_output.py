@@ -49,7 +49,7 @@ def picture(renderer: Renderer, path: str, title: str) -> str:
     return path
 
 
-def drawable(context: click.Context, parameter: click.Parameter, path: str) -> str:
+def check_picture_path(context: click.Context, parameter: click.Parameter, path: str) -> str:
     """Check that a picture can be written to `path`, before anything runs. Raises BadParameter."""
     if path and Path(path).suffix.lower() not in (".png", ".pdf", ".svg"):
         raise click.BadParameter(f"{path!r} must end in .png, .pdf or .svg")
@@ -80,14 +80,14 @@ def tell(told: dict[str, Any], as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(told))
     else:
-        _table(told)
+        _print_table(told)
     if told["interrupted"]:
         raise SystemExit(130)
     if told["fault_count"]:
         raise SystemExit(1)
 
 
-def _table(told: dict[str, Any]) -> None:
+def _print_table(told: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 

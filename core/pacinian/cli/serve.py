@@ -56,7 +56,7 @@ def serve(config: Path | None, view: bool, **given: Any) -> None:
     settings = _with(load(config) if config else Settings(), given)
     _known(settings)
     if view:
-        _viewable()
+        _check_viewer()
     with contextlib.ExitStack() as stack:
 
         def ready(path: Path) -> None:
@@ -84,7 +84,7 @@ def _known(settings: Settings) -> None:
             Plugins().find(kind, name)
 
 
-def _viewable() -> None:
+def _check_viewer() -> None:
     """Check that the viewer's libraries are installed, before anything starts. Raises MissingExtra."""
     from importlib.util import find_spec
 

@@ -43,7 +43,7 @@ def status(connection: str | None, as_json: bool) -> None:
     else:
         from rich.console import Console
 
-        made = table(state)
+        made = make_table(state)
         made.add_row("air", describe_air(sound))
         Console().print(made)
     if state.output == "faulted":
@@ -78,7 +78,7 @@ def plain(state: State) -> dict[str, Any]:
     return told
 
 
-def table(state: State) -> Table:
+def make_table(state: State) -> Table:
     """Return a state as a table."""
     from rich.markup import escape
     from rich.table import Table
@@ -94,7 +94,7 @@ def table(state: State) -> Table:
         ),
         "rendered": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
         "at the samples, as emitted": f"{state.error:.3%} off the target sound pressures",
-        **_felt(state),
+        **_format_felt(state),
         "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",
         "tick time": f"p50 {median:.3f} ms, p99 {p99:.3f} ms, max {longest:.3f} ms",
         "frames": f"{state.frames}, longest gap {1e3 * state.longest_gap:.1f} ms",
@@ -115,7 +115,7 @@ def table(state: State) -> Table:
     return made
 
 
-def _felt(state: State) -> dict[str, str]:
+def _format_felt(state: State) -> dict[str, str]:
     """Return the felt quality of objects that have regions, between their samples."""
     import numpy as np
     from rich.markup import escape

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.connection_option import CONNECTION
-from pacinian.cli.status import plain, table
+from pacinian.cli.status import make_table, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,4 +64,4 @@ def _show(states: Iterator[State]) -> None:
         for state in states:
             if (now := time.perf_counter()) >= drawn + REFRESH:
                 drawn = now
-                live.update(table(state), refresh=True)
+                live.update(make_table(state), refresh=True)

@@ -246,7 +246,7 @@ class Client(BaseClient):
             yield state
 
     @staticmethod
-    def felt(state: State) -> dict[str, FeltRegion]:
+    def decode_felt(state: State) -> dict[str, FeltRegion]:
         """Return what is felt of each surface and volume in a state, by name.
 
         It is measured between the samples, against the targets. Points and paths are left out; in silence, all objects

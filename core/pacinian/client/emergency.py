@@ -59,5 +59,5 @@ def _ask(link: Link, deadline: float, timeout: float) -> None:
             if isinstance(reply, Error):
                 raise Refused(reply.code, reply.message, reply.path, reply.advice)
         if link.monitor in ready:
-            raise link.lost()
+            raise link.read_loss()
     raise ConnectionLost(f"the server at {link.at} has not confirmed the stop in {timeout:g} s")

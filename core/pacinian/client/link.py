@@ -115,7 +115,7 @@ class Link:
                 return False
             monitors, sockets, _ = zmq.select([self.monitor], [self.socket], [], timeout)
             if monitors:
-                raise self.lost() from None
+                raise self.read_loss() from None
             return bool(sockets) and self.send(data)
         return True
 
@@ -137,7 +137,7 @@ class Link:
                 )
         return replies
 
-    def lost(self) -> ConnectionLost:
+    def read_loss(self) -> ConnectionLost:
         """Return why the connection was lost, after the monitor reported the loss."""
         event = recv_monitor_message(self.monitor)["event"]
         if event & DENIED:

@@ -94,7 +94,7 @@ class ServerSession:
             Welcome,
             self.timeout,
         )
-        self.timing.clocked(sent, self.clock(), welcome.time)
+        self.timing.add_mark(sent, self.clock(), welcome.time)
         if (theirs := welcome.protocol[0]) != MAJOR:
             older = "server" if theirs < MAJOR else "client"
             problem = f"the server speaks protocol {theirs}, this client {MAJOR}"
@@ -131,7 +131,7 @@ class ServerSession:
         """Send a request without waiting; return its number. Its error, if any, goes to `errors` with that number."""
         self.look()
         request = kind(session=self.welcome.session, id=self._number(), **fields)
-        if not self._sent(self._control, encode(request)):
+        if not self._send(self._control, encode(request)):
             self.lose("the server takes no more requests")
         return request.id
 
@@ -221,12 +221,12 @@ class ServerSession:
         self.look()
         sent = self.clock()
         found = (
-            self._answer(number, sent + timeout, lease) if self._sent(link, data, timeout) else None
+            self._answer(number, sent + timeout, lease) if self._send(link, data, timeout) else None
         )
         if found is None:
             self._go_on()
             self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
-        self.timing.answered(sent, self.clock())
+        self.timing.add_trip(sent, self.clock())
         if isinstance(found, Error):
             if found.code == "session":
                 self.lose(found.message)
@@ -257,7 +257,7 @@ class ServerSession:
             time=self.clock(),
         )
         self._due = self.clock() + self.every
-        self._sent(self._control, encode(renew))
+        self._send(self._control, encode(renew))
 
     def _receive(self, wait: float, lease: bool = False) -> bool:
         """Return whether `_come` holds messages; wait at most `wait` [s] for them.
@@ -274,7 +274,7 @@ class ServerSession:
                 self._come += link.receive()
         for link in self._links:
             if link.monitor in ready and not self._ended:
-                self._ended = str(link.lost())
+                self._ended = str(link.read_loss())
         self._go_on()
         if not self._ended and (lease or not self.armed) and self.clock() >= self._due:
             self._renew()
@@ -290,7 +290,7 @@ class ServerSession:
         if isinstance(reply, Renewed):
             self.armed, self.owner = reply.armed, reply.owner
             if reply.id:
-                self.timing.clocked(reply.time, self.clock(), reply.server_time)
+                self.timing.add_mark(reply.time, self.clock(), reply.server_time)
         elif isinstance(reply, Error):
             if reply.code == "session":
                 self.lose(reply.message)
@@ -309,9 +309,9 @@ class ServerSession:
 
     def _post(self, command: AnyCommand, timeout: float = 0.0) -> bool:
         data = encode(replace(command, sequence=next(self._sequence)))
-        return self._sent(self._command, data, timeout)
+        return self._send(self._command, data, timeout)
 
-    def _sent(self, link: Link, data: bytes, timeout: float = 0.0) -> bool:
+    def _send(self, link: Link, data: bytes, timeout: float = 0.0) -> bool:
         try:
             return link.send(data, timeout)
         except ConnectionLost as error:

@@ -24,11 +24,11 @@ class Timing:
         self._trips = deque[float](maxlen=MAX_TRIPS)
         self._marks = deque[tuple[float, float]](maxlen=MARKS)
 
-    def answered(self, sent: float, received: float) -> None:
+    def add_trip(self, sent: float, received: float) -> None:
         """Note a blocking call: sent, and its reply received, at these times by the client's clock [s]."""
         self._trips.append(received - sent)
 
-    def clocked(self, sent: float, received: float, server: float) -> None:
+    def add_mark(self, sent: float, received: float, server: float) -> None:
         """Note that the server's clock showed `server` [s] at some time between these."""
         self._marks.append((received - sent, server - (sent + received) / 2.0))
 

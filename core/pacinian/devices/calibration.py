@@ -88,12 +88,12 @@ def apply_calibration(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...
             problem = f"measures channel {channel} of {serial!r}, which has {sizes[serial]}"
             raise SceneFileError(path, "", problem)
     try:
-        return tuple(_measured(board, found) for board in boards)
+        return tuple(_calibrate_board(board, found) for board in boards)
     except ArgumentError as error:
         raise SceneFileError(path, "", str(error)) from error
 
 
-def _measured(board: Board, found: Measured) -> Board:
+def _calibrate_board(board: Board, found: Measured) -> Board:
     L = board.layout.count
     gain, phase = (
         np.broadcast_to(np.asarray(v, float), (L,)).copy() for v in (board.gain, board.phase)

@@ -182,7 +182,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
         normals: list[Floats] = []
         responses: list[Complexes] = []
         for board in self.boards:
-            kept = _kept(board)
+            kept = _list_alive(board)
             places.append(board.pose.points(board.layout.positions())[kept])
             normals.append(
                 np.tile(board.pose.directions(np.array([0.0, 0.0, 1.0])), (len(kept), 1))
@@ -201,7 +201,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
         made: list[Wiring] = []
         start = 0
         for board in self.boards:
-            kept, channels = _kept(board), board.alive
+            kept, channels = _list_alive(board), board.alive
             indices = start + np.searchsorted(kept, board.drives[channels])
             made.append(Wiring(board.serial, board.layout.count, channels, indices))
             start += len(kept)
@@ -213,6 +213,6 @@ def schema() -> dict[str, Any]:
     return json_schema(DeviceDescription, "Pacinian device")
 
 
-def _kept(board: Board) -> Indices:
+def _list_alive(board: Board) -> Indices:
     """Return the transducers of a board's layout that are not dead, ascending."""
     return np.sort(board.drives[board.alive])

@@ -9,7 +9,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from pacinian.devices.usb_errors import HANGS, LIBRARY, UNREADABLE, advice, configured, has_gone
+from pacinian.devices.usb_errors import (
+    HANGS,
+    LIBRARY,
+    UNREADABLE,
+    advice,
+    has_gone,
+    read_configuration,
+)
 from pacinian.errors import BackendError
 
 if TYPE_CHECKING:
@@ -66,7 +73,7 @@ class UsbKind:
         except usb.core.NoBackendError as error:
             raise BackendError(f"{self.name}: {LIBRARY}") from error
         except usb.core.USBError as error:
-            raise self.explained(error, "looking for devices") from error
+            raise self.convert_error(error, "looking for devices") from error
         found: list[ListedDevice] = []
         for device in listed:
             if (one := self._read(device)) is not None:
@@ -117,7 +124,7 @@ class UsbKind:
                     return one
         return None
 
-    def explained(
+    def convert_error(
         self, error: Exception, doing: str, serial: str = "", place: tuple[int, int] = (0, 0)
     ) -> BackendError:
         """Convert an error of pyusb to a BackendError, for the caller to raise.
@@ -138,7 +145,9 @@ class UsbKind:
         import usb.core
 
         try:
-            configured(device)  # raises the reason of a failure, which the next line would hide
+            read_configuration(
+                device
+            )  # raises the reason of a failure, which the next line would hide
             serial = str(device.serial_number or "")
             return ListedDevice(device, serial, "" if serial else self.anonymous)
         except (usb.core.USBError, NotImplementedError) as error:

@@ -42,7 +42,7 @@ def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS
     return str(error) or type(error).__name__
 
 
-def configured(device: Any) -> Any:
+def read_configuration(device: Any) -> Any:
     """Return the active configuration of a pyusb device, or None if none is set. Opens the device. Raises USBError."""
     import usb.core
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from pacinian.devices.usb_errors import configured, has_gone
+from pacinian.devices.usb_errors import has_gone, read_configuration
 from pacinian.errors import BackendError
 
 if TYPE_CHECKING:
@@ -45,13 +45,13 @@ class UsbLink:
                 )
             self._endpoint, self.interface = endpoint, int(interface.bInterfaceNumber)
             self._detach()
-            if configured(self._device) is None:  # setting it again would reset the device
+            if read_configuration(self._device) is None:  # setting it again would reset the device
                 self._device.set_configuration()
             usb.util.claim_interface(self._device, self.interface)
         except BaseException as error:
             self.close()
             if isinstance(error, (usb.core.USBError, NotImplementedError)):
-                raise self._explained(error, "opening it") from error
+                raise self._convert_error(error, "opening it") from error
             raise
 
     def write(self, data: array[int] | bytes, timeout: float) -> None:
@@ -60,7 +60,7 @@ class UsbLink:
         Raises BackendError. The caller then does not know how much of the data has arrived.
         """
         milliseconds, doing = _milliseconds(timeout), "sending a frame"
-        taken = self._called(doing, self._endpoint.write, data, milliseconds)
+        taken = self._call(doing, self._endpoint.write, data, milliseconds)
         if taken != len(data):
             raise BackendError(
                 f"{self.name}: {doing}: it took {taken} of {len(data)} bytes in {milliseconds} ms: "
@@ -76,7 +76,7 @@ class UsbLink:
         doing: description of the action, for error messages. Raises BackendError.
         """
         request = *setup, data, _milliseconds(timeout)
-        answer = self._called(doing, self._device.ctrl_transfer, *request)
+        answer = self._call(doing, self._device.ctrl_transfer, *request)
         return bytes(answer) if isinstance(data, int) else b""
 
     def mend(self) -> None:
@@ -84,7 +84,7 @@ class UsbLink:
 
         With a device that hangs this may block for seconds, so send it another request first.
         """
-        self._called("ending a stall", self._endpoint.clear_halt)
+        self._call("ending a stall", self._endpoint.clear_halt)
 
     def close(self) -> None:
         """Release the device and attach its kernel driver again. May be called twice; never raises."""
@@ -107,7 +107,7 @@ class UsbLink:
                 self._device.detach_kernel_driver(self.interface)
                 self._detached = True
 
-    def _called(self, doing: str, act: Callable[..., Any], *given: Any) -> Any:
+    def _call(self, doing: str, act: Callable[..., Any], *given: Any) -> Any:
         """Call pyusb. Refuses a closed device, because pyusb would open it again. Raises BackendError."""
         import usb.core
 
@@ -116,12 +116,12 @@ class UsbLink:
         try:
             return act(*given)
         except (usb.core.USBError, NotImplementedError) as error:
-            raise self._explained(error, doing) from error
+            raise self._convert_error(error, doing) from error
 
-    def _explained(self, error: Exception, doing: str) -> BackendError:
+    def _convert_error(self, error: Exception, doing: str) -> BackendError:
         self.gone = self.gone or has_gone(error)
         place = self._device.bus or 0, self._device.address or 0
-        return self._kind.explained(error, doing, self.serial, place)
+        return self._kind.convert_error(error, doing, self.serial, place)
 
 
 def _takes_frames(endpoint: Any) -> bool:

@@ -18,7 +18,7 @@ VARIANTS = {"_v4": 4, "_v3": 3, "_plain": 0}
 CHOICE = "PACINIAN_VARIANT"
 
 
-def runnable() -> list[str]:
+def list_runnable() -> list[str]:
     """Return the names of the variants that this processor can run, best first. Raises ImportError."""
     level: int = load(__name__, "_plain").level()
     return [name for name, needed in VARIANTS.items() if needed <= level]
@@ -26,7 +26,7 @@ def runnable() -> list[str]:
 
 def publish(package: str) -> str:
     """Publish the best variant's groups of kernels as submodules of a package. Return its name. Raises ImportError."""
-    names = [name.lstrip("_") for name in runnable()]
+    names = [name.lstrip("_") for name in list_runnable()]
     chosen = os.environ.get(CHOICE, "") or names[0]
     if chosen not in names:
         raise ImportError(f"{CHOICE} must be one of {', '.join(names)}, not {chosen!r}")

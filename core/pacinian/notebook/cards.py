@@ -37,13 +37,13 @@ class Card:
     def html(self) -> str:
         """Return the card as HTML. All texts are escaped."""
         rows = "".join(f"<tr>{_cell('th', k)}{_cell('td', v)}</tr>" for k, v in self.rows.items())
-        text = f"<b>{escape(self.title)}</b><table>{rows}</table>{self._table()}"
+        text = f"<b>{escape(self.title)}</b><table>{rows}</table>{self._format_table()}"
         picture = "" if self.draw is None else _picture(self.draw)
         return (
             f'<div style="display:flex;gap:1em;align-items:start"><div>{text}</div>{picture}</div>'
         )
 
-    def _table(self) -> str:
+    def _format_table(self) -> str:
         if not self.count:
             return ""
         head, *rows = self.table

@@ -12,8 +12,8 @@ from pacinian.acoustics.pressure import sound_pressure_level
 from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
-from pacinian.plot.fields import NONE, checked, crossed
-from pacinian.plot.paints import coloured, painted, picture, strip, wheel
+from pacinian.plot.fields import NONE, check_medium, cut_both
+from pacinian.plot.paints import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.quantities import clear, limits
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
@@ -59,7 +59,7 @@ def export(
     0.2 m before the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay within a
     million points. medium: default `Air()`. Raises ArgumentError, MissingExtra, OSError.
     """
-    medium = checked(array, medium)
+    medium = check_medium(array, medium)
     check_kind("scene", scene, Scene, NoneType)
     check_kind("samples", samples, Samples, NoneType)
     where = Path(path)
@@ -103,33 +103,33 @@ class _Model:
         """Add the transducers with their drive: u is the phase, in turns from -1/2, v the amplitude."""
         flat = meshes.discs(array)
         if gains is None:
-            self.add("array", painted(flat, METAL))
+            self.add("array", make_plain_mesh(flat, METAL))
             return
         g = np.asarray(gains)
         most = float(np.abs(g).max()) or 1.0
         uv = np.stack([np.angle(g) / (2.0 * np.pi) + 0.5, np.abs(g) / most], axis=-1)
-        self.add("array", coloured(flat, uv[flat.thing], wheel()))
+        self.add("array", make_textured_mesh(flat, uv[flat.thing], wheel()))
         self.extras["array, largest amplitude |g|"] = most
 
     def scene(self, scene: Scene, t: float) -> None:
         """Add objects at time t [s], and hands."""
         for k, item in enumerate(scene.objects):
-            self.add(f"object {item.name or k}", painted(_placed(item, t), THING))
+            self.add(f"object {item.name or k}", make_plain_mesh(_place_object(item, t), THING))
         for held in scene.hands:
             if not held.lost:
-                self.add(f"hand {held.name}", painted(meshes.hand(held), SKIN))
+                self.add(f"hand {held.name}", make_plain_mesh(meshes.hand(held), SKIN))
 
     def samples(self, samples: Samples) -> None:
         """Add a ball per sample: u is its target, relative to the largest."""
         balls, P = meshes.spots(samples.positions), samples.radiation_pressure
         most = float(P.max()) or 1.0
         uv = np.stack([P / most, np.full(len(P), 0.5)], axis=-1)
-        self.add("samples", coloured(balls, uv[balls.thing], strip("inferno")))
+        self.add("samples", make_textured_mesh(balls, uv[balls.thing], strip("inferno")))
         self.extras["samples, most radiation pressure asked [Pa]"] = most
 
     def planes(self, array: Array, gains: ArrayLike, points: Floats, medium: Air) -> None:
         """Add the radiation pressure in two planes, transparent where it is weak."""
-        both = crossed(array, gains, points, medium)
+        both = cut_both(array, gains, points, medium)
         tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
         most = max(tops)[1]
         for plane, P in both:
@@ -138,7 +138,9 @@ class _Model:
                 corners, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(4, dtype=np.intp)
             )
             uv = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-            self.add(f"field {plane.place}", coloured(quad, uv, picture(P, most), clear=True))
+            self.add(
+                f"field {plane.place}", make_textured_mesh(quad, uv, picture(P, most), clear=True)
+            )
         self.extras["field, most radiation pressure on skin [Pa]"] = most
 
     def surface(self, grid: Volume, medium: Air, level: float) -> None:
@@ -147,7 +149,7 @@ class _Model:
         if (value := level * float(np.nanmax(P))) > 0.0:
             vertices, faces = isosurface(P, grid.corner, grid.step, value)
             whole = meshes.Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))
-            self.add("isosurface", painted(whole, SOUND, opacity=0.5))
+            self.add("isosurface", make_plain_mesh(whole, SOUND, opacity=0.5))
             self.extras["isosurface, radiation pressure on skin [Pa]"] = value
 
     def write(self, path: Path) -> None:
@@ -166,8 +168,8 @@ def _corners(plane: Plane) -> Floats:
     return np.array([c + s * right + t * up for c, (s, t) in zip(outer, signs, strict=True)])
 
 
-def _placed(item: Object, t: float) -> Triangles:
-    made = meshes.thing(item)
+def _place_object(item: Object, t: float) -> Triangles:
+    made = meshes.make_object(item)
     pose = item.pose if item.motion is None else item.motion.pose(item.pose, t)
     return made._replace(vertices=pose.points(made.vertices))
 

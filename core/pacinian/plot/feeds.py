@@ -34,7 +34,7 @@ class Watched(NamedTuple):
     states: Floats
 
 
-def watched(path: Path) -> Watched:
+def read_feed(path: Path) -> Watched:
     """Read a file; skip damaged messages. Raises RecordingError."""
     drive, states = list[tuple[float, ...]](), list[tuple[float, ...]]()
     sizes = b""

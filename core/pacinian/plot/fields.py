@@ -54,7 +54,7 @@ def field(
     ax: axes to draw into. The colour scale ends at the maximum farther than a wavelength from the transducers.
     Raises ArgumentError, MissingExtra.
     """
-    medium = checked(array, medium)
+    medium = check_medium(array, medium)
     q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
@@ -63,7 +63,7 @@ def field(
     height = min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / where.ratio)
     page, (panel,), ours = panels(ax, [height])
     image = draw(panel, where, found, show, limits(found, clear(array, where.points, medium), show))
-    mark(panel, where.near(q), QUANTITIES[show].marks)
+    mark(panel, where.project_near(q), QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
     return dress(page) if ours else page
 
@@ -77,8 +77,8 @@ def slices(
     array, gains: (N,), or (K, N) for the mean over K moments. points: target positions [m], (M, 3).
     Raises ArgumentError, MissingExtra.
     """
-    medium, q = checked(array, medium), check_numbers("points", points, (None, 3))
-    both = crossed(array, gains, q, medium)
+    medium, q = check_medium(array, medium), check_numbers("points", points, (None, 3))
+    both = cut_both(array, gains, q, medium)
     narrow = both[1][0].ratio
     page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
     axes = page.subplots(1, 2, width_ratios=[1.0, narrow])
@@ -88,7 +88,7 @@ def slices(
     return page
 
 
-def crossed(
+def cut_both(
     array: Array, gains: ArrayLike, points: Floats, medium: Air
 ) -> list[tuple[Plane, Floats]]:
     """Return a horizontal and a vertical plane, as in `slices`, each with its radiation pressure [Pa]."""
@@ -120,13 +120,17 @@ def draw_both(
         ends = ends[0], min(ends[1], ABOVE * float(felt))
     for panel, (plane, P) in zip(panels, both, strict=True):
         image = draw(panel, plane, P, "radiation", ends)
-        mark(panel, points[:, :2] if plane.axes == (0, 1) else plane.near(points), radiation.marks)
+        mark(
+            panel,
+            points[:, :2] if plane.axes == (0, 1) else plane.project_near(points),
+            radiation.marks,
+        )
     if len(points):
         panels[0].legend(loc="upper right", framealpha=0.5)
     bar(page, image, list(panels), radiation.label)
 
 
-def checked(array: Array, medium: Air | None) -> Air:
+def check_medium(array: Array, medium: Air | None) -> Air:
     """Return the medium, by default `Air()`. Raises ArgumentError, also if the array is invalid."""
     made = Air() if medium is None else medium
     check_kind("array", array, Array)

@@ -63,7 +63,7 @@ def spots(points: Floats, radius: float = DOT) -> Triangles:
 def hand(held: Hand) -> Triangles:
     """Make the skin of a hand, which must not be lost."""
     if held.vertices is not None and held.faces is not None:
-        return _whole(held.vertices, held.faces)
+        return _make_triangles(held.vertices, held.faces)
     assert held.joints is not None  # because it has no mesh
     capsules = flesh.make_capsules(held)
     far = capsules[:, 6:].max() + 2.0 * SKIN
@@ -71,13 +71,13 @@ def hand(held: Hand) -> Triangles:
     return _solid(lambda q: flesh.distance_to_skin(capsules, q), low, high, SKIN)
 
 
-def thing(item: Object) -> Triangles:
+def make_object(item: Object) -> Triangles:
     """Make the surface of an object in its own frame; points and lines become small balls."""
     if not isinstance(item, Body):
         return spots(item.sample_surface(ALONG).points)
     shape = item.shape
     if isinstance(shape, Mesh):
-        return _whole(shape.triangles.vertices, shape.triangles.faces)
+        return _make_triangles(shape.triangles.vertices, shape.triangles.faces)
     if isinstance(shape, Rectangle):
         ends = np.array([-0.5, 0.5])
         return _sheet(ends * shape.width, ends * shape.height, np.zeros((2, 2)))
@@ -91,7 +91,7 @@ def thing(item: Object) -> Triangles:
     if isinstance(shape, Disc):
         rim = spun(DISC_CORNERS) * shape.radius
         fan = np.array([(0, 1 + k, 1 + (k + 1) % DISC_CORNERS) for k in range(DISC_CORNERS)])
-        return _whole(np.pad(rim, ((1, 0), (0, 1))), fan)
+        return _make_triangles(np.pad(rim, ((1, 0), (0, 1))), fan)
     half = np.array(shape.extent)
     cells = np.clip(np.ceil(CELLS * half / half.max()), THINNEST, CELLS)
     step = 2.0 * half / cells
@@ -115,7 +115,7 @@ def _solid(
     x, y, z = (low[k] + steps[k] * np.arange(counts[k]) for k in range(3))
     Z, Y, X = np.meshgrid(z, y, x, indexing="ij")
     d = away(np.stack([X, Y, Z], axis=-1).reshape(-1, 3)).reshape(Z.shape)
-    return _whole(*isosurface(-d, low, step, 0.0))
+    return _make_triangles(*isosurface(-d, low, step, 0.0))
 
 
 def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
@@ -125,10 +125,10 @@ def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
     first = (C * np.arange(R - 1)[:, None] + np.arange(C - 1)).ravel()
     a, b, c, d = first, first + 1, first + C + 1, first + C
     faces = np.concatenate([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)])
-    return _whole(np.stack([X, Y, z], axis=-1).reshape(-1, 3), faces)
+    return _make_triangles(np.stack([X, Y, z], axis=-1).reshape(-1, 3), faces)
 
 
-def _whole(vertices: Floats, faces: Longs) -> Triangles:
+def _make_triangles(vertices: Floats, faces: Longs) -> Triangles:
     return Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))
 
 

@@ -20,7 +20,9 @@ DARKEST = 0.45  # brightness of a silent transducer
 FAINT = 0.25  # share of the maximum below which values are transparent
 
 
-def painted(made: Triangles, colour: tuple[float, float, float], opacity: float = 1.0) -> Any:
+def make_plain_mesh(
+    made: Triangles, colour: tuple[float, float, float], opacity: float = 1.0
+) -> Any:
     """Make a mesh of one colour, red, green and blue 0..1."""
     look = _material(
         baseColorFactor=[*colour, opacity], alphaMode="BLEND" if opacity < 1.0 else "OPAQUE"
@@ -28,7 +30,7 @@ def painted(made: Triangles, colour: tuple[float, float, float], opacity: float 
     return _mesh(made, np.zeros((len(made.vertices), 2)), look)
 
 
-def coloured(made: Triangles, uv: Floats, image: Image, *, clear: bool = False) -> Any:
+def make_textured_mesh(made: Triangles, uv: Floats, image: Image, *, clear: bool = False) -> Any:
     """Make an emissive mesh with the colours of a picture, independent of light. uv: (V, 2), 0..1, v upwards.
 
     clear: whether the picture has an opacity channel.

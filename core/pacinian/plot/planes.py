@@ -69,7 +69,7 @@ class Plane:
         height = round(1e3 * self.height, 1) + 0.0  # not -0
         return f"{'xyz'[3 - sum(self.axes)]} = {height:g} mm"
 
-    def near(self, points: Floats) -> Floats:
+    def project_near(self, points: Floats) -> Floats:
         """Return the in-plane coordinates, (K, 2) [m], of the points (M, 3) [m] that are close to the plane."""
         corner, right, up = self.points[0, 0], self.points[0, -1], self.points[-1, 0]
         x, y = (
@@ -85,7 +85,7 @@ def middle_of(array: Array, points: Floats) -> Floats:
     """Return the centre of the view, (3,) [m]: the middle of the points, (M, 3), if there are any."""
     if len(points):
         return np.asarray(points.mean(axis=0))
-    return np.asarray(array.centre + AHEAD * _facing(array))
+    return np.asarray(array.centre + AHEAD * _compute_direction(array))
 
 
 def cut(
@@ -144,7 +144,7 @@ def mark(panel: Panel, places: Floats, colour: str) -> None:
     panel.set(xlim=limits[0], ylim=limits[1])
 
 
-def _facing(array: Array) -> Floats:
+def _compute_direction(array: Array) -> Floats:
     """Return the mean direction of an array, (3,); +z if its transducers face all directions equally."""
     mean = array.normals.mean(axis=0)
     size = np.linalg.norm(mean)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.plot.fields import checked, crossed, draw_both
+from pacinian.plot.fields import check_medium, cut_both, draw_both
 from pacinian.plot.page import figure
 from pacinian.plot.planes import middle_of
-from pacinian.plot.space import Discs, View, array_of, skin, thing, towards
+from pacinian.plot.space import Discs, View, array_of, make_object, skin, towards
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.objects import Body
 from pacinian.scene.shapes import Disc, Rectangle
@@ -55,8 +55,8 @@ def scene(
     samples: the targets. gains: (N,), or (K, N) for the mean field over K moments. The field is that of free air.
     Lines show the outlines of hands, and where objects cross the planes. Raises MissingExtra.
     """
-    medium = checked(array, medium)
-    both = crossed(array, gains, samples.positions, medium)
+    medium = check_medium(array, medium)
+    both = cut_both(array, gains, samples.positions, medium)
     narrow = both[1][0].ratio
     page = figure(max(NARROWEST, 1.6 + 4.2 * (1.0 + narrow)), 8.4)
     parts: Any = page.subfigures(2, 1, height_ratios=[3.7, 4.7])
@@ -94,7 +94,7 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
         for item in scene.objects:
             pose = _pose(item, t)
             if k or ((pose.position >= box[0]) & (pose.position <= box[1])).all():
-                things.append(thing(item, pose, eye))
+                things.append(make_object(item, pose, eye))
         if k == 0:
             view.draw([array_of(array), *things, felt])
         else:

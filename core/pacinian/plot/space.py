@@ -83,7 +83,7 @@ def skin(hand: Hand, eye: Floats) -> Discs:
     return Discs.of(placed.points[:nodes], SKIN, 0.0065).lit(placed.normals[:nodes], eye)
 
 
-def thing(item: Object, pose: Pose, eye: Floats) -> Discs:
+def make_object(item: Object, pose: Pose, eye: Floats) -> Discs:
     """An object: its cover, and its texture."""
     spacing = DISC_SPACING * max(
         1.0, float(np.sqrt(estimate_samples(item, DISC_SPACING) / MAX_DISCS))

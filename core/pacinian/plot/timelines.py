@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError, RecordingError
-from pacinian.plot.feeds import watched
+from pacinian.plot.feeds import read_feed
 from pacinian.plot.page import panels
 from pacinian.plot.style import BLUE, GREEN, GREY, LINE, ORANGE, RED, SMALL, dress
 from pacinian.rendering.recording import Recording
@@ -153,7 +153,7 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
 
 def _of_file(path: Path) -> dict[str, Callable[[Panel], None]]:
     try:
-        course = watched(path)
+        course = read_feed(path)
     except RecordingError as other:
         try:
             return _of_recording(Recording(path))

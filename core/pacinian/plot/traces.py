@@ -9,7 +9,7 @@ from pacinian.plot.fronts import plainly
 from pacinian.plot.labels import label
 from pacinian.plot.page import panels
 from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
-from pacinian.plugins.registry import installed, solver
+from pacinian.plugins.registry import discover_plugins, solver
 from pacinian.session import Session
 from pacinian.solving.solution import Status
 
@@ -104,7 +104,7 @@ def trace(
 
     It is stopped by its setting `steps` or `passes` if it is named and has one, else by a clock that counts readings.
     """
-    setting, most = _setting(one) if isinstance(one, str) else ("", 0)
+    setting, most = _find_setting(one) if isinstance(one, str) else ("", 0)
     for count in _counts():
         session = Session(array, medium, one, clock=Looks())
         if setting and isinstance(one, str):
@@ -141,9 +141,9 @@ def _counts() -> Iterator[int]:
         count = max(count + 1, round(1.25 * count))
 
 
-def _setting(name: str) -> tuple[str, int]:
+def _find_setting(name: str) -> tuple[str, int]:
     """Return the setting that limits a solver's iterations, and its default; "" if it has none."""
-    options = installed().find("solver", name).options
+    options = discover_plugins().find("solver", name).options
     for setting in SETTINGS:
         if isinstance(most := options.get(setting), int):
             return setting, most
@@ -151,4 +151,4 @@ def _setting(name: str) -> tuple[str, int]:
 
 
 def _all() -> list[str]:
-    return [offer.name for offer in installed().list() if offer.kind == "solver"]
+    return [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]

@@ -48,7 +48,7 @@ class Capability:
     def __post_init__(self) -> None:
         object.__setattr__(self, "phases", _count("phases", self.phases))
         if isinstance(self.amplitudes, (tuple, list, np.ndarray)):
-            amplitudes: int | tuple[float, ...] = _table(self.amplitudes)
+            amplitudes: int | tuple[float, ...] = _check_amplitudes(self.amplitudes)
         else:
             amplitudes = _count("amplitudes", self.amplitudes)
         object.__setattr__(self, "amplitudes", amplitudes)
@@ -93,7 +93,7 @@ def _count(name: str, value: int) -> int:
     return levels
 
 
-def _table(given: ArrayLike) -> tuple[float, ...]:
+def _check_amplitudes(given: ArrayLike) -> tuple[float, ...]:
     """Return the amplitudes rounded to single precision. Raises ArgumentError."""
     sizes = check_numbers("amplitudes", given, (None,)).astype(np.float32).astype(np.float64)
     if not 2 <= len(sizes) <= MAX_LEVELS:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def find_client_options(cls: type) -> dict[str, tuple[Any, ...]]:
     """Return the options of a class that clients may set, each with the types that it accepts."""
     found = {
-        name: tuple(kind for kind in _members(_kind(cls, parameter)) if _bounded(kind))
+        name: tuple(kind for kind in _members(_kind(cls, parameter)) if _is_bounded(kind))
         for name, parameter in inspect.signature(cls).parameters.items()
     }
     return {name: kinds for name, kinds in found.items() if kinds}
@@ -43,10 +43,10 @@ def check_options(cls: type, options: Mapping[str, Any]) -> dict[str, Any]:
         if name not in allowed:
             whose = "can only be set in the server's configuration; clients may set: "
             raise ArgumentError(shorten(name), whose + (", ".join(allowed) or "none"))
-    return {name: _converted(name, value, allowed[name]) for name, value in options.items()}
+    return {name: _convert_option(name, value, allowed[name]) for name, value in options.items()}
 
 
-def _converted(name: str, value: Any, kinds: tuple[Any, ...]) -> Any:
+def _convert_option(name: str, value: Any, kinds: tuple[Any, ...]) -> Any:
     if isinstance(value, float) and value.is_integer():
         value = int(value)  # some languages have only one number type
     problem = ""
@@ -72,7 +72,7 @@ def _members(kind: Any) -> tuple[Any, ...]:
     return get_args(kind) if get_origin(kind) in (Union, types.UnionType) else (kind,)
 
 
-def _bounded(kind: Any) -> bool:
+def _is_bounded(kind: Any) -> bool:
     if get_origin(kind) is Annotated:
         number, *notes = get_args(kind)
         metas = [note for note in notes if isinstance(note, msgspec.Meta)]

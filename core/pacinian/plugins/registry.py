@@ -240,7 +240,7 @@ def _origin(point: EntryPoint) -> str:
 
 
 @functools.cache
-def installed() -> Plugins:
+def discover_plugins() -> Plugins:
     """Return the plug-ins of this installation, which are discovered once."""
     return Plugins()
 
@@ -248,8 +248,8 @@ def installed() -> Plugins:
 def solver(name: str, **options: Any) -> Solver:
     """Construct a solver by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
     if not options:
-        return _usual(installed(), name)
-    return cast("Solver", installed().make("solver", name, options))
+        return _usual(discover_plugins(), name)
+    return cast("Solver", discover_plugins().make("solver", name, options))
 
 
 @functools.lru_cache(maxsize=64)
@@ -260,4 +260,4 @@ def _usual(plugins: Plugins, name: str) -> Solver:
 
 def backend(name: str, **options: Any) -> Backend:
     """Construct a backend by name, with its settings. Raises UnknownPlugin, PluginError, ArgumentError."""
-    return cast("Backend", installed().make("backend", name, options))
+    return cast("Backend", discover_plugins().make("backend", name, options))

@@ -153,7 +153,7 @@ class Cycle:
         """Return whether each sample sounds in this part, (M,)."""
         return self._shares[:, self.parts.index(part)] > 0.0
 
-    def left(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
+    def compute_rest(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
         """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
 
         own: mask of these samples, (M,). P: target of the whole cycle there, (M',) [Pa].
@@ -195,7 +195,7 @@ class Cycle:
     def targets(self) -> Targets:
         """Targets of all frames together."""
         t = sound_pressure(self._asked, self._first.session.medium)
-        return Targets.unchecked(t, number_regions(len(t), self.samples.regions))
+        return Targets.make_unchecked(t, number_regions(len(t), self.samples.regions))
 
     @property
     def facing(self) -> SkinFacing | None:

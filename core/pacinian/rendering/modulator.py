@@ -162,15 +162,17 @@ class Modulator:
         for now in (t + self.times).tolist():
             step = tuple(item.technique.step(now) for item, _ in parts)
             kept = self._steps.get(step)
-            if kept is None or not self._done(kept):
-                row = join_samples([base, *(_presented(item, part, now) for item, part in parts)])
+            if kept is None or not self._is_done(kept):
+                row = join_samples(
+                    [base, *(_present_item(item, part, now) for item, part in parts)]
+                )
                 kept = self._found(step, row, t, limits, deadline / len(self.times))
             else:
                 self.skipped["solve, step of a modulation known"] += 1
             solved.append(kept)
         self.solved = solved
 
-    def _done(self, kept: CachedSolution) -> bool:
+    def _is_done(self, kept: CachedSolution) -> bool:
         """Return whether a cached solution is good enough for this tick."""
         return kept.final or not self._further
 
@@ -189,7 +191,7 @@ class Modulator:
             self._follow(solved, ticks)
         at, before = t + self.times, self._before
         if flat:
-            self._even(solved[0], voice_amplitudes(solved[0], at, self.switches))
+            self._write_steady(solved[0], voice_amplitudes(solved[0], at, self.switches))
         for n, one in enumerate(() if flat else solved):
             own = slice(n, len(at), len(solved))  # its rows
             a, s = voice_amplitudes(one, at[own], self.switches), self._smooth[own]
@@ -206,7 +208,7 @@ class Modulator:
         self.steady = flat and solved[0].steady
         return self._rows
 
-    def _even(self, one: CachedSolution, a: Singles) -> None:
+    def _write_steady(self, one: CachedSolution, a: Singles) -> None:
         """Write the rows while nothing fades. a: amplitudes of the voices, (V, K)."""
         if one.parts is None:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
@@ -247,10 +249,10 @@ class Modulator:
             strength = voices.strength(t + self.times).mean(axis=1)
             P, step = P * strength[voices.index], (*step, strength.tobytes())
         kept = self._steps.get(step)
-        if kept is not None and self._done(kept):
+        if kept is not None and self._is_done(kept):
             self.skipped["solve, nothing moved"] += 1
             return kept
-        made = self._made(self.cycle.parts[0], samples, P, voices, joint, limits, deadline)
+        made = self._solve_part(self.cycle.parts[0], samples, P, voices, joint, limits, deadline)
         if kept is not None and made.solution.error > BETTER * kept.solution.error:
             vain = kept.vain + 1
             final = made.final or vain == TRIES
@@ -270,7 +272,7 @@ class Modulator:
             self.skipped["solve, nothing moved"] += 1
         elif self._further or not cycle.sounding:
             P, voices = samples.radiation_pressure, EnvelopeGroups(samples)
-            made = self._made(part, samples, P, voices, False, limits, deadline)
+            made = self._solve_part(part, samples, P, voices, False, limits, deadline)
             cycle.keep(part, made)
             cycle.consider(made)
             self.fresh.append(made)
@@ -278,7 +280,7 @@ class Modulator:
         rows = (cycle.row(self._row + k) for k in range(len(self.times)))
         return [solved for solved in rows if solved is not None]
 
-    def _made(
+    def _solve_part(
         self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
         deadline: float,
     ) -> CachedSolution:  # fmt: skip
@@ -289,7 +291,7 @@ class Modulator:
         several = self.cycle.count > 1
         q = samples.positions
         sounded = (P > 0.0) | (samples.regions == BESIDE)
-        sounded &= part.reach.reachable(q, self.skipped)
+        sounded &= part.reach.find_reachable(q, self.skipped)
         if several:
             sounded &= self.cycle.sounds(part)
         index = voices.index
@@ -303,7 +305,7 @@ class Modulator:
             facing = SkinFacing.of(samples.normals, samples.capsules)
             P = P * part.reach.share(q, facing, self.skipped)
         if several:
-            P = self.cycle.left(part, sounded, P, facing)
+            P = self.cycle.compute_rest(part, sounded, P, facing)
         session = part.session
         session.solver = self.session.solver
         solution = session.solve(
@@ -345,5 +347,5 @@ def _growth(samples: Samples) -> float:
     return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
 
 
-def _presented(item: Object, samples: Samples, t: float) -> Samples:
+def _present_item(item: Object, samples: Samples, t: float) -> Samples:
     return item.technique.present(samples, t, item.pose.matrix)

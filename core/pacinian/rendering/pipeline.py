@@ -82,7 +82,7 @@ class Pipeline:
     def warm_up(self, scene: Callable[[float], Scene]) -> None:
         """Sample the scene at time 0, and solve and quantise for a few points, without output."""
         try:
-            self.emitted(try_out(self.session).gains)
+            self.quantise_gains(try_out(self.session).gains)
             first = scene(0.0)
             self.sampler.sample(first)
             load_envelopes(first, self.player.times)
@@ -162,9 +162,9 @@ class Pipeline:
         samples = max(len(one.samples) for one in fresh)
         self.sampler.allowed = self.governor.tick(seconds, samples)
 
-    def emitted(self, gains: Gains) -> Gains:
+    def quantise_gains(self, gains: Gains) -> Gains:
         """Return gains, (N,), as rounded by the device; the array is reused."""
-        return self.quantiser.emitted(gains, self._ceiling, self._down)
+        return self.quantiser.quantise_gains(gains, self._ceiling, self._down)
 
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Sample the scene, if it is this tick's turn, and return the samples to solve for."""
@@ -176,7 +176,7 @@ class Pipeline:
         self.sampler.even = 0.0 if alone else self.session.solver.even
         if self.turns.samples:
             if self._changed:  # even if it has changed back since
-                self.sampler.changed()
+                self.sampler.invalidate()
             self._sampled, self._changed = (scene, self.sampler.sample(scene, t)), False
         if self.turns.solves:
             self._played = self._sampled
@@ -188,7 +188,7 @@ class Pipeline:
         """Count the solves; every LOOK ticks, measure the emitted field at the samples and between them."""
         report, placed = self.stages.report, self.player.placed
         for one in self.player.fresh:
-            report.solved(one.solution.status)
+            report.count_solve(one.solution.status)
         self._unlooked += 1
         cycle = self.player.cycle
         several = cycle.count > 1 and len(cycle.sounding) == cycle.count
@@ -206,10 +206,12 @@ class Pipeline:
             if not self.player.fresh and targets.regions is None:
                 return  # nothing new to measure
             propagator = self.session.propagator
-            facing, gains = propagator.facing, self.emitted(placed.gains)[None]
+            facing, gains = propagator.facing, self.quantise_gains(placed.gains)[None]
             p = propagator.apply(gains[0])
         self._unlooked = 0
-        report.looked(targets.relative_error(p), self.probe.look(samples, targets, facing, gains))
+        report.add_measurement(
+            targets.relative_error(p), self.probe.look(samples, targets, facing, gains)
+        )
 
     @property
     def sounding(self) -> Gains:
@@ -218,7 +220,7 @@ class Pipeline:
         if not every and self.player.solved:
             every = [self.player.solved[-1].gains]
         N = len(self.session.array)
-        made = [self.emitted(gains).copy() for gains in every]
+        made = [self.quantise_gains(gains).copy() for gains in every]
         return np.array(made, np.complex64).reshape(-1, N)
 
     @property

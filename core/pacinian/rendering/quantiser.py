@@ -46,7 +46,7 @@ class Quantiser:
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
         self._dither = np.tile(dither_thresholds(columns), rows)
         self._none = np.zeros_like(self._dither)
-        # separate, so that `emitted` does not overwrite the frame
+        # separate, so that `quantise_gains` does not overwrite the frame
         self._look = np.zeros((2, columns), dtype=np.uint16)
         self._made = np.zeros(columns, dtype=np.complex64)
         turns = np.arange(capability.phases) / capability.phases
@@ -66,7 +66,7 @@ class Quantiser:
         )
         return Frame(sequence, time, self._phase, self._amplitude)
 
-    def emitted(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
+    def quantise_gains(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
         """Return gains, (N,), as rounded by the device; the array is reused."""
         from pacinian.native import rendering as kernels
 

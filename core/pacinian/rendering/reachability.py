@@ -10,7 +10,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import matrix
 from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
-from pacinian.scene.sampling.array_resolution import WELL, grazing
+from pacinian.scene.sampling.array_resolution import WELL, weigh_incidence
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -36,7 +36,7 @@ class ReachabilityFilter:
         away = np.abs(array.positions - self._propagator.origin)
         self._extent = away.max(axis=0) + TOUCHING  # [m]
 
-    def reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
+    def find_reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
         """Return whether sound can be sent to each point of q, (M, 3) [m]: not too far, and not on a transducer.
 
         skipped: counts the other points, by reason.
@@ -63,7 +63,7 @@ class ReachabilityFilter:
         seen = self._propagator.powers / self._free(q)
         if seen.min() >= WELL:
             return np.ones(len(q))
-        share = grazing(seen)
+        share = weigh_incidence(seen)
         skipped["samples hardly reached"] += int((share < 0.5).sum())
         return share
 

@@ -6,7 +6,7 @@ import gc
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from pacinian.solving.blas import one_thread
+from pacinian.solving.blas import limit_blas_threads
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -18,7 +18,7 @@ def realtime_section() -> Generator[None]:
     gc.collect()
     gc.freeze()
     try:
-        with one_thread():
+        with limit_blas_threads():
             yield
     finally:
         gc.unfreeze()

@@ -293,7 +293,7 @@ class Renderer:
         gains = (
             np.zeros(len(self.session.array), np.complex64) if solution is None else solution.gains
         )
-        return self._pipeline.emitted(gains).copy()
+        return self._pipeline.quantise_gains(gains).copy()
 
     @property
     def sounding(self) -> Gains:

@@ -77,16 +77,16 @@ class Report:
         self.ticks += 1
         self.late_ticks += late
 
-    def staged(self, stage: str, seconds: float) -> None:
+    def add_stage_time(self, stage: str, seconds: float) -> None:
         """Add `seconds` [s] to a stage's time."""
         self.stages[stage] += seconds
 
-    def solved(self, status: Status) -> None:
+    def count_solve(self, status: Status) -> None:
         """Count a solve."""
         self.solves += 1
         self.statuses[status.name] += 1
 
-    def looked(self, error: float, felt: dict[str, FeltSums]) -> None:
+    def add_measurement(self, error: float, felt: dict[str, FeltSums]) -> None:
         """Add a measurement of the emitted field, computed from the quantised gains.
 
         error: relative error of the sound pressures at the samples. felt: sums between the samples, for each object
@@ -96,7 +96,7 @@ class Report:
         self._measured += 1
         self._felt.append(felt)
 
-    def felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
+    def compute_felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
         """Return what was felt between the samples of each object that has regions, over the last measurements.
 
         looks: number of measurements; the loop makes one every 64 ticks, at some 24 places.
@@ -150,7 +150,7 @@ class Report:
             "tick_max_ms": self.tick_ms(100),
             "stages_ms": {k: 1e3 * v / max(1, self.ticks) for k, v in self.stages.items()},
             "error_at_samples": self.error,
-            "felt": {name: felt._asdict() for name, felt in self.felt().items()},
+            "felt": {name: felt._asdict() for name, felt in self.compute_felt().items()},
             "solves": self.solves,
             "frames_sent": self.frames_sent,
             "skipped": dict(self.skipped),
@@ -168,7 +168,7 @@ class Report:
             "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
             **{
                 f"felt of {name}": str(felt)
-                for name, felt in list(self.felt().items())[:MAX_LISTED]
+                for name, felt in list(self.compute_felt().items())[:MAX_LISTED]
             },
             "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
             "skipped": ", ".join(f"{n} {name}" for name, n in self.skipped.items() if n)
@@ -205,5 +205,5 @@ class StageTimer:
     def enter(self, stage: Stage) -> None:
         """End the present stage and begin the next."""
         now = self._now()
-        self.report.staged(self.stage, now - self._entered)
+        self.report.add_stage_time(self.stage, now - self._entered)
         self.stage, self._entered = stage, now

@@ -56,7 +56,7 @@ class Writer:
         if last is None or scene is not last.scene:
             old = Scene() if last is None else last.scene
             new["count"] = len(scene.objects)
-            new["objects"] = _news(scene.objects, old.objects, _packed)
+            new["objects"] = _news(scene.objects, old.objects, _encode_object)
             new["hands"] = len(scene.hands), _news(scene.hands, old.hands, _hand)
             new["until"] = scene.moves_until
             if scene.workspace != old.workspace:
@@ -82,9 +82,9 @@ class Reader:
         last = self._asked
         scene = Scene() if last is None else last.scene
         if "objects" in new:
-            objects = _merged(new["objects"], new["count"], scene.objects, _unpacked)
+            objects = _merge_parts(new["objects"], new["count"], scene.objects, _decode_object)
             count, changed = new["hands"]
-            hands = _merged(changed, count, scene.hands, _unhand)
+            hands = _merge_parts(changed, count, scene.hands, _unhand)
             workspace = scene.workspace
             if "workspace" in new:
                 room = new["workspace"]
@@ -121,7 +121,7 @@ def _news(now: tuple[T, ...], old: tuple[T, ...], pack: Callable[[T, T | None], 
     }
 
 
-def _merged(
+def _merge_parts(
     news: News, count: int, old: tuple[T, ...], unpack: Callable[[T | None, Any], T]
 ) -> tuple[T, ...]:
     parts = list(old[:count])
@@ -134,14 +134,14 @@ def _merged(
     return tuple(parts)
 
 
-def _packed(item: Object, old: Object | None) -> Any:
+def _encode_object(item: Object, old: Object | None) -> Any:
     """Encode an object, or (in a list) only its changed fields, because shapes may be large."""
     try:
         whole = type(item) is not type(old)
         now = {name: getattr(item, name) for name in item.__struct_fields__}
         new = {k: v for k, v in now.items() if whole or v is not getattr(old, k)}
         for name in new.keys() & OPEN:
-            _readable(new[name], _kinds(type(item))[name])
+            _check_readable(new[name], _kinds(type(item))[name])
         return msgspec.msgpack.encode(item) if whole else [msgspec.msgpack.encode(new)]
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         what = item.name or type(item).__name__
@@ -150,7 +150,7 @@ def _packed(item: Object, old: Object | None) -> Any:
         ) from error
 
 
-def _unpacked(old: Object | None, packed: Any) -> Object:
+def _decode_object(old: Object | None, packed: Any) -> Object:
     if isinstance(packed, bytes):
         made: Object = msgspec.msgpack.decode(packed, type=Object)
         return made
@@ -160,7 +160,7 @@ def _unpacked(old: Object | None, packed: Any) -> Object:
     return msgspec.structs.replace(old, **{k: msgspec.convert(v, kinds[k]) for k, v in new.items()})
 
 
-def _readable(value: Any, kind: Any) -> None:
+def _check_readable(value: Any, kind: Any) -> None:
     if msgspec.msgpack.decode(msgspec.msgpack.encode(value), type=kind) != value:
         raise TypeError(f"{value!r} is a user-defined object")
 

@@ -40,6 +40,6 @@ def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
 def _make(kind: Kind, choice: str | Choice, path: Path | str) -> Any:
     chosen = choice if isinstance(choice, Choice) else Choice(choice)
     try:
-        return registry.installed().make(kind, chosen.name, dict(chosen.options))
+        return registry.discover_plugins().make(kind, chosen.name, dict(chosen.options))
     except (PluginError, ArgumentError) as error:
         raise SceneFileError(path, f"$.{kind}", str(error)) from error

@@ -110,7 +110,7 @@ class Scene:
         bounds = np.delete(self.bounds, gone, axis=0)
         return self._with(tuple(objects), bounds=bounds, moves_until=self.moves_until)
 
-    def held(self, *hands: Hand) -> Scene:
+    def with_hands(self, *hands: Hand) -> Scene:
         """Return the scene with these hands instead of its own."""
         made = replace(self, objects=(), hands=hands)
         # computed on this scene, so that all scenes derived from it share the cached values

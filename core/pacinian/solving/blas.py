@@ -17,7 +17,7 @@ MIN_ELEMENTS = 4_096  # elements of B below which BLAS does not start a second t
 MAX_ELEMENTS = 1_000_000  # elements of B from which several threads are faster
 
 
-def one_thread(elements: int = MIN_ELEMENTS) -> AbstractContextManager[object]:
+def limit_blas_threads(elements: int = MIN_ELEMENTS) -> AbstractContextManager[object]:
     """Limit BLAS to one thread, if B has `MIN_ELEMENTS` to `MAX_ELEMENTS` elements. Costs 25 us, or nothing if nested.
 
     The limit applies to the whole process. The last context to exit restores the previous number of threads.

@@ -39,7 +39,7 @@ def measure_violations(
         over = (loud - limit) / np.maximum(limit, MIN_LIMIT_SHARE * full)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
-    if limits.zones and (above := _asked_in_zones(propagator, limits, targets)) > TOLERANCE:
+    if limits.zones and (above := _compute_zone_excess(propagator, limits, targets)) > TOLERANCE:
         found["zones"] = above
     if limits.exact is not None:
         chosen = limits.exact_mask(len(p))
@@ -51,7 +51,7 @@ def measure_violations(
     return found
 
 
-def _asked_in_zones(propagator: Propagator, limits: Limits, targets: Targets) -> float:
+def _compute_zone_excess(propagator: Propagator, limits: Limits, targets: Targets) -> float:
     """Return the largest excess of a target over the limit of the quiet zone that it is in, relative to the limit."""
     return max(
         float(targets.amplitudes[zone.holds(propagator.points)].max(initial=0.0)) / zone.pressure
@@ -80,10 +80,10 @@ def relative_error(targets: Targets, p: Complexes) -> float:
     """Return ||t - p|| / ||t|| for targets t; with `scale="max"`, p, (M,) [Pa], is first scaled to their strength."""
     if targets.scale == "exact" or not targets.norm:
         return targets.relative_error(p)
-    return targets.relative_error(p / (reached_multiple(targets, p) or 1.0))
+    return targets.relative_error(p / (compute_reached_multiple(targets, p) or 1.0))
 
 
-def reached_multiple(targets: Targets, p: Complexes) -> float:
+def compute_reached_multiple(targets: Targets, p: Complexes) -> float:
     """Return ||p|| / ||targets||, without points beside regions, for pressures p, (M,) [Pa]."""
     return float(np.linalg.norm(p[~targets.beside])) / targets.norm
 

@@ -223,7 +223,7 @@ class FeltPlaces:
         propagator.set_points(places.points, facing)
         return places
 
-    def felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[FeltRegion, ...]:
+    def measure_felt(self, p: Complexes | Floats, multiple: float = 1.0) -> tuple[FeltRegion, ...]:
         """Return the figures of each region, in order, for sound pressures p, (K,) [Pa].
 
         multiple: factor by which the target amplitudes are multiplied first.
@@ -231,7 +231,7 @@ class FeltPlaces:
         return tuple(sums.felt for sums in self.sums(p, multiple))
 
     def sums(self, p: Complexes | Floats, multiple: float = 1.0) -> list[FeltSums]:
-        """Return the sums of each region, in order; arguments as for `felt`."""
+        """Return the sums of each region, in order; arguments as for `measure_felt`."""
         made, asked = np.abs(p).astype(np.float64) ** 2, self.asked * multiple**2
         found: list[FeltSums] = []
         for number in range(self.count):

@@ -49,7 +49,7 @@ class LeastSquares:
     @classmethod
     def of(cls, B: Complexes, rcond: float | None = None) -> LeastSquares:
         """Prepare a finite B of shape (M, N); rcond: by default max(M, N) times its precision."""
-        rounding = rounding_share(B)
+        rounding = compute_rounding_share(B)
         rcond = rounding if rcond is None else rcond
         B, shift = scale_matrix(B)
         columns = ColumnGroups.of(B, min(rcond, rounding))
@@ -66,7 +66,7 @@ class LeastSquares:
         size = float(np.abs(p).max(initial=0.0)) or 1.0
         q = self.rows.gather(p / size)
         rank, full = min(self.B.shape), min(len(self.rows.group), len(self.columns.group))
-        g = self._refined(q) if rank else np.zeros(self.B.shape[1], np.complex128)
+        g = self._refine_gains(q) if rank else np.zeros(self.B.shape[1], np.complex128)
         how = "Cholesky"
         if g is None:
             B = self.B.astype(np.complex128)
@@ -74,7 +74,7 @@ class LeastSquares:
             g, how = cast("Complexes", h), "singular values"
         return self.columns.spread(g) * (size * 2.0**self.shift), f"{how}: rank {rank} of {full}"
 
-    def _refined(self, p: Complexes) -> Complexes | None:
+    def _refine_gains(self, p: Complexes) -> Complexes | None:
         """Return gains from the first factor that is good enough; None if none is."""
         least = 3.0 * self.rcond**2  # the condition number is an estimate
         for dtype, trusted in TRUSTED.items():
@@ -110,7 +110,7 @@ class Reduced:
     def of(cls, B: Complexes) -> Reduced:
         """Reduce a finite B, (M, N), by Cholesky (without forming Q) if its condition allows, else by Householder."""
         B = B.astype(np.complex128, copy=False)
-        columns = ColumnGroups.of(B, rounding_share(B))
+        columns = ColumnGroups.of(B, compute_rounding_share(B))
         basis = columns.merge(B)
         if len(B) > basis.shape[1] > 0:
             normal = Normal.of(basis)
@@ -191,7 +191,7 @@ def adjoint(B: Complexes, y: Complexes) -> Complexes:
     return np.conj(y.conj().astype(B.dtype, copy=False) @ B)
 
 
-def rounding_share(B: Complexes) -> float:
+def compute_rounding_share(B: Complexes) -> float:
     """Return the fraction of the largest singular value below which others may be due to rounding.
 
     This is max(M, N) eps; in single precision, at least the rounding of phases, which is 6e-8 k r or more.

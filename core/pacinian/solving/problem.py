@@ -23,7 +23,7 @@ Scale = Literal["exact", "max"]
 
 
 @functools.lru_cache(maxsize=64)
-def _anything(count: int) -> Floats:
+def _make_free_phases(count: int) -> Floats:
     """Return phases that are all free (NaN), shape (count,)."""
     phi = np.full(count, np.nan)
     phi.flags.writeable = False
@@ -56,7 +56,7 @@ class Targets:
     regions: Longs | None = None
 
     @classmethod
-    def checked(
+    def make_checked(
         cls,
         count: int,
         amplitudes: ArrayLike,
@@ -76,7 +76,7 @@ class Targets:
         t[t < MIN_AMPLITUDE] = 0.0
         if str(scale) not in ("exact", "max"):
             raise ArgumentError("scale", f'must be "exact" or "max", not {scale!r}')
-        phi = _anything(count)
+        phi = _make_free_phases(count)
         if phases is not None:
             phi = phi.copy()
             try:
@@ -114,9 +114,9 @@ class Targets:
         return bool(self.free.all())
 
     @classmethod
-    def unchecked(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
+    def make_unchecked(cls, amplitudes: Floats, regions: Longs | None = None) -> Targets:
         """Make targets with free phases from checked arguments; copies `amplitudes`."""
-        t, phi = amplitudes.copy(), _anything(len(amplitudes))
+        t, phi = amplitudes.copy(), _make_free_phases(len(amplitudes))
         t.flags.writeable = False
         return cls(t, phi, regions=regions)
 

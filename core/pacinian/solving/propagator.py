@@ -103,7 +103,7 @@ class Propagator:
             self._forget(len(points))
         moved = self._rows if self._fresh else _different(points, self._points)
         if facing is not self.facing:
-            moved = self._turned(points, facing, moved)
+            moved = self._set_facing(points, facing, moved)
         count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
@@ -138,14 +138,14 @@ class Propagator:
         if B is not self._B:
             self._B[rows] = B
 
-    def _turned(self, points: Floats, facing: SkinFacing | None, moved: Indices) -> Indices:
+    def _set_facing(self, points: Floats, facing: SkinFacing | None, moved: Indices) -> Indices:
         """Store `facing`; return `moved`, (K,), with the rows added whose weights it changes."""
         before, self.facing = self.facing, facing
         if len(moved) == len(points):
             return moved
         if facing is None or before is None:
             return self._rows
-        turned = facing.moved(before, points)
+        turned = facing.find_changed(before, points)
         turned[moved] = True
         return np.flatnonzero(turned)
 
@@ -157,12 +157,12 @@ class Propagator:
     @property
     def points(self) -> Floats:
         """The points [m], shape (M, 3), read-only."""
-        return _sealed(self._points)
+        return _make_read_only(self._points)
 
     @property
     def B(self) -> Complexes:
         """Sound pressure at each point per unit gain [Pa], shape (M, N), read-only."""
-        return _sealed(self._B)
+        return _make_read_only(self._B)
 
     @property
     def single(self) -> Gains:
@@ -244,7 +244,7 @@ def _different(a: Floats, b: Floats) -> Indices:
     return np.flatnonzero((a != b).any(axis=1))
 
 
-def _sealed(array: A) -> A:
+def _make_read_only(array: A) -> A:
     """Return a read-only view, because solvers receive the caches themselves."""
     view = array.view()
     view.flags.writeable = False

@@ -90,7 +90,7 @@ class QuietSubspace:
                 if LIKELY * rms * _norms(rest).max() <= 1.0:
                     watched.append(some)
                     break
-                V = _enlarged(V, rest, 1.0 / (LIKELY * rms))
+                V = _enlarge_basis(V, rest, 1.0 / (LIKELY * rms))
                 if len(V) > LARGEST_SHARE * N or k == ROUNDS:
                     raise ArgumentError("limits.zones", UNUSABLE)
         return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
@@ -166,7 +166,7 @@ class Preparation:
         if key != self._key or self._made is None:
             if self._made is not None:
                 self._made.cancel()  # has an effect only if it has not begun
-            self._key, self._made = key, self._begun(key)
+            self._key, self._made = key, self._submit(key)
         left = None if budget.endless else max(0.0, budget.due - budget.clock())
         try:
             return self._made.result(left)
@@ -177,7 +177,7 @@ class Preparation:
             return self.nulls(array, medium, zones, rms, budget)
 
     @classmethod
-    def _begun(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[QuietSubspace]:
+    def _submit(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[QuietSubspace]:
         with cls._lock:
             made = cls._kept.pop(key, None)
             if made is None or made.cancelled():
@@ -216,7 +216,7 @@ def _leave_out(V: Gains, B: Complexes) -> None:
     B -= (V @ B.conj().T).conj().T @ V
 
 
-def _enlarged(V: Gains, rest: Gains, most: float) -> Gains:
+def _enlarge_basis(V: Gains, rest: Gains, most: float) -> Gains:
     """Return V with rows added until each row of `rest`, (K, N), has a norm of at most ENOUGH times `most`.
 
     Removes the new rows from `rest`, in place.

@@ -69,10 +69,10 @@ def joint_phases(
     P = np.ones(len(q))
     if radiation_pressure is not None:
         P = check_numbers("radiation_pressure", radiation_pressure, (len(q),))
-    return _converging(q, P, array.positions, array.centre, k) if len(q) else np.empty(0)
+    return _compute_joint_phases(q, P, array.positions, array.centre, k) if len(q) else np.empty(0)
 
 
-def _converging(
+def _compute_joint_phases(
     q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = MIN_CONVERGENCE,
     tilt: float = 0.0,
 ) -> Floats:  # fmt: skip
@@ -114,7 +114,7 @@ def settle_phases(
     wave = np.zeros(M)
     for number in range(int(targets.regions.max()) + 1):
         own = targets.regions == number
-        wave[own] = _converging(
+        wave[own] = _compute_joint_phases(
             propagator.points[own], t[own] ** 2, positions, centre, k, least, tilt
         )
         if propagator.nulls is not None:

@@ -4,7 +4,7 @@ from pacinian.testing.clock import ManualClock
 from pacinian.testing.conformance import NotConforming
 from pacinian.testing.conformance_backend import check_backend
 from pacinian.testing.conformance_solver import check_solver
-from pacinian.testing.server import Running, Usage, serving
+from pacinian.testing.server import Running, Usage, run_server
 from pacinian.testing.usb_bus import UsbBus
 from pacinian.testing.usb_device import UsbDevice
 
@@ -17,5 +17,5 @@ __all__ = [
     "UsbDevice",
     "check_backend",
     "check_solver",
-    "serving",
+    "run_server",
 ]

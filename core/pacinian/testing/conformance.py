@@ -41,7 +41,7 @@ def a(kind: type, value: object, what: str) -> None:
     require(isinstance(value, kind), f"{what} is {value!r}, not a pacinian.{kind.__name__}")
 
 
-def called(what: str, action: Callable[[], T], limit: float) -> T:
+def call_with_limit(what: str, action: Callable[[], T], limit: float) -> T:
     """Run `action` in a thread of its own and return its result. Re-raises its error; Hangs after `limit` [s]."""
     made: list[T] = []
     raised: list[BaseException] = []
@@ -62,7 +62,7 @@ def called(what: str, action: Callable[[], T], limit: float) -> T:
     return made[0]
 
 
-def tried(what: str, rules: Mapping[str, Rule]) -> None:
+def check_rules(what: str, rules: Mapping[str, Rule]) -> None:
     """Try each rule. Raises NotConforming with all broken rules."""
     broken: dict[str, str] = {}
     for name, rule in rules.items():

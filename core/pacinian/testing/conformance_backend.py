@@ -13,7 +13,7 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.errors import BackendError
 from pacinian.plugins.backend import Backend, Capability, Found, Frame
-from pacinian.testing.conformance import Broken, a, called, require, tried
+from pacinian.testing.conformance import Broken, a, call_with_limit, check_rules, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -64,7 +64,7 @@ def check_backend(
     }
     if lose is not None:
         rules["loss"] = lambda: kit.loss(lose)
-    tried(getattr(called("make()", make, limit), "name", "a backend"), rules)
+    check_rules(getattr(call_with_limit("make()", make, limit), "name", "a backend"), rules)
 
 
 class _Kit:
@@ -84,14 +84,14 @@ class _Kit:
 
     def make(self) -> Backend:
         """Construct a new backend."""
-        return called("make()", self._make, self._limit)
+        return call_with_limit("make()", self._make, self._limit)
 
     def call(self, method: Callable[..., Any], *arguments: Any) -> Any:
         """Call a method of the backend, with the time limit."""
-        return called(f"{method.__name__}()", lambda: method(*arguments), self._limit)
+        return call_with_limit(f"{method.__name__}()", lambda: method(*arguments), self._limit)
 
     @contextmanager
-    def opened(self) -> Generator[Backend]:
+    def open_backend(self) -> Generator[Backend]:
         """Open a new backend, and close it afterwards."""
         backend = self.make()
         self.call(backend.open, self.array)
@@ -122,7 +122,7 @@ class _Kit:
             raise Broken(seen) from error
         raise Broken(f"{what} is accepted: it must raise BackendError")
 
-    def sounding(self, backend: Backend, asked: Frame | None, when: str) -> None:
+    def require_heard(self, backend: Backend, asked: Frame | None, when: str) -> None:
         """Require that the last row of a frame, or silence if it is None, is heard within the time limit."""
         if self._heard is None:
             return
@@ -130,7 +130,7 @@ class _Kit:
         want = np.zeros(N) if asked is None else asked.gains(can)[-1]
         due = time.monotonic() + self._limit
         while True:
-            got = np.asarray(called("heard()", lambda: self._heard(backend), self._limit))  # type: ignore[misc]
+            got = np.asarray(call_with_limit("heard()", lambda: self._heard(backend), self._limit))  # type: ignore[misc]
             require(got.shape == (N,), f"heard() must give {N} gains, not {got.shape}")
             off = float(np.abs(got - want).max())
             if off <= (OFF if asked is not None else 0.0):
@@ -185,20 +185,20 @@ class _Kit:
 
     def open_silent(self) -> None:
         """It is silent after `open`."""
-        with self.opened() as backend:
-            self.sounding(backend, None, "after open()")
+        with self.open_backend() as backend:
+            self.require_heard(backend, None, "after open()")
 
     def sounds(self) -> None:
         """It emits what is sent, and frames of amplitude 0 are silent."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             for share in (QUIET, 0.0, QUIET):
                 frame = self.frame(backend.capability, share)
                 self.call(backend.send, frame)
-                self.sounding(backend, frame, "after send()")
+                self.require_heard(backend, frame, "after send()")
 
     def leaves_frames(self) -> None:
         """It does not write to a frame, because the loop may send it again."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             frame = self.frame(backend.capability)
             phase, amplitude = frame.phase.copy(), frame.amplitude.copy()
             self.call(backend.send, frame)
@@ -208,7 +208,7 @@ class _Kit:
 
     def keeps_no_arrays(self) -> None:
         """It does not keep a frame's arrays, because the loop reuses them as soon as `send` returns."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             frame = self.frame(backend.capability)
             kept = [weakref.ref(frame.phase), weakref.ref(frame.amplitude)]
             self.call(backend.send, frame)
@@ -219,69 +219,69 @@ class _Kit:
 
     def read_only(self) -> None:
         """It sends read-only frames, such as those of a recording."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             frame = self.frame(backend.capability)
             frame.phase.flags.writeable = frame.amplitude.flags.writeable = False
             self.call(backend.send, frame)
 
     def rows(self) -> None:
         """It accepts frames of several rows, and jumps of sequence and time."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             for rows in (1, 2, 5, 1):
                 frame = self.frame(backend.capability, rows=rows)
                 self._sequence += rows
                 self.call(backend.send, frame)
-                self.sounding(backend, frame, f"after {rows} rows")
+                self.require_heard(backend, frame, f"after {rows} rows")
 
     def silence(self) -> None:
         """`silence` silences at any time after `open`, any number of times."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.silence)
             self.call(backend.send, self.frame(backend.capability))
             for _ in range(3):
                 self.call(backend.silence)
-                self.sounding(backend, None, "after silence()")
+                self.require_heard(backend, None, "after silence()")
 
     def sounds_again(self) -> None:
         """It emits what is sent after `silence`."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             for _ in range(2):
                 frame = self.frame(backend.capability)
                 self.call(backend.send, frame)
-                self.sounding(backend, frame, "after silence() and send()")
+                self.require_heard(backend, frame, "after silence() and send()")
                 self.call(backend.silence)
 
     def close_silent(self) -> None:
         """`close` silences."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.send, self.frame(backend.capability))
             self.call(backend.close)
-            self.sounding(backend, None, "after close()")
+            self.require_heard(backend, None, "after close()")
 
     def close_twice(self) -> None:
         """`close` may be called twice."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.close)
             self.call(backend.close)
 
     def send_after_close(self) -> None:
         """It refuses a frame after `close`, and emits nothing."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.close)
             self.refuses("send() after close()", backend.send, self.frame(backend.capability))
-            self.sounding(backend, None, "after close() and send()")
+            self.require_heard(backend, None, "after close() and send()")
 
     def gives_back(self) -> None:
         """After `close`, another backend can open the device."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.send, self.frame(backend.capability))
             self.call(backend.close)
-            with self.opened() as other:
+            with self.open_backend() as other:
                 self.call(other.send, self.frame(other.capability))
 
     def loss(self, lose: Callable[[Any], None]) -> None:
         """`send` to a device that is gone raises BackendError, at once and from then on; `close` raises nothing."""
-        with self.opened() as backend:
+        with self.open_backend() as backend:
             self.call(backend.send, self.frame(backend.capability))
             lose(backend)
             for _ in range(2):

@@ -18,7 +18,7 @@ from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
 from pacinian.solving.solution import Solution, Status
-from pacinian.testing.conformance import a, called, require, tried
+from pacinian.testing.conformance import a, call_with_limit, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def check_solver(
     quality of the answers, also on harder problems, use `pacinian stress --solvers NAME`.
     """
     kit = _Kit(make, array or lattice(0.09, 0.09), limit)
-    tried(
-        getattr(called("make()", make, limit), "name", "a solver"),
+    check_rules(
+        getattr(call_with_limit("make()", make, limit), "name", "a solver"),
         {
             "class": kit.its_class,
             "finite": kit.finite,
@@ -78,7 +78,7 @@ class _Kit:
 
     def make(self) -> Solver:
         """Construct a new solver."""
-        return called("make()", self._make, self._limit)
+        return call_with_limit("make()", self._make, self._limit)
 
     def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
         """Make an ordinary problem for the kit's array."""
@@ -107,7 +107,7 @@ class _Kit:
         targets, limits, time, gains = (
             problem.targets, problem.limits, budget or Budget(), cast("Gains", out),
         )  # fmt: skip
-        result = called(
+        result = call_with_limit(
             "solve()",
             lambda: solver.solve(propagator, targets, limits, warm, time, gains),
             self._limit,
@@ -124,7 +124,7 @@ class _Kit:
     def session(self, problem: Problem) -> Solution:
         """Solve through a session, as users do."""
         session = Session(self.array, solver=self.make())
-        return called(
+        return call_with_limit(
             "Session.solve()",
             lambda: session.solve(
                 problem.q,
@@ -196,7 +196,7 @@ class _Kit:
         before = {name: np.array(value) for name, value in shared.items()}
         version, out = propagator.version, np.zeros(len(self.array), np.complex64)
         solver = self.make()
-        called(
+        call_with_limit(
             "solve()",
             lambda: solver.solve(propagator, targets, problem.limits, warm, Budget(), out),
             self._limit,
@@ -313,7 +313,7 @@ class _Kit:
         for name, problem in make_regions(self.array):
             for q in (problem.q, problem.q + ASIDE):
                 solve = partial(session.solve, q, problem.t, regions=problem.regions)
-                solution = called("Session.solve()", solve, self._limit)
+                solution = call_with_limit("Session.solve()", solve, self._limit)
                 if solution.status is Status.ok:
                     p = self.reference(q) @ solution.gains.astype(np.complex128)
                     self._is_one_wave(name, replace(problem, q=q), p)

@@ -40,7 +40,7 @@ class Problem:
     @property
     def targets(self) -> Targets:
         """The targets, as a solver receives them."""
-        return Targets.checked(len(self.q), self.t, self.phases, "exact", self.regions)
+        return Targets.make_checked(len(self.q), self.t, self.phases, "exact", self.regions)
 
 
 def make_ordinary(

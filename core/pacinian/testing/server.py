@@ -76,13 +76,13 @@ class Running:
                 found[name] = Usage(memory, times.user + times.system, files)
         return found
 
-    def said(self) -> str:
+    def read_log(self) -> str:
         """Return the log."""
         return self.log.read_text(encoding="utf-8", errors="replace")
 
 
 @contextmanager
-def serving(settings: Settings | None = None, *, limit: float = START) -> Generator[Running]:
+def run_server(settings: Settings | None = None, *, limit: float = START) -> Generator[Running]:
     """Start `pacinian serve`, wait until it is ready, and finally end it with all of its processes.
 
     settings: settings of the server; its defaults if None. The connection file is always a private one. Raises
@@ -107,7 +107,7 @@ def serving(settings: Settings | None = None, *, limit: float = START) -> Genera
         running, children = Running(process, connection, log), set[psutil.Process]()
         try:
             _ready(running, limit)
-            children = _children(running)  # to end them even if the first process is killed
+            children = _list_children(running)  # to end them even if the first process is killed
             yield running
         finally:
             _end(running, children)
@@ -118,15 +118,15 @@ def _ready(running: Running, limit: float) -> None:
     while not running.connection.exists():
         code = running.process.poll()
         if code is not None:
-            raise ServerError(f"the server ended with {code}: {running.said()[-TOLD:].strip()}")
+            raise ServerError(f"the server ended with {code}: {running.read_log()[-TOLD:].strip()}")
         if time.monotonic() > due:
             raise ServerError(
-                f"the server is not ready after {limit:g} s: {running.said()[-TOLD:]}"
+                f"the server is not ready after {limit:g} s: {running.read_log()[-TOLD:]}"
             )
         time.sleep(POLL_INTERVAL)
 
 
-def _children(running: Running) -> set[psutil.Process]:
+def _list_children(running: Running) -> set[psutil.Process]:
     import psutil
 
     try:
@@ -138,7 +138,7 @@ def _children(running: Running) -> set[psutil.Process]:
 def _end(running: Running, children: set[psutil.Process]) -> None:
     import psutil
 
-    children = children | _children(running)
+    children = children | _list_children(running)
     running.process.terminate()
     try:
         running.process.wait(END)

@@ -119,7 +119,7 @@ class HostGuard:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
-        if not allowed(Headers(scope=scope)):
+        if not is_allowed(Headers(scope=scope)):
             if scope["type"] == "websocket":
                 await WebSocket(scope, receive, send).close(CLOSED)
             else:
@@ -134,7 +134,7 @@ class HostGuard:
         await self._app(scope, receive, sent)
 
 
-def allowed(headers: Headers) -> bool:
+def is_allowed(headers: Headers) -> bool:
     """Whether the host is a name of this machine and the origin, if there is one, is our own page."""
     host, origin = headers.get("host", ""), headers.get("origin")
     try:

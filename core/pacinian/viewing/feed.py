@@ -69,7 +69,7 @@ class PageConnection:
                 self._windows[asked.what].ask(None)
             case Seen():
                 for window in self._windows.values():
-                    window.seen(asked.id)
+                    window.note_seen(asked.id)
             case Record():
                 self._hub.record(self._view.number, asked.on)
             case _:
@@ -110,7 +110,7 @@ class PageConnection:
             if pressure is None:
                 continue
             window.unseen = asked.id
-            await self._send(_told(asked, pressure, drive))
+            await self._send(_encode_answer(asked, pressure, drive))
             await asyncio.sleep(begin + MIN_INTERVAL - time.perf_counter())
 
 
@@ -134,14 +134,14 @@ class Window:
         """Whether the request is still the current one."""
         return self.asked is asked
 
-    def seen(self, number: int) -> None:
+    def note_seen(self, number: int) -> None:
         """Note that the page has received the reply with that id."""
         if number == self.unseen:
             self.unseen = 0
             self.turn.set()
 
 
-def _told(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
+def _encode_answer(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
     if isinstance(asked, Skin):
         felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
         return encode_message(

@@ -44,7 +44,7 @@ class Drive(NamedTuple):
         one = 8 * len(self.model.array)
         return 1 if asked.over == "instant" else max(len(self.gains) // one, 1)
 
-    def chosen(self, asked: Slice | Volume) -> Drive:
+    def choose_frames(self, asked: Slice | Volume) -> Drive:
         """Return the drive with the frames that count for the request, scaled so that all have equal shares.
 
         An error always uses the mean. The peak needs no shares.

@@ -52,7 +52,7 @@ class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
     over: Over = "mean"
 
     def __post_init__(self) -> None:
-        _few(self.shape)
+        _check_point_count(self.shape)
         lengths = math.hypot(*self.u), math.hypot(*self.v)
         along = sum(a * b for a, b in zip(self.u, self.v, strict=True))
         if max(abs(along), *(abs(length - 1.0) for length in lengths)) > PERPENDICULAR:
@@ -73,7 +73,7 @@ class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
     over: Over = "mean"
 
     def __post_init__(self) -> None:
-        _few(self.shape)
+        _check_point_count(self.shape)
 
 
 class Hide(PageMessage, frozen=True, kw_only=True, tag="hide"):
@@ -336,6 +336,6 @@ def encode_message(message: ServerMessage) -> bytes:
     return _encoder.encode(message)
 
 
-def _few(shape: tuple[int, ...]) -> None:
+def _check_point_count(shape: tuple[int, ...]) -> None:
     if math.prod(shape) > MAX_POINTS:
         raise ValueError(f"`shape` must be at most {MAX_POINTS:,} points")

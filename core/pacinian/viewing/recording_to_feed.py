@@ -75,7 +75,7 @@ class Stage:
             return None
         new: dict[str, Raw] = {}
         poses: dict[str, bytes] = {}
-        for name, item in _named(tick.asked.scene):
+        for name, item in _iterate_objects(tick.asked.scene):
             kind, shape = self._shapes.get(name, (None, None))
             now = getattr(item, "shape", getattr(item, "positions", None))
             if kind is not type(item) or shape is not now:
@@ -93,7 +93,7 @@ class Stage:
         return scenery.encode(since)
 
 
-def _named(scene: Scene) -> Iterator[tuple[str, Object]]:
+def _iterate_objects(scene: Scene) -> Iterator[tuple[str, Object]]:
     for i, item in enumerate(scene.objects):
         yield item.name or f"object {i + 1}", item
 
@@ -158,7 +158,9 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
     hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]
     told: dict[str, Any] = {
         "solver": "" if asked is None else asked.solver.name,
-        "objects": () if asked is None else tuple(name for name, _ in _named(asked.scene)),
+        "objects": ()
+        if asked is None
+        else tuple(name for name, _ in _iterate_objects(asked.scene)),
         "hands": b"".join(hands),
         "rate": recording.settings["rate"],
     }

@@ -85,7 +85,7 @@ def compute_error(
     return found
 
 
-def felt_and_asked(
+def compute_felt_and_asked(
     array: Array, medium: Air, gains: Gains, at: Floats, across: Floats, regions: Regions
 ) -> tuple[Floats, Floats]:
     """Return the radiation pressure on the skin, or on a surface in the air, and the target there, (P,) [Pa] each.
@@ -168,9 +168,11 @@ def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float =
     x = at[rows] - np.einsum("pk,pk->p", at[rows] - q[m], up[m])[:, None] * up[m]
 
     away, around = _nearest(tree, x, AROUND)
-    limit = CLOSE * _spacing(tree, index)[m]
+    limit = CLOSE * _compute_spacing(tree, index)[m]
     own = (index[around] == index[m][:, None]) & (away <= limit[:, None])
-    inside = _surrounded(x, up[m], q[around], own) | (own & (away <= MERGE_DISTANCE)).any(axis=1)
+    inside = _are_surrounded(x, up[m], q[around], own) | (own & (away <= MERGE_DISTANCE)).any(
+        axis=1
+    )
     weight = own / (away * away + MERGE_DISTANCE * MERGE_DISTANCE)
     asked = np.where(inside, (weight * P[around]).sum(axis=1), 0.0)
     asked /= np.where(inside, weight.sum(axis=1), 1.0)
@@ -178,7 +180,7 @@ def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float =
     return Places(rows[kept], x[kept], n[m][kept], asked[kept])
 
 
-def _spacing(tree: KDTree, index: Indices) -> Floats:
+def _compute_spacing(tree: KDTree, index: Indices) -> Floats:
     """Return the local spacing: the median nearest-neighbour distance around each sample, (M,) [m]; 0 if alone."""
     away, around = _nearest(tree, np.asarray(tree.data), AROUND)
     own = (index[around] == index[:, None]) & np.isfinite(away)
@@ -195,7 +197,7 @@ def _nearest(tree: KDTree, x: Floats, count: int) -> tuple[Floats, Indices]:
     return np.asarray(away), np.minimum(which, tree.n - 1)
 
 
-def _surrounded(x: Floats, n: Floats, q: Floats, own: Flags) -> Flags:
+def _are_surrounded(x: Floats, n: Floats, q: Floats, own: Flags) -> Flags:
     """Whether the samples q, (K, A, 3), selected by `own`, (K, A), lie on all sides of each place x, (K, 3)."""
     other = np.where(np.abs(n[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[0.0, 1.0, 0.0]])
     u = np.cross(other, n)

@@ -75,22 +75,22 @@ class FieldWorker:
         reply is the pressure on regions, then its target. Pressures are NaN on a transducer, errors away from regions.
         Returns None as soon as the result is no longer `wanted`. Raises ArgumentError.
         """
-        where, drive, peak = make_grid(asked), drive.chosen(asked), asked.over == "peak"
+        where, drive, peak = make_grid(asked), drive.choose_frames(asked), asked.over == "peak"
         count = math.prod(where.shape)
         if isinstance(asked, Skin):
             if drive.regions is None or not drive.gains:
                 return np.full(2 * count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._done(compute_skin, drive, where, across, drive.regions)
+            return await self._run(compute_skin, drive, where, across, drive.regions)
         if isinstance(asked, Slice) and asked.of == "error":
             if drive.regions is None:
                 return np.full(count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._done(compute_region_errors, drive, where, across, drive.regions)
+            return await self._run(compute_region_errors, drive, where, across, drive.regions)
         if not drive.gains:
             return bytes(4 * count)
         if where not in self._rough:
-            if found := await self._done(interpolate_pressure, drive, where, peak):
+            if found := await self._run(interpolate_pressure, drive, where, peak):
                 return found
             self._rough.append(where)
         step = max(256, int(PAIRS / len(drive.model.array)))
@@ -98,10 +98,10 @@ class FieldWorker:
         for begin in range(0, count, step):
             if not wanted():
                 return None
-            made.append(await self._done(compute_pressure, drive, where, begin, begin + step, peak))
+            made.append(await self._run(compute_pressure, drive, where, begin, begin + step, peak))
         return b"".join(made)
 
-    async def _done(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
+    async def _run(self, work: Callable[..., bytes], drive: Drive, *about: Any) -> bytes:
         """Run `work` in the other process, which is restarted once if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
@@ -143,13 +143,13 @@ def interpolate_pressure(
     peak: return the maximum over the frames instead of their mean.
     """
     from pacinian.acoustics.pressure import radiation_pressure
-    from pacinian.solving.blas import one_thread
+    from pacinian.solving.blas import limit_blas_threads
 
-    array, medium = _unpacked(model)
+    array, medium = _unpack_model(model)
     basis, shares = compress_gains(_frames(gains, array))
     fields: list[Complexes] = []
     for g in basis:
-        with one_thread():
+        with limit_blas_threads():
             p = where.field(array, g, medium)
         if p is None:
             return b""
@@ -172,7 +172,7 @@ def compute_pressure(
     from pacinian.acoustics.propagation import field
     from pacinian.errors import PointOnTransducer
 
-    array, medium = _unpacked(model)
+    array, medium = _unpack_model(model)
     (frames, shares), at = compress_gains(_frames(gains, array)), _points(where)[begin:end]
     found = np.full(len(at), np.nan, np.float32)
     here = np.ones(len(at), np.bool_)
@@ -200,7 +200,7 @@ def compute_region_errors(
     """Return the error of the pressure on regions near the points of a grid, float32 [Pa]: `compute_error`."""
     from pacinian.viewing.region_error import compute_error
 
-    array, medium = _unpacked(model)
+    array, medium = _unpack_model(model)
     found = compute_error(
         array, medium, _frames(gains, array), _points(where), np.array(across), regions
     )
@@ -214,12 +214,12 @@ def compute_skin(
     across: tuple[float, ...],
     regions: Regions,
 ) -> bytes:
-    """Return the pressure on regions near the points of a grid, then its target, float32 [Pa]: `felt_and_asked`."""
-    from pacinian.viewing.region_error import felt_and_asked
+    """Return the pressure on regions near the points of a grid, then its target, float32 [Pa]."""
+    from pacinian.viewing.region_error import compute_felt_and_asked
 
-    array, medium = _unpacked(model)
+    array, medium = _unpack_model(model)
     frames, at = _frames(gains, array), _points(where)
-    found = felt_and_asked(array, medium, frames, at, np.array(across), regions)
+    found = compute_felt_and_asked(array, medium, frames, at, np.array(across), regions)
     return np.concatenate(found).astype(np.float32).tobytes()
 
 
@@ -245,7 +245,7 @@ def _frames(gains: bytes, array: Array) -> Gains:
 
 
 @functools.lru_cache(maxsize=2)
-def _unpacked(model: bytes) -> tuple[Array, Air]:
+def _unpack_model(model: bytes) -> tuple[Array, Air]:
     made: tuple[Array, Air] = pickle.loads(model)  # from our own process
     return made
 

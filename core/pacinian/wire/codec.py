@@ -56,7 +56,7 @@ def encode(message: Struct) -> bytes:
     try:
         data = _encoder.encode(message)
     except WRONG as error:
-        raise _explained(error) from error
+        raise _convert_error(error) from error
     most = MAX_CONTROL_BYTES if isinstance(message, CONTROLS) else MAX_COMMAND_BYTES
     if len(data) > most:
         raise _too_long(data, most)
@@ -83,12 +83,12 @@ def decode_state(data: Bytes) -> AnyState:
     return _decode(_states, data, MAX_REPLY_BYTES)
 
 
-def checked(decoder: Decoder[T], value: Any, path: str = "$") -> T:
+def check_part(decoder: Decoder[T], value: Any, path: str = "$") -> T:
     """Validate the part of a message at `path` and return it. Raises WireError."""
     try:
         return decoder.decode(_encoder.encode(value))
     except WRONG as error:
-        raised = _explained(error)
+        raised = _convert_error(error)
         raise WireError(raised.problem, path + raised.path.removeprefix("$")) from error
 
 
@@ -106,14 +106,14 @@ def _decode(decoder: Decoder[T], data: Bytes, most: int) -> T:
     try:
         return decoder.decode(data)
     except WRONG as error:
-        raise _explained(error) from error
+        raise _convert_error(error) from error
 
 
 def _too_long(data: Bytes, most: int) -> WireError:
     return WireError(f"is {len(data):,} bytes: keep to {most:,}", "$")
 
 
-def _explained(error: Any) -> WireError:
+def _convert_error(error: Any) -> WireError:
     if isinstance(error, RecursionError):
         return WireError("is nested too deeply", "$")
     if isinstance(error, MemoryError):

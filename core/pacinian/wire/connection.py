@@ -69,14 +69,14 @@ class Connection(Struct, frozen=True, kw_only=True):
         """Remove the file, unless its contents have changed."""
         path = locate_connection(path)
         with suppress(ServerError, OSError):
-            if _decoded(path) == self:
+            if _read_connection(path) == self:
                 path.unlink()
 
     @classmethod
     def read(cls, path: str | Path = "") -> Connection:
         """Read the file of a running server. Raises ServerError, which names the remedy."""
         path = locate_connection(path)
-        made = _decoded(path)
+        made = _read_connection(path)
         if made.pid and not _runs(made.pid):
             raise ServerError(
                 f"{path}: the server that wrote it (process {made.pid}) has gone; {FIX}"
@@ -100,16 +100,16 @@ def locate_connection(path: str | Path = "") -> Path:
 def check_replaceable(path: Path) -> None:
     """Refuse to overwrite a file that no server on this machine has written. Raises ServerError."""
     try:
-        text = _opened(path)[1]
+        text = _read_file(path)[1]
     except FileNotFoundError:
         return
-    if text and not _parsed(path, text).pid:
+    if text and not _decode_connection(path, text).pid:
         raise ServerError(f"{path}: belongs to a server on another machine: choose another file")
 
 
-def _decoded(path: Path) -> Connection:
+def _read_connection(path: Path) -> Connection:
     try:
-        status, text = _opened(path)
+        status, text = _read_file(path)
     except FileNotFoundError:
         raise ServerError(f"{path}: no connection file; {FIX}") from None
     if os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
@@ -119,10 +119,10 @@ def _decoded(path: Path) -> Connection:
         )
     if os.name == "posix" and status.st_uid not in (os.getuid(), 0):
         raise ServerError(f"{path}: belongs to another user, whose server may not be yours")
-    return _parsed(path, text)
+    return _decode_connection(path, text)
 
 
-def _opened(path: Path) -> tuple[os.stat_result, bytes]:
+def _read_file(path: Path) -> tuple[os.stat_result, bytes]:
     """Return the file's status and contents. Raises FileNotFoundError, ServerError."""
     try:
         with path.open("rb") as file:
@@ -134,7 +134,7 @@ def _opened(path: Path) -> tuple[os.stat_result, bytes]:
         raise ServerError(f"{path}: cannot be read: {problem}") from error
 
 
-def _parsed(path: Path, text: bytes) -> Connection:
+def _decode_connection(path: Path, text: bytes) -> Connection:
     try:
         return msgspec.json.decode(text, type=Connection)
     except (msgspec.DecodeError, ValueError, RecursionError) as error:

@@ -13,7 +13,7 @@ from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.motion import Motion
 from pacinian.wire import objects
 from pacinian.wire.binary_arrays import pack, unpack
-from pacinian.wire.codec import checked
+from pacinian.wire.codec import check_part
 from pacinian.wire.convert_shapes import (
     pose_to_scene,
     pose_to_wire,
@@ -66,7 +66,7 @@ def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object
     WireError if the object cannot be sent or exceeds the bounds of the wire, and ArgumentError if it is no object.
     """
     check_kind("item", item, scene.Point, scene.Path, scene.Particles, scene.Surface, scene.Volume)
-    return checked(_objects, locate_errors("$", lambda i: _to_wire(i, duration), item))
+    return check_part(_objects, locate_errors("$", lambda i: _to_wire(i, duration), item))
 
 
 def _to_scene(name: str, item: objects.Object, default: Technique, time: float) -> scene.Object:

@@ -14,7 +14,7 @@ from pacinian.scene.modulation import technique as scene_technique
 from pacinian.scene.modulation import wav
 from pacinian.wire import time
 from pacinian.wire.binary_arrays import pack, unpack
-from pacinian.wire.codec import checked
+from pacinian.wire.codec import check_part
 from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
 from pacinian.wire.error_path import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
@@ -55,7 +55,7 @@ def envelope_to_wire(envelope: scene_envelope.Envelope, path: str = "$.envelope"
     """Convert a scene envelope to a wire envelope. Reads its file. Raises WireError, also beyond the wire's bounds."""
     if envelope is scene_envelope.STEADY:
         return time.STEADY
-    return checked(_envelopes, locate_errors(path, _envelope_to_wire, envelope), path)
+    return check_part(_envelopes, locate_errors(path, _envelope_to_wire, envelope), path)
 
 
 def technique_to_scene(technique: time.Technique, path: str = "$.technique") -> Technique:
@@ -66,7 +66,7 @@ def technique_to_scene(technique: time.Technique, path: str = "$.technique") -> 
 
 def technique_to_wire(technique: Technique, path: str = "$.technique") -> time.Technique:
     """Convert a scene technique to a wire technique. Raises WireError, also beyond the wire's bounds."""
-    return checked(_techniques, locate_errors(path, _technique_to_wire, technique), path)
+    return check_part(_techniques, locate_errors(path, _technique_to_wire, technique), path)
 
 
 def _envelope_to_scene(envelope: Any) -> Any:

@@ -40,15 +40,15 @@ def _parts() -> dict[str, str]:
         "codes": _meanings("code", replies.CODES),
         "outputs": _meanings("output", state.OUTPUTS),
         "presets": ", ".join(f'`"{name}"`' for name in get_args(time.PresetName)),
-        "command fields": _table(commands.Command),
+        "command fields": _format_table(commands.Command),
         "commands": sections(commands.COMMANDS, commands.Command),
         "command parts": sections([commands.HandFrame, commands.Zone]),
-        "request fields": _table(control.Request),
+        "request fields": _format_table(control.Request),
         "controls": sections([*control.CONTROLS, control.Choice], control.Request),
-        "reply fields": _table(replies.Reply),
+        "reply fields": _format_table(replies.Reply),
         "replies": sections([*replies.REPLIES, replies.Plugin, replies.Sound], replies.Reply),
         "states": sections([*state.STATES, state.ClientState]),
-        "felt fields": _table(objects.Felt),
+        "felt fields": _format_table(objects.Felt),
         "objects": sections(objects.OBJECTS, objects.Felt),
         "object parts": sections([shapes.Pose, objects.Texture, objects.Material, objects.Motion]),
         "shells": sections(_kinds(shapes.Shell)),
@@ -76,10 +76,10 @@ def _links(group: Any) -> str:
 
 def _section(kind: type[Struct], base: type[Struct] | None) -> str:
     inherited = base if base and issubclass(kind, base) else None
-    return f"### `{name_class(kind)}`\n\n{summarise(kind)}\n\n{_table(kind, inherited)}".rstrip()
+    return f"### `{name_class(kind)}`\n\n{summarise(kind)}\n\n{_format_table(kind, inherited)}".rstrip()
 
 
-def _table(kind: type[Struct], base: type[Struct] | None = None) -> str:
+def _format_table(kind: type[Struct], base: type[Struct] | None = None) -> str:
     said = describe_fields(kind, but=base)
     if not said:
         return ""

@@ -114,7 +114,7 @@ def bench(
     if context.invoked_subcommand is not None:
         _alone(context)
         return
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
     from pacinian_lab.solvers import report, run
     from pacinian_lab.solvers.problems import problems
 
@@ -123,7 +123,7 @@ def bench(
         chosen[name] = value if chosen[name] is None else chosen[name]
     todo = problems(chosen["units"], chosen["points"], chosen["levels"], chosen["seeds"])
     for name in solvers or ():
-        installed().find("solver", name)
+        discover_plugins().find("solver", name)
     allowed = set(threads or ({1} if quick else {1, run.cores()}))
     if min(allowed) < 1:
         raise click.BadParameter("must be 1 or more", param_hint="--threads")

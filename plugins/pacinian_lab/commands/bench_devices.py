@@ -25,7 +25,7 @@ def devices(seconds: float, as_markdown: bool, as_json: bool) -> None:
     from pacinian_lab.devices import pacing as bench
 
     found = list(bench.loads())
-    rates = [bench.held(2000.0, 1, seconds), bench.held(1000.0, 2, seconds)]
+    rates = [bench.measure_rate(2000.0, 1, seconds), bench.measure_rate(1000.0, 2, seconds)]
     if as_json:
         plain = {"loads": [asdict(one) for one in found], "rates": [asdict(one) for one in rates]}
         click.echo(json.dumps(plain))

@@ -18,10 +18,10 @@ def expiry(short: bool, as_json: bool) -> None:
     """
     from rich.console import Console
 
-    from pacinian_lab.server.expiry import FULL, SHORT, measure, table
+    from pacinian_lab.server.expiry import FULL, SHORT, measure, tabulate
 
     rows = list(measure(sizes=SHORT if short else FULL))
     if as_json:
         click.echo(json.dumps([asdict(row) for row in rows]))
     else:
-        Console().print(table(rows))
+        Console().print(tabulate(rows))

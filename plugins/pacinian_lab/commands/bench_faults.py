@@ -96,7 +96,13 @@ def hostile(messages: int, seconds: float, seed: int, as_json: bool) -> None:
         click.echo(json.dumps(told))
     else:
         console = Console()
-        shown = (tables.phases, tables.sent, tables.refused, tables.memory, tables.judged)
+        shown = (
+            tables.phases,
+            tables.tabulate_sent,
+            tables.tabulate_errors,
+            tables.memory,
+            tables.tabulate_verdicts,
+        )
         for made in shown:
             console.print(made(found))
             console.print()

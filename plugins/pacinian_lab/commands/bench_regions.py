@@ -67,7 +67,7 @@ def regions(
     of which the mean over time counts. docs/regions.md explains the figures.
     """
     from pacinian.acoustics.array import autd
-    from pacinian.plugins.registry import installed
+    from pacinian.plugins.registry import discover_plugins
     from pacinian_lab.regions.shapes import SHAPES
 
     side = math.isqrt(max(units, 0))
@@ -79,7 +79,7 @@ def regions(
                 f"{name!r} is not one of {'; '.join(SHAPES)}", param_hint="--shape"
             )
     for name in solvers:
-        installed().find("solver", name)
+        discover_plugins().find("solver", name)
     names = chosen or tuple(SHAPES)
     if cost:
         _measure_cost(as_json)

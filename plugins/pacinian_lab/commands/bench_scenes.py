@@ -169,7 +169,7 @@ def _print(found: Found) -> None:
     console = Console()
     shown = [
         scene_tables.scenes(found.rows),
-        scene_tables.felt(found.rows),
+        scene_tables.tabulate_felt(found.rows),
         scene_tables.stages(found.rows),
     ]
     if found.savings:

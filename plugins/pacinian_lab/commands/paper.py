@@ -29,7 +29,7 @@ def paper(out: Path, as_json: bool, no_figures: bool) -> None:
 
     from pacinian_lab.paper.report import plain
 
-    draw = None if no_figures else _drawing(out)
+    draw = None if no_figures else _prepare_drawing(out)
     report = _compute()
     files = draw(report, out) if draw else []
     if as_json:
@@ -51,7 +51,7 @@ def _compute() -> Report:
         return report.make(lambda: progress.advance(task))
 
 
-def _drawing(folder: Path) -> Callable[[Report, Path], list[Path]]:
+def _prepare_drawing(folder: Path) -> Callable[[Report, Path], list[Path]]:
     """Return the drawing function. Fails before the work if a library is missing or the folder cannot be made."""
     from pacinian_lab.paper.figures import draw
 

@@ -63,13 +63,13 @@ def study(
     if file is None:
         raise click.UsageError("Missing argument 'FILE'.")
     from pacinian_lab.study.store import Folder
-    from pacinian_lab.study.work import planned, todo
+    from pacinian_lab.study.work import make_plan, todo
 
     if scheduler is not None and (workers is not None or dashboard):
         raise click.UsageError(
             "--workers and --dashboard apply to local workers only: leave --scheduler out"
         )
-    plan = planned(file)
+    plan = make_plan(file)
     folder = Folder(out or Path(file.stem))
     missing = sum(map(len, todo(plan, folder, retry=retry)))
     if listed:
@@ -96,9 +96,9 @@ def study(
 
 
 def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
-    from pacinian_lab.study.store import described
+    from pacinian_lab.study.store import describe_task
 
-    rows, done = [described(task) for task in plan.tasks], folder.rows()
+    rows, done = [describe_task(task) for task in plan.tasks], folder.rows()
     if as_json:
         click.echo(json.dumps({"tasks": rows, "missing": missing}))
         return
@@ -111,7 +111,7 @@ def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
 
 def _changes(plan: Plan, folder: Folder, missing: int) -> None:
     """Print which results in the folder are still valid."""
-    before, keys = folder.asked()
+    before, keys = folder.read_asked()
     for problem in folder.unreadable:
         click.echo(f"cannot read results, so their tasks run again: {problem}", err=True)
     if before and before != plan.digest:

@@ -80,19 +80,19 @@ def loads() -> Iterator[Load]:
         for rows in (2, 1):
             backend = _open(array)
             frame = _frame(array, 2, alike=rows == 1)
-            size = sum(len(message) for message in backend.packed(frame))
+            size = sum(len(message) for message in backend.pack_frame(frame))
             backend.close()
             rate = size / TICK
             yield Load(grid[0] * grid[1], rows, size, rate, rate / FULL_SPEED, rate / HIGH_SPEED)
 
 
-def held(rate: float, rows: int, seconds: float) -> Held:
+def measure_rate(rate: float, rows: int, seconds: float) -> Held:
     """Send frames of `rows` rows to nine units at a rate [Hz]."""
     array = autd(3, 3)
     backend, clock = _open(array), SystemClock()
     frames = [_frame(array, rows, seed=k) for k in range(8)]
     copy = measure(lambda: (frames[0].phase.copy(), frames[0].amplitude.copy()), 0.1)[1].p50
-    pack = measure(lambda: backend.packed(frames[0]), 0.1)[1].p50
+    pack = measure(lambda: backend.pack_frame(frames[0]), 0.1)[1].p50
     backend.close()
     backend = _open(array)
     late: list[float] = []

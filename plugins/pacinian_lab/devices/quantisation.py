@@ -114,7 +114,7 @@ def _below(size: Floats, can: Capability) -> Indices:
     return np.asarray(np.clip(found, 0, len(can.sizes) - 2), np.intp)
 
 
-def measured(array: Array, count: int, level: float, seed: int) -> dict[str, Floats]:
+def measure_errors(array: Array, count: int, level: float, seed: int) -> dict[str, Floats]:
     """Return errors of |p| at `count` points, by device and way: of a row, of the rows' mean, and the ghost.
 
     level: relative to the strongest possible single focus, shared by the points. ghost: |p| at the loudest place that
@@ -153,7 +153,7 @@ def main() -> None:
     cases = [(name, count) for name in ARRAYS for count in (1, 4, 16)]
     for level in LEVELS:
         table = {
-            (name, count): [measured(ARRAYS[name](), count, level, s) for s in range(SEEDS)]
+            (name, count): [measure_errors(ARRAYS[name](), count, level, s) for s in range(SEEDS)]
             for name, count in cases
         }
         click.echo(

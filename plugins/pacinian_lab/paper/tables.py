@@ -28,7 +28,7 @@ def outcomes(results: Experiment) -> Table:
         cells = [f"{o.correlation:.2f} {o.error:.2f} {o.maximum:.2f}" for o in found]
         rows.append([name, *cells])
     title = "Experiment, |p| against the target: correlation, relative error, maximum"
-    return _table(title, ["pattern", *experiment.CASES], rows)
+    return _make_table(title, ["pattern", *experiment.CASES], rows)
 
 
 def spectra(results: Experiment) -> Table:
@@ -44,7 +44,7 @@ def spectra(results: Experiment) -> Table:
         for s in results.spectra.values()
     ]
     head = ["case", "B", "rank", "condition", "within the rank"]
-    return _table("Matrix B", head, rows)
+    return _make_table("Matrix B", head, rows)
 
 
 def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
@@ -63,7 +63,7 @@ def baseline(comparisons: dict[tuple[str, str], Comparison]) -> Table:
             row += [f"{o.correlation:.2f} {o.maximum:.2f}" for o in (c, c.pseudo_inverse)]
         rows.append(row)
     title = "Fourier baseline and pseudo-inverse: correlation, maximum"
-    return _table(title, ["pattern", *head], rows)
+    return _make_table(title, ["pattern", *head], rows)
 
 
 def widths(found: Iterable[Width]) -> Table:
@@ -77,7 +77,7 @@ def widths(found: Iterable[Width]) -> Table:
         for w in found
     ]
     head = ["axis", "aperture", "minimum", "integral", "1.22 lambda z/a", "half", "integral"]
-    return _table("Focus of 9 units at 600 mm: main lobe [mm]", head, rows)
+    return _make_table("Focus of 9 units at 600 mm: main lobe [mm]", head, rows)
 
 
 def forces(found: Iterable[Force]) -> Table:
@@ -95,14 +95,14 @@ def forces(found: Iterable[Force]) -> Table:
         for f in found
     ]
     head = ["units", "z [mm]", "SPL [dB]", "peak [Pa]", "model [gf]", "measured [gf]", "shock [mm]"]
-    return _table("Force of a focus, linear model and measured in the paper", head, rows)
+    return _make_table("Force of a focus, linear model and measured in the paper", head, rows)
 
 
 def _condition(value: float) -> str:
     return f"{value:.0f}" if math.isfinite(value) else "infinite"
 
 
-def _table(title: str, head: list[str], rows: list[list[str]]) -> Table:
+def _make_table(title: str, head: list[str], rows: list[list[str]]) -> Table:
     """Return a table that takes its texts literally, so that a unit in brackets is not markup."""
     table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, collapse_padding=True)
     for n, name in enumerate(head):

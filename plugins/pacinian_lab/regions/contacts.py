@@ -18,7 +18,7 @@ from pacinian.scene.shapes import Box, Sphere
 from pacinian.session import Session
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.run import FREE, OURS
-from pacinian_lab.regions.skin import felt_on_skin
+from pacinian_lab.regions.skin import measure_felt
 from pacinian_lab.solvers.problems import AIR
 
 if TYPE_CHECKING:
@@ -84,14 +84,14 @@ def measure_contacts(array: Array) -> Iterator[Contact]:
         scene = make()
         for way in (OURS, *FREE):
             gains, samples, saturation = (
-                _rendered(array, scene) if way == OURS else _focused(array, scene, FREE[way])
+                _render_frames(array, scene) if way == OURS else _make_foci(array, scene, FREE[way])
             )
-            felt = felt_on_skin(array, AIR, scene, TICKS * PERIOD, gains)
+            felt = measure_felt(array, AIR, scene, TICKS * PERIOD, gains)
             assert felt is not None, name
             yield Contact(name, way, PRESSURE, samples, *felt, saturation)
 
 
-def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
+def _render_frames(array: Array, scene: Scene) -> tuple[Gains, int, float]:
     """Return the frames that the device plays in turn, (K, N), the number of samples, and the saturation."""
     with Renderer(array, scene, medium=AIR, clock=ManualClock()) as renderer:
         for k in range(TICKS):
@@ -101,7 +101,7 @@ def _rendered(array: Array, scene: Scene) -> tuple[Gains, int, float]:
         return renderer.sounding, len(renderer.samples), renderer.solution.saturation
 
 
-def _focused(array: Array, scene: Scene, spacing: float) -> tuple[Gains, int, float]:
+def _make_foci(array: Array, scene: Scene, spacing: float) -> tuple[Gains, int, float]:
     """Make free-phase foci on the touched skin, `spacing` [m] apart."""
     sampler = Sampler(BUDGET, spacing)
     sampler.prepare(array, AIR)

@@ -32,7 +32,7 @@ BESIDE_FROM, BESIDE_TO = (
 )  # [m] distances from touched skin between which skin is beside it
 
 
-def felt_on_skin(
+def measure_felt(
     array: Array, medium: Air, scene: Scene, t: float, gains: Gains
 ) -> FeltRegion | None:
     """Compare what a hand feels at time t [s] with the request of the materials. Returns None without contact.
@@ -54,7 +54,7 @@ def felt_on_skin(
     if not asked.any():
         return None
     session.propagator.set_points(q, facing)
-    P, area = _pressed(session, gains), samples.area
+    P, area = _compute_pressure(session, gains), samples.area
     e, mean = P - asked, float(asked @ area) / float(area.sum())
     return FeltRegion(
         force=float(P @ area) / float(asked @ area),
@@ -73,15 +73,15 @@ def _beside(session: Session, scene: Scene, touched: Floats, gains: Gains) -> fl
         placed = skin.place(hand)
         away = np.asarray(tree.query(placed.points)[0])
         beside = np.flatnonzero((away > BESIDE_FROM) & (away < BESIDE_TO))
-        beside = beside[skin.exposed(placed, beside)]
+        beside = beside[skin.find_exposed(placed, beside)]
         if len(beside):
             facing = SkinFacing(placed.normals[beside], placed.capsules)
             session.propagator.set_points(placed.points[beside], facing)
-            most = max(most, float(_pressed(session, gains).max()))
+            most = max(most, float(_compute_pressure(session, gains).max()))
     return most
 
 
-def _pressed(session: Session, gains: Gains) -> Floats:
+def _compute_pressure(session: Session, gains: Gains) -> Floats:
     """Return the radiation pressure at the session's points, (M,) [Pa], as the mean over several gains."""
     made = [session.propagator.apply(g) for g in np.atleast_2d(gains)]
     return np.asarray(np.mean([radiation_pressure(p, session.medium) for p in made], axis=0))

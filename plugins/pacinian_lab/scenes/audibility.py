@@ -46,20 +46,20 @@ class Sound:
     ear: tuple[float, float, float]
 
 
-def circling(t: float) -> Scene:
+def circle_focus(t: float) -> Scene:
     """A focus that stays, and one that circles 2 cm away at 0.2 m/s."""
     turn = 10.0 * t  # [rad]
     at = 0.02 * math.cos(turn) + 0.03, 0.02 * math.sin(turn), gallery.HEIGHT
     return Scene((STILL, Point(position=at, radiation_pressure=20.0, name="moves")))
 
 
-def blinking(t: float) -> Scene:
+def blink_focus(t: float) -> Scene:
     """A focus that stays, and one that blinks ten times per second."""
     other = Point(position=(0.03, 0.0, gallery.HEIGHT), radiation_pressure=20.0, name="blinks")
     return Scene((STILL, other) if t * 10.0 % 1.0 < 0.5 else (STILL,))
 
 
-def hopping(t: float) -> Scene:
+def hop_focus(t: float) -> Scene:
     """A focus that stays, and one that hops among five places twenty times per second."""
     x = (-0.04, 0.03, -0.02, 0.04, 0.02)[int(t * 20.0) % 5]
     other = Point(position=(x, 0.02, gallery.HEIGHT), radiation_pressure=20.0, name="hops")
@@ -67,9 +67,9 @@ def hopping(t: float) -> Scene:
 
 
 CASES = {
-    "one focus stays, one circles": circling,
-    "one focus stays, one blinks": blinking,
-    "one focus stays, one hops": hopping,
+    "one focus stays, one circles": circle_focus,
+    "one focus stays, one blinks": blink_focus,
+    "one focus stays, one hops": hop_focus,
 }
 WAYS = (
     (0.0, Smoothing(rate=None, align=False)),

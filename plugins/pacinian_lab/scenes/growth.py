@@ -51,24 +51,24 @@ class Game:
         x, y, z = self._last.pose.position
         at = Pose((x + STEP * math.sin(20.0 * math.pi * t), y, z))
         self._scene = self._scene.put(replace(self._last, pose=at))
-        return self._scene.held(*gallery.crowd(t).hands)
+        return self._scene.with_hands(*gallery.crowd(t).hands)
 
 
 def measure(array: Array, ticks: int, counts: Sequence[int] = COUNTS) -> list[Growth]:
     """Measure `ticks` ticks of each count, in turn."""
-    still = [Side(array, _held(gallery.balls(count))) for count in counts]
+    still = [Side(array, _add_crowd(gallery.balls(count))) for count in counts]
     games = [Side(array, Game(count)) for count in counts]
     take_turns([*still, *games], ticks)
     return [
-        Growth(count, count - _far(one), one.median_ms, game.median_ms)
+        Growth(count, count - _count_far(one), one.median_ms, game.median_ms)
         for count, one, game in zip(counts, still, games, strict=True)
     ]
 
 
-def _held(scene: Scene) -> At:
-    return lambda t: scene.held(*gallery.crowd(t).hands)
+def _add_crowd(scene: Scene) -> At:
+    return lambda t: scene.with_hands(*gallery.crowd(t).hands)
 
 
-def _far(side: Side) -> float:
+def _count_far(side: Side) -> float:
     report = side.renderer.report
     return report.skipped["objects out of reach"] / report.ticks

@@ -19,7 +19,7 @@ from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian_lab.regions.skin import felt_on_skin
+from pacinian_lab.regions.skin import measure_felt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,7 +85,7 @@ class Look:
         """Force of all objects together on all skin that they touch, by their materials [N]."""
         return Sampler(NO_BUDGET, perception=False).sample(self.scene, self.t).force
 
-    def sounded(self, medium: Air) -> float:
+    def compute_sounded(self, medium: Air) -> float:
         """Return the part of that force that was requested from the array [N]."""
         return float(radiation_pressure(self.targets.amplitudes, medium) @ self.samples.area)
 
@@ -153,7 +153,7 @@ class Run:
         report, session = self.report, self.renderer.session
         array, medium = session.array, session.medium
         asked = sum(look.asked for look in self.looks)
-        sounded = sum(look.sounded(medium) for look in self.looks)
+        sounded = sum(look.compute_sounded(medium) for look in self.looks)
         return Row(
             scene=name,
             p50_ms=report.tick_ms(50),
@@ -164,14 +164,14 @@ class Run:
             samples=round(median(len(look.samples) for look in self.looks)),
             stages={k: 1e3 * v / report.ticks for k, v in report.stages.items()},
             error_at_samples=median(look.error(array, medium) for look in self.looks),
-            felt=self._felt(array, medium),
+            felt=self._measure_felt(array, medium),
             left_out=max(0.0, 1.0 - sounded / asked) if asked else 0.0,
         )
 
-    def _felt(self, array: Array, medium: Air) -> dict[str, float] | None:
+    def _measure_felt(self, array: Array, medium: Air) -> dict[str, float] | None:
         """Return the medians of what the skin felt, over the looks with contact."""
         every = [
-            felt_on_skin(array, medium, look.scene, look.t, look.sounding) for look in self.looks
+            measure_felt(array, medium, look.scene, look.t, look.sounding) for look in self.looks
         ]
         found = [felt for felt in every if felt is not None]
         if not found:

@@ -13,7 +13,7 @@ from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
-from pacinian.solving.blas import one_thread
+from pacinian.solving.blas import limit_blas_threads
 from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ PERIOD = 0.001  # [s]
 BEFORE = 20  # warm-up ticks, which are not measured
 
 
-def _nothing(renderer: Renderer) -> None:
+def _do_nothing(renderer: Renderer) -> None:
     pass
 
 
@@ -42,7 +42,7 @@ class Skip:
     what: str
     on: At
     off: At
-    before: Callable[[Renderer], object] = _nothing
+    before: Callable[[Renderer], object] = _do_nothing
     sampler: Callable[[], Sampler] = Sampler
     limit: float | None = None
 
@@ -74,7 +74,7 @@ class Side:
         array: Array,
         scene: At,
         sampler: Sampler | None = None,
-        before: Callable[[Renderer], object] = _nothing,
+        before: Callable[[Renderer], object] = _do_nothing,
     ) -> None:
         self.clock, self.times, self.before = ManualClock(), list[float](), before
         self.device: Backend = registry.backend("simulated", rate=1.0 / PERIOD)
@@ -118,7 +118,7 @@ def take_turns(sides: list[Side], ticks: int) -> None:
     for side in sides:
         side.renderer.open()
     try:
-        with one_thread():
+        with limit_blas_threads():
             for k in range(BEFORE + ticks):
                 for side in sides if k % 2 else sides[::-1]:
                     side.tick(k * PERIOD)

@@ -46,7 +46,7 @@ def skips() -> list[Skip]:
         ),
         Skip(
             "1 of 41 samples moved: update one row",
-            *_same(one_moves), lambda renderer: renderer.session.propagator.forget(),
+            *_same(move_one), lambda renderer: renderer.session.propagator.forget(),
         ),
         Skip("1000 balls, 3 near: skip distant balls", _crowd, _crowd_all_near),
         Skip("skip a hand that is out of reach", _away, gallery.palm),
@@ -72,7 +72,7 @@ def _known(what: str, name: str, envelope: Envelope, limit: float) -> Skip:
     return Skip(what, *_same(lambda t: still), Renderer.reset, limit=limit)
 
 
-def one_moves(t: float) -> Scene:
+def move_one(t: float) -> Scene:
     """Forty samples that stay, and one beside them that moves."""
     at = 0.03 * math.sin(2.0 * math.pi * t), 0.05, gallery.HEIGHT
     return Scene((_grid(), Point(position=at, radiation_pressure=2.0)))
@@ -86,11 +86,11 @@ def _grid() -> Particles:
 
 
 def _crowd(t: float) -> Scene:
-    return gallery.balls(CROWD).held(*gallery.crowd(t).hands)
+    return gallery.balls(CROWD).with_hands(*gallery.crowd(t).hands)
 
 
 def _crowd_all_near(t: float) -> Scene:
-    return _all_near().held(*gallery.crowd(t).hands)
+    return _all_near().with_hands(*gallery.crowd(t).hands)
 
 
 @functools.cache
@@ -104,7 +104,7 @@ def _all_near() -> Scene:
 def _away(t: float) -> Scene:
     """The palm, out of reach."""
     scene = gallery.palm(t)
-    return scene.held(*(hand.moved(Pose((0.0, 0.0, OUT_OF_REACH))) for hand in scene.hands))
+    return scene.with_hands(*(hand.moved(Pose((0.0, 0.0, OUT_OF_REACH))) for hand in scene.hands))
 
 
 class ExactMesh(Mesh, frozen=True, tag="exact mesh", dict=True):
@@ -117,7 +117,7 @@ class ExactMesh(Mesh, frozen=True, tag="exact mesh", dict=True):
 
 def exact_mesh(t: float) -> Scene:
     """The gallery's mesh scene with exact distances everywhere."""
-    return _exact_stone().held(*gallery.mesh(t).hands)
+    return _exact_stone().with_hands(*gallery.mesh(t).hands)
 
 
 @functools.cache

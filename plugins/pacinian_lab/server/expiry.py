@@ -75,17 +75,19 @@ def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1
     settings = Settings() if settings is None else settings
     chance = random.Random(seed)
     stale = settings.safety.stale
-    yield _row("expired, simulated clock [rounds]", 1.0, _told(settings, sizes.told, chance))
+    yield _row(
+        "expired, simulated clock [rounds]", 1.0, _measure_simulated(settings, sizes.told, chance)
+    )
     yield _row("a sleep of one round, alone", POLL_INTERVAL, _sleeps(sizes.sleeps))
     with GuardProcess(settings) as real:
-        yield _row("expired", BOUND, _expired(real, sizes.expired, chance))
-        yield _row("emergency stop", BOUND, _stopped(real, sizes.stopped))
+        yield _row("expired", BOUND, _measure_expired(real, sizes.expired, chance))
+        yield _row("emergency stop", BOUND, _measure_stopped(real, sizes.stopped))
         # The guard sees the last frame up to one round after its write, and takes up to one round
         # more to find it stale.
         yield _row("no more frames", stale + 2 * BOUND, _stale(real, sizes.stale))
     # The rest is the operating system's time: it closes the pipe after it has freed the parent's
     # memory.
-    yield _row("parent killed", BOUND, _killed(settings, sizes.killed))
+    yield _row("parent killed", BOUND, _measure_killed(settings, sizes.killed))
 
 
 def _row(what: str, bound: float, times: Sequence[float]) -> Row:
@@ -95,7 +97,7 @@ def _row(what: str, bound: float, times: Sequence[float]) -> Row:
     return Row(what, len(times), bound, p50, p99, p999, times[-1], over)
 
 
-def _told(settings: Settings, count: int, chance: random.Random) -> list[float]:
+def _measure_simulated(settings: Settings, count: int, chance: random.Random) -> list[float]:
     """Return the times from `until` to silence, each divided by the length of its round."""
     array, clock = settings.array.make(), ManualClock()
     backend = registry.backend("simulated", keep=1)
@@ -141,7 +143,7 @@ def _sleeps(count: int) -> list[float]:
     return found
 
 
-def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[float]:
+def _measure_expired(real: GuardProcess, count: int, chance: random.Random) -> list[float]:
     """Return the times from `until` to silence."""
     found: list[float] = []
     while len(found) < count:
@@ -155,7 +157,7 @@ def _expired(real: GuardProcess, count: int, chance: random.Random) -> list[floa
     return found
 
 
-def _stopped(real: GuardProcess, count: int) -> list[float]:
+def _measure_stopped(real: GuardProcess, count: int) -> list[float]:
     """Return the times from the stop order to silence."""
     found: list[float] = []
     while len(found) < count:
@@ -179,7 +181,7 @@ def _stale(real: GuardProcess, count: int) -> list[float]:
     return found
 
 
-def _killed(settings: Settings, count: int) -> list[float]:
+def _measure_killed(settings: Settings, count: int) -> list[float]:
     """Return the times from kill -9 of the guard's parent to silence. The permit stays valid and the frames fresh."""
     patient = replace(settings, safety=replace(settings.safety, stale=1.0))
     found: list[float] = []
@@ -193,7 +195,7 @@ def _killed(settings: Settings, count: int) -> list[float]:
     return found
 
 
-def table(rows: Sequence[Row]) -> Table:
+def tabulate(rows: Sequence[Row]) -> Table:
     """Return a table with a line for each kind of end."""
     head = ["[ms]", "times", "bound", "p50", "p99", "p99.9", "worst", "over the\nbound [%]"]
     lines: list[list[str]] = []

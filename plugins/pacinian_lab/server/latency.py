@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Safety, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian_lab.server.echo import Echo
 from pacinian_lab.server.sender import Task, Times
 from pacinian_lab.server.worker_process import WorkerProcess
@@ -27,7 +27,7 @@ def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterat
     """Yield the times at each rate [Hz], measured with a separate server for `seconds` [s]."""
     for rate in rates:
         with (
-            serving(settings(side)) as server,
+            run_server(settings(side)) as server,
             WorkerProcess("echo") as other,
             WorkerProcess("sender") as game,
         ):

@@ -12,7 +12,7 @@ from msgspec import Struct
 from pacinian.scene.file import Units
 from pacinian.scene.scene import Workspace
 from pacinian.serving.settings import Clients, Log, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian_lab.server import positions
 from pacinian_lab.server.many_clients import Crowd, Done, Place, Push
 from pacinian_lab.server.observer import Check, Checked, Look, Seen, Watch
@@ -95,7 +95,7 @@ def measure(
     """Yield a row for each rate, measured for `seconds` [s] or a quarter of it, then the final state."""
     objects = max(clients, positions.CELLS)
     with ExitStack() as stack:
-        server = stack.enter_context(serving(settings(side)))
+        server = stack.enter_context(run_server(settings(side)))
         watcher = stack.enter_context(WorkerProcess("observer"))
         watcher.send(Watch(str(server.connection), SCENE))
         watcher.receive(Watch)

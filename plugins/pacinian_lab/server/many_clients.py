@@ -74,7 +74,7 @@ class Members:
 
     def push(self, push: Push) -> Done:
         """Move the objects in turn."""
-        self._told()
+        self._collect_counts()
         asked = sent = full = 0
         while (now := time.perf_counter()) < push.end:
             self._renew(now)
@@ -89,7 +89,7 @@ class Members:
                 )
                 sent, full = sent + done, full + (not done)
             time.sleep(WAKE)
-        return Done(asked, sent, full, self._told())
+        return Done(asked, sent, full, self._collect_counts())
 
     def place(self, place: Place) -> Done:
         """Put all objects where the observer expects them, and wait for each reply."""
@@ -102,15 +102,15 @@ class Members:
             except ServerError as error:
                 refused[getattr(error, "code", "no answer")] += 1
         sent = len(self.own) - refused.total()
-        return Done(len(self.own), sent, 0, Counter(self._told()) + refused)
+        return Done(len(self.own), sent, 0, Counter(self._collect_counts()) + refused)
 
     def _renew(self, now: float) -> None:
         if now > self._renewed + RENEW:
             self._renewed = now
             for peer in self.peers.values():
-                peer.renewing()
+                peer.renew_nowait()
 
-    def _told(self) -> dict[str, int]:
+    def _collect_counts(self) -> dict[str, int]:
         told = sum((peer.told for peer in self.peers.values()), Counter[str]())
         for peer in self.peers.values():
             peer.told.clear()

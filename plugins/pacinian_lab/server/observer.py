@@ -87,9 +87,9 @@ class Watcher:
         self._connection = Connection.read(watch.connection)
         self.states = States(context, self._connection)
         self.lost = 0
-        self.peer = self._joined()
+        self.peer = self._connect_peer()
 
-    def _joined(self) -> Peer:
+    def _connect_peer(self) -> Peer:
         peer = Peer(self._context, self._connection, NAME, self._scene)
         peer.request(Arm, take=True)
         return peer
@@ -105,7 +105,7 @@ class Watcher:
             self.lost += 1
             if getattr(error, "code", "") == "session":
                 self.peer.close(bye=False)
-                self.peer = self._joined()
+                self.peer = self._connect_peer()
             return None
         return trip
 
@@ -118,7 +118,7 @@ class Watcher:
             fresh = self.states.new()
             if now >= look.begin:
                 for state in fresh:
-                    sent = positions.sent(state.points, state.time)
+                    sent = positions.decode_send_times(state.points, state.time)
                     backwards += sum(
                         t < newest.get(i, t) - positions.PERIOD * positions.WITHIN / positions.WAY
                         for i, t in sent.items()
@@ -156,7 +156,7 @@ class Watcher:
         missing, others = list(indices), list[ClientState]()
         while time.perf_counter() < due:
             for state in self.states.new():
-                missing = positions.missing(state.points, indices, check.t)
+                missing = positions.find_missing(state.points, indices, check.t)
                 others = [client for client in state.clients if client.name != NAME]
             if not missing and sum(client.commands for client in others) >= check.commands:
                 break

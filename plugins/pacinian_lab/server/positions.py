@@ -47,7 +47,7 @@ def point(index: int, t: float) -> objects.Point:
     return objects.Point(position=place(index, t), radiation_pressure=5.0)
 
 
-def sent(points: bytes, now: float) -> dict[int, float]:
+def decode_send_times(points: bytes, now: float) -> dict[int, float]:
     """Return when each felt object was sent [s], by cell. now: a time less than 10 s later [s]."""
     found = dict[int, float]()
     for x, y, _ in binary_arrays.unpack(points, 3).astype(np.float64).tolist():
@@ -59,7 +59,7 @@ def sent(points: bytes, now: float) -> dict[int, float]:
     return found
 
 
-def missing(points: bytes, indices: range, t: float) -> list[int]:
+def find_missing(points: bytes, indices: range, t: float) -> list[int]:
     """Return the objects that are not felt exactly where they were put at time t [s], when their group is felt."""
     P = binary_arrays.unpack(points, 3).astype(np.float64)
     gone = list[int]()

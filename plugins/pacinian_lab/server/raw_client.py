@@ -56,7 +56,7 @@ class Peer:
         self._commands = socket(context, zmq.DEALER, connection.command, connection.token)
         try:
             hello = Hello(id=self._next(), protocol=(MAJOR, MINOR), client=name, scene=scene)
-            welcome = self._asked(self._control, hello, hello.id)
+            welcome = self._exchange(self._control, hello, hello.id)
             if not isinstance(welcome, Welcome):
                 raise ServerError(f"welcomed by {type(welcome).__name__}")
         except BaseException:
@@ -67,7 +67,7 @@ class Peer:
     def request(self, kind: type[Request], **fields: Any) -> Any:
         """Send a request on the control socket and return the reply. Raises Refused, ServerError."""
         message = kind(session=self.key, id=self._next(), **fields)
-        return self._asked(self._control, message, message.id)
+        return self._exchange(self._control, message, message.id)
 
     def ask(self, kind: type[Command], **fields: Any) -> Any:
         """Send a command and return the reply. Repeats the command while the server is too busy to take it in time.
@@ -78,7 +78,7 @@ class Peer:
         while True:
             message = self._command(kind, id=self._next(), **fields)
             try:
-                return self._asked(self._commands, message, message.id)
+                return self._exchange(self._commands, message, message.id)
             except Refused as error:
                 if error.code not in ("busy", "stale") or time.perf_counter() > due:
                     raise
@@ -98,7 +98,7 @@ class Peer:
         self.request(Renew, sequence=self._sequence, time=begin)
         return time.perf_counter() - begin
 
-    def renewing(self) -> None:
+    def renew_nowait(self) -> None:
         """Renew without waiting, and count the messages received."""
         self._sequence += 1
         message = Renew(session=self.key, sequence=self._sequence, time=time.perf_counter())
@@ -123,7 +123,7 @@ class Peer:
         self._id += 1
         return self._id
 
-    def _asked(self, one: zmq.Socket[bytes], message: Any, number: int) -> Any:
+    def _exchange(self, one: zmq.Socket[bytes], message: Any, number: int) -> Any:
         due = time.perf_counter() + LIMIT
         one.sndtimeo = int(1e3 * LIMIT)
         try:

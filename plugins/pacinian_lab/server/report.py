@@ -56,7 +56,7 @@ def load(rows: Sequence[Row], finals: Sequence[Final]) -> list[Verdict]:
                 f"{sum(final.refused.values())} late or refused",
             )
         )
-        made += [_control(who, own), _held(who, own), _bounded(who, own)]
+        made += [_control(who, own), _judge_ticks(who, own), _judge_memory(who, own)]
         backwards, moved = sum(row.seen.backwards for row in own), [row for row in own if row.rate]
         age = max((row.seen.age.p99 for row in moved), default=0.0)
         made.append(
@@ -78,7 +78,7 @@ def _control(who: str, rows: Sequence[Row]) -> Verdict:
     )
 
 
-def _held(who: str, rows: Sequence[Row]) -> Verdict:
+def _judge_ticks(who: str, rows: Sequence[Row]) -> Verdict:
     """Compare with a tenth of the load, at which the solver has the same work."""
     quiet = [row for row in rows if row.rate < FULL][-1:] or rows[:1]
     loaded = [row for row in rows if row.rate <= FULL][-1:] or rows[:1]
@@ -90,7 +90,7 @@ def _held(who: str, rows: Sequence[Row]) -> Verdict:
     )
 
 
-def _bounded(who: str, rows: Sequence[Row]) -> Verdict:
+def _judge_memory(who: str, rows: Sequence[Row]) -> Verdict:
     worst = max(rows, key=lambda row: row.memory[2] / row.memory[0])
     return Verdict(
         f"{who}: memory bounded",

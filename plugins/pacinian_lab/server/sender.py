@@ -101,7 +101,7 @@ def points() -> objects.Particles:
     )
 
 
-def paced(
+def pace_calls(
     rate: float, seconds: float, first: Callable[[], None], between: Callable[[], None]
 ) -> None:
     """Call `first` at the given rate, and `between` halfway to the next call."""
@@ -134,7 +134,7 @@ class Sender:
         self._sent += self.peer.send(Hands, hands=(frame,))
         if time.perf_counter() > self._renewed + RENEW:
             self._renewed = time.perf_counter()
-            self.peer.renewing()
+            self.peer.renew_nowait()
         self.seen += self.states.new()
 
     def trip(self) -> None:
@@ -148,17 +148,17 @@ class Sender:
         """Measure the echo alone, then together with the hands."""
         task, peer = self.task, self.peer
         self.trip()
-        paced(task.rate, min(max(1.0, 0.2 * task.seconds), ALONE), lambda: None, self.trip)
+        pace_calls(task.rate, min(max(1.0, 0.2 * task.seconds), ALONE), lambda: None, self.trip)
         alone = Quantiles.of(self.trips[1:])
         peer.ask(Put, objects={"points": points()})
         peer.ask(Hands, hands=(self.frames[0],))
         peer.request(Arm)
-        paced(task.rate, min(WARM, task.seconds), self.hand, lambda: None)
+        pace_calls(task.rate, min(WARM, task.seconds), self.hand, lambda: None)
         self.trips, self.seen, self._sent = [], [], 0
         first = peer.sequence
-        paced(task.rate, task.seconds, self.hand, self.trip)
+        pace_calls(task.rate, task.seconds, self.hand, self.trip)
         last, sent = peer.sequence, self._sent
-        paced(task.rate, SETTLE, self.hand, lambda: None)
+        pace_calls(task.rate, SETTLE, self.hand, lambda: None)
         return self._times(alone, first, last, sent)
 
     def _times(self, alone: Quantiles, first: int, last: int, count: int) -> Times:

@@ -24,7 +24,7 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian_lab.server.viewer_pages import Chromium, Counts, Reader, feed, say
 from pacinian_lab.solvers.timing import quantile
 
@@ -80,10 +80,10 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
     settings = Settings(array=Units(side, side), log=Log(level="warning"))
     with tempfile.TemporaryDirectory(prefix="pacinian-") as name:
         folder = Path(name)
-        with serving(settings) as server, Client(server.connection, name="game") as game:
+        with run_server(settings) as server, Client(server.connection, name="game") as game:
             game.put(BALL)
             game.arm()
-            wait = partial(_playing, game)
+            wait = partial(_play_game, game)
             where = "--connection", str(server.connection)
             for _ in range(rounds):
                 for how in (*HOW, "browser") if browser else HOW:
@@ -91,7 +91,7 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
                         viewer: psutil.Process | None = None
                         page: Reader | Chromium | None = None
                         if how != "closed":
-                            viewer, url = stack.enter_context(viewing(folder, wait, *where))
+                            viewer, url = stack.enter_context(run_viewer(folder, wait, *where))
                             page = (
                                 Chromium(browser, url)
                                 if how == "browser"
@@ -105,7 +105,7 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
             (recording,) = folder.glob("*.feed")
             for _ in range(rounds):
                 with (
-                    viewing(folder, time.sleep, str(recording)) as (viewer, url),
+                    run_viewer(folder, time.sleep, str(recording)) as (viewer, url),
                     Chromium(browser, url + ALL) as page,
                 ):
                     yield _alone(url, seconds, viewer, page)
@@ -152,7 +152,7 @@ def _reconnect(game: Client) -> None:
             time.sleep(FRAME)
 
 
-def _playing(game: Client, seconds: float) -> None:
+def _play_game(game: Client, seconds: float) -> None:
     play(game, seconds)
 
 
@@ -164,7 +164,7 @@ def _window(
     counts, before, meter = _counts(game, page), game.status(), Meter(viewer, page)
     seen = play(game, seconds)
     cores, after = meter.cores(), game.status()
-    now = _sliced(partial(_counts, game, page), partial(play, game, SETTLE), counts)
+    now = _wait_for_slice(partial(_counts, game, page), partial(play, game, SETTLE), counts)
     sounding = [state for state in seen if state.output == "sounding"]
     if not sounding:
         raise ServerError("nothing has sounded: the machine is too busy to measure this")
@@ -190,7 +190,7 @@ def _counts(game: Client, page: Reader | Chromium | None) -> Counts:
 
 def _record(game: Client, seconds: float, folder: Path, *where: str) -> None:
     """Record the viewer's feed into its folder."""
-    with viewing(folder, partial(_playing, game), *where) as (_, url), feed(url) as socket:
+    with run_viewer(folder, partial(_play_game, game), *where) as (_, url), feed(url) as socket:
         say(socket, {"type": "record", "on": True})
         play(game, seconds)
 
@@ -207,10 +207,12 @@ def _alone(url: str, seconds: float, viewer: psutil.Process, page: Chromium) -> 
     counts, meter = page.counts(), Meter(viewer, page)
     time.sleep(seconds)
     cores = meter.cores()
-    return Row("alone", None, *_sliced(page.counts, again, counts).rates(counts), *cores)
+    return Row("alone", None, *_wait_for_slice(page.counts, again, counts).rates(counts), *cores)
 
 
-def _sliced(counts: Callable[[], Counts], go_on: Callable[[], object], before: Counts) -> Counts:
+def _wait_for_slice(
+    counts: Callable[[], Counts], go_on: Callable[[], object], before: Counts
+) -> Counts:
     """Return the counts, after a new slice if the page requests slices: a window without a slice gives no rate."""
     end = time.perf_counter() + LIMIT
     while (now := counts()).slices == before.slices > 0 and time.perf_counter() < end:
@@ -224,19 +226,21 @@ class Meter:
     def __init__(self, viewer: psutil.Process | None, page: Reader | Chromium | None) -> None:
         self._viewer = () if viewer is None else (viewer,)
         self._browser = () if page is None else page.processes
-        self._begin, self._before = time.perf_counter(), self._used()
+        self._begin, self._before = time.perf_counter(), self._measure_both()
 
     def cores(self) -> tuple[float, float]:
         """Return the CPU use of the viewer and of the browser, including their child processes [cores]."""
         took = time.perf_counter() - self._begin
-        viewer, browser = (now - was for now, was in zip(self._used(), self._before, strict=True))
+        viewer, browser = (
+            now - was for now, was in zip(self._measure_both(), self._before, strict=True)
+        )
         return viewer / took, browser / took
 
-    def _used(self) -> tuple[float, float]:
-        return _used(self._viewer), _used(self._browser)
+    def _measure_both(self) -> tuple[float, float]:
+        return _measure_cpu(self._viewer), _measure_cpu(self._browser)
 
 
-def _used(processes: Sequence[psutil.Process]) -> float:
+def _measure_cpu(processes: Sequence[psutil.Process]) -> float:
     total = 0.0
     for process in processes:
         with contextlib.suppress(psutil.Error):
@@ -247,7 +251,7 @@ def _used(processes: Sequence[psutil.Process]) -> float:
 
 
 @contextlib.contextmanager
-def viewing(
+def run_viewer(
     folder: Path, wait: Callable[[float], object], *arguments: str
 ) -> Generator[tuple[psutil.Process, str]]:
     """Run `pacinian view` in a folder and yield its process and address. wait: waits [s]. Raises ServerError."""

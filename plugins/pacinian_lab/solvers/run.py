@@ -101,24 +101,24 @@ def measure(
     """Run every entry on every problem for about `seconds` [s] each, giving up after `limit` [s]."""
     for problem in problems:
         for entry in entries:
-            row = one(entry, problem, seconds, limit)
+            row = run_one(entry, problem, seconds, limit)
             on_row(row)
             yield row
 
 
-def one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
+def run_one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
     """Return one row. Its status describes any failure."""
     M, N = len(problem.points), len(problem.positions)
     place = (problem.units, N, M, problem.level, problem.seed)
     row = Row(entry.family, entry.solver, entry.mode, entry.worker.threads, *place)
     try:
         told = entry.worker.ask(message(entry, problem, seconds), limit)
-        return judged(row, problem, told)
+        return evaluate_answer(row, problem, told)
     except WorkerError as error:
         return replace(row, status=str(error))
 
 
-def judged(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
+def evaluate_answer(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
     """Return the row with a worker's answer, evaluated. Raises WorkerError if the answer is invalid."""
     try:
         p50, p99, traced, most = (float(told[k]) for k in ("p50", "p99", "traced", "resident"))

@@ -53,7 +53,7 @@ def quantile(ascending: list[float], share: float) -> float:
     return ascending[max(0, math.ceil(share * len(ascending)) - 1)]
 
 
-def traced(call: Callable[[], Any]) -> int:
+def measure_memory(call: Callable[[], Any]) -> int:
     """Return the peak memory that one call adds [bytes], as far as Python tracks it."""
     tracemalloc.start()
     try:

@@ -42,7 +42,7 @@ def answer(offers: Any, timing: Any, asked: dict[str, Any]) -> dict[str, Any]:
         gains, points = found
         told |= {"re": gains.real.tolist(), "im": gains.imag.tolist(), "points": points.tolist()}
     told["traced"] = (
-        timing.traced(solve) if times.p50 <= timing.long(asked["seconds"]) else math.nan
+        timing.measure_memory(solve) if times.p50 <= timing.long(asked["seconds"]) else math.nan
     )
     return told
 

@@ -22,14 +22,16 @@ PHASES: dict[str, ArrayLike | None] = {"free": None, "fixed": 0.0}
 NO_LIMIT = Limits(gain=None)
 
 
-def scattered(count: int, seed: int = 0, width: float = 0.06, height: float = HEIGHT) -> Floats:
+def scatter_points(
+    count: int, seed: int = 0, width: float = 0.06, height: float = HEIGHT
+) -> Floats:
     """Return random points [m], (count, 3), above the small array."""
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(-width / 2, width / 2, (count, 2)).T
     return np.stack([x, y, np.full(count, height)], axis=1)
 
 
-def asked(
+def compute_asked(
     array: Array, points: Floats, level: float, shares: ArrayLike = 1.0, medium: Air | None = None
 ) -> Floats:
     """Return amplitudes [Pa], (M,), in proportion to `shares`, with a 2-norm of `level` times a focus's reach."""

@@ -16,7 +16,7 @@ from pacinian.acoustics.directivity import omni
 from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PacinianError, PointOnTransducer
 from pacinian.session import Session
-from pacinian.solving.blas import one_thread
+from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.problem import Limits, Targets
 from pacinian_lab.stress.reference import Reference
 
@@ -89,12 +89,12 @@ class Case:
             self.points, self.amplitudes, self.phases, regions=self.regions,
             limits=self.limits, scale=self.scale, deadline=self.deadline,
         )  # fmt: skip
-        return session.felt(solution)
+        return session.measure_felt(solution)
 
     @functools.cached_property
     def targets(self) -> Targets:
         """The targets as the session reads them."""
-        return Targets.checked(
+        return Targets.make_checked(
             len(self.points), self.amplitudes, self.phases, self.scale, self.regions
         )
 
@@ -118,7 +118,7 @@ class Case:
         """Time that B and its smaller Gram matrix take in double precision [s], measured now."""
         begin = time.perf_counter()
         B = matrix(self.array, self.points, self.medium)
-        with one_thread():
+        with limit_blas_threads():
             B = B if len(B) <= B.shape[1] else B.T
             _ = B @ B.conj().T
         return time.perf_counter() - begin

@@ -59,16 +59,16 @@ def check(case: Case, solver: Solver) -> Evidence:
         return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})
     broken, ratio, promise = dict(breaches(case, solution, seconds)), math.nan, promises.of(name)
     if len(case.points) <= promise.samples:
-        if promise.answers and (missing := _unanswered(case, promise, solution, seconds)):
+        if promise.answers and (missing := _check_answer(case, promise, solution, seconds)):
             broken["answers"] = missing
-        if promise.near and not broken and _comparable(case, promise.near, solution):
-            ratio = near(case, promise.near, solution)
+        if promise.near and not broken and _is_comparable(case, promise.near, solution):
+            ratio = compute_ratio(case, promise.near, solution)
             if ratio > promise.near.factor:
                 broken["near"] = f"{ratio:.3g} > {promise.near.factor:g}"
     return Evidence(case.name, name, broken, excess(case, solution), ratio, seconds)
 
 
-def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:
+def _check_answer(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:
     if solution.status is Status.failed:
         return "failed"
     if case.deadline >= DEFAULT_DEADLINE and seconds >= case.deadline * (1 + len(case.history)):
@@ -76,12 +76,14 @@ def _unanswered(case: Case, promise: Promise, solution: Solution, seconds: float
     reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
     if solution.gains.any() or not reached.any():
         return ""
-    ratio = near(case, promise.near or promises.SILENCE, solution)  # is silence near the best?
+    ratio = compute_ratio(
+        case, promise.near or promises.SILENCE, solution
+    )  # is silence near the best?
     return f"all gains are zero: {ratio:.3g}" if ratio > promises.SILENCE.factor else ""
 
 
-def _comparable(case: Case, near: Near, solution: Solution) -> bool:
-    """Return whether `near` applies to this problem."""
+def _is_comparable(case: Case, near: Near, solution: Solution) -> bool:
+    """Return whether `compute_ratio` applies to this problem."""
     plain = case.limits.power is None and not case.limits.solver_limits and case.scale == "exact"
     given = solution.asked_phases is not None or not case.targets.free.any()
     phases = near.free or given or len(case.points) == 1
@@ -89,7 +91,7 @@ def _comparable(case: Case, near: Near, solution: Solution) -> bool:
     return bool(plain and phases and done and case.targets.amplitudes.any())
 
 
-def near(case: Case, promised: Near, solution: Solution) -> float:
+def compute_ratio(case: Case, promised: Near, solution: Solution) -> float:
     """Return the residual over what `promised` allows with a factor of 1, for the solver's phases."""
     weights = np.sqrt(solution.weights)
     p = weights * case.ask(solution)

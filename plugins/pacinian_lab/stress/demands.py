@@ -9,7 +9,15 @@ import numpy as np
 
 from pacinian.acoustics.array import Array, autd
 from pacinian.solving.problem import Limits
-from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL_ARRAY, asked, half, row, scattered
+from pacinian_lab.stress.asking import (
+    NO_LIMIT,
+    PHASES,
+    SMALL_ARRAY,
+    compute_asked,
+    half,
+    row,
+    scatter_points,
+)
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -20,7 +28,7 @@ if TYPE_CHECKING:
 
 def extreme() -> Iterator[Case]:
     """Targets of 1e-30 to 1e30 Pa, mixed in one problem, denormal, zero."""
-    q = scattered(6)
+    q = scatter_points(6)
     problems = {
         f"{size:g} Pa": np.full(6, size)
         for size in (5e-324, 1e-310, 1e-45, 1e-38, *(10.0**n for n in range(-30, 31, 5)))
@@ -50,11 +58,13 @@ def saturated() -> Iterator[Case]:
     """Targets from well within reach to a million times beyond."""
     for level in (0.3, 0.7, 1.0, 1.3, 3.0, 30.0, 1e6):
         for M in (1, 2, 5, 12, 30, 45):
-            q = scattered(M, seed=M)
+            q = scatter_points(M, seed=M)
             shares = np.random.default_rng(M).uniform(0.3, 1.0, M)
             for what, phases in {**PHASES, "half free": half(M)}.items():
                 name = f"saturated: level {level:g}, {M} points, {what}"
-                case = Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level, shares), phases)
+                case = Case(
+                    name, SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, level, shares), phases
+                )
                 yield case
                 if level == 1.0:
                     double = replace(case, precision="double")
@@ -67,7 +77,7 @@ def saturated() -> Iterator[Case]:
 
 def limits() -> Iterator[Case]:
     """Every kind of limit, alone and together, loose and tight."""
-    q, quiet = scattered(5), np.array([[0.0, 0.0, 0.07], [0.02, 0.0, 0.07]])
+    q, quiet = scatter_points(5), np.array([[0.0, 0.0, 0.07], [0.02, 0.0, 0.07]])
     kinds: dict[str, dict[str, Any]] = {
         **{f"gain {g:g}": {"gain": g} for g in (1e-6, 1e-3, 0.1, 3.0, 1e6)},
         **{f"power {p:g}": {"power": p} for p in (1e-12, 1e-3, 1.0, 1e12)},
@@ -82,7 +92,7 @@ def limits() -> Iterator[Case]:
     for kind, given in kinds.items():
         for what, phases in PHASES.items():
             for level in (0.3, 3.0):
-                t = asked(SMALL_ARRAY, q, level, [1, 2, 3, 4, 5])
+                t = compute_asked(SMALL_ARRAY, q, level, [1, 2, 3, 4, 5])
                 name = f"limits: {kind}, level {level:g}, {what}"
                 case = Case(name, SMALL_ARRAY, q, t, phases, Limits(**given))
                 yield case
@@ -90,10 +100,12 @@ def limits() -> Iterator[Case]:
                     yield replace(case, name=f"{name}, max", scale="max")
     few = Array(SMALL_ARRAY.positions[:9])
     for what, phases in {**PHASES, "half free": half(8)}.items():
-        q = scattered(8)
+        q = scatter_points(8)
         name = f"limits: gain 1, max, 8 points, 9 transducers, {what}"
-        yield Case(name, few, q, asked(few, q, 1.0, np.arange(1, 9)), phases, scale="max")
-    steep = np.r_[scattered(2, height=2.0), SMALL_ARRAY.positions[[3]] + np.array([0.0, 0.0, 1e-4])]
+        yield Case(name, few, q, compute_asked(few, q, 1.0, np.arange(1, 9)), phases, scale="max")
+    steep = np.r_[
+        scatter_points(2, height=2.0), SMALL_ARRAY.positions[[3]] + np.array([0.0, 0.0, 1e-4])
+    ]
     name = "limits: power 1e-9, max, points near and far"
     yield Case(name, few, steep, np.full(3, 5.0), None, Limits(gain=None, power=1e-9), "max")
 
@@ -103,15 +115,15 @@ def size() -> Iterator[Case]:
     for M in (0, 1, 2, 35, 36, 37, 100, 256, 1024, 4096):
         for what, phases in PHASES.items():
             for deadline in (0.0, 0.05, 1.0):
-                q = scattered(M, seed=M, width=0.2)
+                q = scatter_points(M, seed=M, width=0.2)
                 name = f"size: {M} points, {what}, {deadline:g} s"
-                t = asked(SMALL_ARRAY, q, 0.6)
+                t = compute_asked(SMALL_ARRAY, q, 0.6)
                 yield Case(name, SMALL_ARRAY, q, t, phases, deadline=deadline, slow=M > 100)
     array = autd()
     for M in (64, 249, 4096):
-        q = scattered(M, seed=M, width=0.2, height=0.2)
+        q = scatter_points(M, seed=M, width=0.2, height=0.2)
         name = f"size: {M} points, 249 transducers, 0.1 s"
-        yield Case(name, array, q, asked(array, q, 0.6), deadline=0.1, slow=True)
+        yield Case(name, array, q, compute_asked(array, q, 0.6), deadline=0.1, slow=True)
 
 
 def moves() -> Iterator[Case]:
@@ -120,12 +132,12 @@ def moves() -> Iterator[Case]:
         for M in (1, 6, 12):
             for level in (0.3, 1.5):
                 rng = np.random.default_rng(M)
-                q = scattered(M)
+                q = scatter_points(M)
                 history: list[tuple[Floats, ArrayLike]] = []
                 for _ in range(40):
                     q = q.copy()
-                    q[rng.integers(M)] = scattered(1, int(rng.integers(1 << 30)))
-                    history.append((q, asked(SMALL_ARRAY, q, level)))
+                    q[rng.integers(M)] = scatter_points(1, int(rng.integers(1 << 30)))
+                    history.append((q, compute_asked(SMALL_ARRAY, q, level)))
                 history[20:20] = [
                     (q[:0], []),
                     (SMALL_ARRAY.positions[:2], [1.0, 1.0]),
@@ -136,7 +148,12 @@ def moves() -> Iterator[Case]:
                 ]
                 name = f"moves: 40 of {M} points, level {level:g}, {what}"
                 yield Case(
-                    name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level), phases, history=history
+                    name,
+                    SMALL_ARRAY,
+                    q,
+                    compute_asked(SMALL_ARRAY, q, level),
+                    phases,
+                    history=history,
                 )
         for start, end in ((1e-30, 1e30), (1e30, 1e-30), (1.0, 1e-30), (0.0, 1.0)):
             for limit in (NO_LIMIT, Limits()):

@@ -58,7 +58,7 @@ def breaches(case: Case, solution: Solution, seconds: float) -> Iterator[tuple[s
         reached += [math.sqrt(power / limits.power)] if limits.power else []
         if max(reached) < 1.0 - REACHED:
             yield "strong", f"{max(reached):.5f} of the limit"
-    yield from _kept(case, solution, g)
+    yield from _check_points(case, solution, g)
     yield from split(case, solution, g)
     late = seconds - case.deadline * (1 + len(case.history)) - ALLOWANCE
     if late > 0.0 and late > 10.0 * case.work:
@@ -83,7 +83,7 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
         yield "bound", f"{told}, but {true:.4g} in double precision"
 
 
-def _kept(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
+def _check_points(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
     """Check quiet points and exact samples. Silence keeps every quiet point, so quiet points are never infeasible."""
     infeasible = solution.status.name == "infeasible"
     if case.limits.quiet is not None and not (infeasible and case.limits.exact is not None):

@@ -15,7 +15,15 @@ from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.transducer import T4010A1, Transducer
 from pacinian.errors import PointOnTransducer
 from pacinian.solving.problem import Limits
-from pacinian_lab.stress.asking import NO_LIMIT, PHASES, SMALL_ARRAY, asked, half, row, scattered
+from pacinian_lab.stress.asking import (
+    NO_LIMIT,
+    PHASES,
+    SMALL_ARRAY,
+    compute_asked,
+    half,
+    row,
+    scatter_points,
+)
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -27,7 +35,7 @@ if TYPE_CHECKING:
 def coincident() -> Iterator[Case]:
     """Three pairs of points, 0 to 10 mm apart, with equal or opposite targets."""
     for spacing in (0.0, *(10.0**n for n in range(-9, -1))):
-        q = scattered(6)
+        q = scatter_points(6)
         q[3:] = q[:3] + np.array([spacing, 0.0, 0.0])
         asks: dict[str, tuple[ArrayLike, ArrayLike | None]] = {
             "the same": ([1, 2, 3] * 2, 0.0),
@@ -39,16 +47,20 @@ def coincident() -> Iterator[Case]:
         for what, (shares, phases) in asks.items():
             for level in (0.2, 3.0):
                 name = f"coincident: {spacing:g} m apart, {what}, level {level:g}"
-                yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level, shares), phases)
+                yield Case(
+                    name, SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, level, shares), phases
+                )
             name = f"coincident: {spacing:g} m apart, {what}, no limit"
-            yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.2, shares), phases, NO_LIMIT)
+            yield Case(
+                name, SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, 0.2, shares), phases, NO_LIMIT
+            )
 
 
 def touching() -> Iterator[Case]:
     """Points on a transducer, just above one, in the array's plane, behind it."""
     even, unit = Air(attenuation="none"), autd()
     for what, phases in PHASES.items():
-        q = np.r_[scattered(3), SMALL_ARRAY.positions[[7]]]
+        q = np.r_[scatter_points(3), SMALL_ARRAY.positions[[7]]]
         on = Case(f"touching: on a transducer, {what}", SMALL_ARRAY, q, np.full(4, 5.0), phases)
         yield replace(on, refused=PointOnTransducer)
         yield replace(on, name=f"{on.name}, no attenuation", medium=even)
@@ -70,9 +82,9 @@ def touching() -> Iterator[Case]:
                     amplitudes=np.full(4, 1e30),
                     limits=Limits(gain=1e-6),
                 )
-        sides = scattered(4) * np.array([[1, 1, 1], [1, 1, -1]] * 2)
+        sides = scatter_points(4) * np.array([[1, 1, 1], [1, 1, -1]] * 2)
         for side, far, t in (
-            ("behind", scattered(4) * [1, 1, -1], np.full(4, 50.0)),
+            ("behind", scatter_points(4) * [1, 1, -1], np.full(4, 50.0)),
             ("half behind", sides, np.full(4, 50.0)),
             ("half behind, asked there", sides, np.array([0.0, 50.0] * 2)),
         ):
@@ -80,7 +92,7 @@ def touching() -> Iterator[Case]:
             yield case
             yield replace(case, name=f"{case.name}, no limit", limits=NO_LIMIT)
             yield replace(case, name=f"{case.name}, max", scale="max")
-        both = np.r_[scattered(3), scattered(3) * [1, 1, -1]]
+        both = np.r_[scatter_points(3), scatter_points(3) * [1, 1, -1]]
         yield Case(f"touching: both sides, {what}", SMALL_ARRAY, both, np.full(6, 5.0), phases)
 
 
@@ -94,12 +106,14 @@ def mirror() -> Iterator[Case]:
                 f"mirror: {M} in the plane, {what}",
                 SMALL_ARRAY,
                 q,
-                asked(SMALL_ARRAY, q, 0.3),
+                compute_asked(SMALL_ARRAY, q, 0.3),
                 phases,
             )
-    q = np.r_[scattered(4), scattered(4) * [-1, 1, 1]]
+    q = np.r_[scatter_points(4), scatter_points(4) * [-1, 1, 1]]
     for what, phases in {**PHASES, "opposite": np.repeat([0.0, np.pi], 4)}.items():
-        yield Case(f"mirror: pairs, {what}", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.3), phases)
+        yield Case(
+            f"mirror: pairs, {what}", SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, 0.3), phases
+        )
     array, medium = lattice(0.2, 0.4), Air(attenuation="none")
     y, z = np.meshgrid(np.linspace(-0.2, 0.2, 21), np.linspace(0.01, 0.4, 21))
     q = np.stack([np.zeros_like(y), y, z], axis=-1).reshape(-1, 3)
@@ -111,15 +125,15 @@ def mirror() -> Iterator[Case]:
 def duplicate() -> Iterator[Case]:
     """Several transducers at one place."""
     for what, phases in PHASES.items():
-        for name, array in _duplicated().items():
+        for name, array in _make_duplicates().items():
             for M in (1, 5, 40):
-                q = scattered(M)
-                t = asked(array, q, 0.3)
+                q = scatter_points(M)
+                t = compute_asked(array, q, 0.3)
                 yield Case(f"duplicate: {name}, {M} points, {what}", array, q, t, phases)
 
 
 @functools.cache
-def _duplicated() -> dict[str, Array]:
+def _make_duplicates() -> dict[str, Array]:
     r = SMALL_ARRAY.positions
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CoincidentTransducers)
@@ -136,24 +150,26 @@ def rank() -> Iterator[Case]:
         for N in (1, 2, 6, 36):
             array = Array(SMALL_ARRAY.positions[:N])
             for M in (1, 2, 6, 36, 60):
-                q = scattered(M)
+                q = scatter_points(M)
                 name = f"rank: {N} transducers, {M} points, {what}"
-                yield Case(name, array, q, asked(array, q, 0.5), phases)
+                yield Case(name, array, q, compute_asked(array, q, 0.5), phases)
         for distinct in (1, 3, 9):
-            q = np.resize(scattered(distinct), (12, 3))
+            q = np.resize(scatter_points(distinct), (12, 3))
             name = f"rank: {distinct} places, 12 points, {what}"
-            yield Case(name, SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.5, np.arange(1, 13)), phases)
+            yield Case(
+                name, SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, 0.5, np.arange(1, 13)), phases
+            )
         away = np.where(np.arange(36) % 2, 1.0, -1.0)[:, None] * [0.0, 0.0, 1.0]
         for N in (3, 36):
             turned = Array(SMALL_ARRAY.positions[:N], away[:N], T4010A1)
             for M in (1, 5):
-                q = scattered(M)
+                q = scatter_points(M)
                 for level in (3.0, 30.0):
                     name = (
                         f"rank: every second of {N} faces away, {M} points, level {level:g}, {what}"
                     )
-                    yield Case(name, turned, q, asked(turned, q, level), phases)
-        below = scattered(5) * [1, 1, -1]
+                    yield Case(name, turned, q, compute_asked(turned, q, level), phases)
+        below = scatter_points(5) * [1, 1, -1]
         yield Case(
             f"rank: 0, {what}", SMALL_ARRAY.driven_by(T4010A1), below, np.full(5, 1.0), phases
         )
@@ -164,7 +180,7 @@ def condition() -> Iterator[Case]:
     mixed, one = np.arange(5.0) ** 2, Limits()
     for exponent in range(1, 17):
         q = row(10.0**exponent)
-        t = asked(SMALL_ARRAY, q, 0.3, [1, 2, 3, 2, 1])
+        t = compute_asked(SMALL_ARRAY, q, 0.3, [1, 2, 3, 2, 1])
         for what, phases, limits in (
             ("equal phases", 0.0, NO_LIMIT),
             ("mixed phases", mixed, NO_LIMIT),
@@ -183,16 +199,16 @@ def offset() -> Iterator[Case]:
         array = SMALL_ARRAY.moved(pose)
         for what, phases in PHASES.items():
             for M in (1, 6, 40):
-                q = np.asarray(pose.points(scattered(M)))
-                t = asked(SMALL_ARRAY, scattered(M), 0.4)
+                q = np.asarray(pose.points(scatter_points(M)))
+                t = compute_asked(SMALL_ARRAY, scatter_points(M), 0.4)
                 yield Case(f"offset: {where} m, {M} points, {what}", array, q, t, phases)
-    q = scattered(3, height=9.6)
-    yield Case("offset: points 9.6 m away", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, 0.4), 0.0)
+    q = scatter_points(3, height=9.6)
+    yield Case("offset: points 9.6 m away", SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, 0.4), 0.0)
 
 
 def media() -> Iterator[Case]:
     """Attenuations, wavelengths and strengths far from those of air at 40 kHz."""
-    q = scattered(4)
+    q = scatter_points(4)
     for what, air, kind in (
         ("attenuation r^-2", Air(attenuation=2.0), Transducer()),
         ("no attenuation", Air(attenuation="none"), Transducer()),
@@ -204,6 +220,6 @@ def media() -> Iterator[Case]:
         ("transducers of 1e6 Pa", Air(), Transducer(pressure=1e6)),
     ):
         array = SMALL_ARRAY.driven_by(kind)
-        t = asked(array, q, 0.4, medium=air)
+        t = compute_asked(array, q, 0.4, medium=air)
         for phase, phases in PHASES.items():
             yield Case(f"media: {what}, {phase}", array, q, t, phases, medium=air)

@@ -54,9 +54,9 @@ class Reference:
         if not np.abs(self.Vh.conj().T @ (share * c)).max() > limit:
             left = (1.0 - self.s * share) ** 2 + rounding * share**2
             return lost + float(left @ np.abs(c) ** 2)
-        return lost + limit**2 * self._limited(c / limit, mu + rounding, start / limit)
+        return lost + limit**2 * self._compute_bound(c / limit, mu + rounding, start / limit)
 
-    def _limited(self, c: Complexes, mu: float, start: Complexes) -> float:
+    def _compute_bound(self, c: Complexes, mu: float, start: Complexes) -> float:
         """Return the same bound for |h_n| <= 1 and p = U c."""
         B = self.s[:, None] * self.Vh
         Bh = B.conj().T.copy()

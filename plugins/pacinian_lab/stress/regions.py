@@ -21,7 +21,7 @@ from pacinian.testing.shapes import (
     make_square,
     of,
 )
-from pacinian_lab.stress.asking import HEIGHT, NO_LIMIT, SMALL_ARRAY, asked, scattered
+from pacinian_lab.stress.asking import HEIGHT, NO_LIMIT, SMALL_ARRAY, compute_asked, scatter_points
 from pacinian_lab.stress.case import Case
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def regions() -> Iterator[Case]:
 def shapes() -> dict[str, Shape]:
     """Regions by name."""
     disc, four, right = make_ring(0.0, 0.006), make_square(4), np.array([1.0, 0.0, 0.0])
-    alone, lone = scattered(3, seed=1, height=0.11), np.full(3, ISOLATED)
+    alone, lone = scatter_points(3, seed=1, height=0.11), np.full(3, ISOLATED)
     around = make_ring(0.012, 0.016)
     mixed = of(disc, four + 0.02 * right)
     upright = make_points(four[:, 0], 0.002, HEIGHT + four[:, 1])
@@ -89,7 +89,7 @@ def shapes() -> dict[str, Shape]:
 
 def _case(what: str, shape: Shape, level: float = 0.3) -> Case:
     q, own = shape.points, shape.regions != BESIDE
-    t = asked(SMALL_ARRAY, q, level, own)
+    t = compute_asked(SMALL_ARRAY, q, level, own)
     return Case(f"regions: {what}", SMALL_ARRAY, q, t, regions=shape.regions)
 
 
@@ -217,7 +217,7 @@ def _sessions() -> Iterator[Case]:
     right = np.array([1.0, 0.0, 0.0])
 
     def t(q: Floats, level: float = 0.6) -> Floats:
-        return asked(SMALL_ARRAY, q, level)
+        return compute_asked(SMALL_ARRAY, q, level)
 
     moved = [wide + 0.0004 * i * right for i in range(-12, 0)]
     inside = [wide[np.hypot(*(wide + 0.0004 * i * right).T[:2]) < 0.008] for i in range(-12, 1)]

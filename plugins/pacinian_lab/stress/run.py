@@ -13,7 +13,7 @@ from pacinian.acoustics.air import Air
 from pacinian.plugins import registry
 from pacinian.solving.propagator import Propagator
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL_ARRAY, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, scatter_points
 from pacinian_lab.stress.check import Evidence, check
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Row:
 
 def solvers() -> list[str]:
     """Return the installed solvers that need no settings."""
-    offers = [offer for offer in registry.installed().list() if offer.kind == "solver"]
+    offers = [offer for offer in registry.discover_plugins().list() if offer.kind == "solver"]
     return [offer.name for offer in offers if ... not in offer.options.values()]
 
 
@@ -89,14 +89,14 @@ def _row(family: str, solver: str, found: list[Evidence]) -> Row:
         solver,
         len(found),
         broken,
-        _most(e.excess for e in found),
+        _find_largest(e.excess for e in found),
         worst.ratio,
-        _most(e.seconds for e in found),
+        _find_largest(e.seconds for e in found),
         "" if math.isnan(worst.ratio) and not broken else where.case.partition(": ")[2],
     )
 
 
-def _most(values: Iterable[float]) -> float:
+def _find_largest(values: Iterable[float]) -> float:
     """Return the largest value, ignoring NaN, or NaN if there is none."""
     return max((v for v in values if not math.isnan(v)), default=math.nan)
 
@@ -105,7 +105,7 @@ def drift(updates: int, points: int = 8) -> Evidence:
     """Move one point after another, and compare with a new propagator at intervals."""
     rng, air = np.random.default_rng(0), Air()
     array = SMALL_ARRAY.without(range(16, len(SMALL_ARRAY)))
-    q = scattered(points)
+    q = scatter_points(points)
     kept = Propagator(array, air)
     broken: dict[str, str] = {}
     worst = 0.0

@@ -31,7 +31,7 @@ def split(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, s
         return
     yield from _together(case, solution)
     if solution.status is Status.ok:
-        yield from _even(case, solution, g)
+        yield from _check_even(case, solution, g)
 
 
 def _together(case: Case, solution: Solution) -> Iterator[tuple[str, str]]:
@@ -58,7 +58,7 @@ def _together(case: Case, solution: Solution) -> Iterator[tuple[str, str]]:
             yield "together", f"phases of region {number} are {off:.2g} rad off one wave"
 
 
-def _even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
+def _check_even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
     """Check `ok` at the samples of each region and half way between them."""
     regions, sounding = case.targets.regions, ~case.targets.beside
     assert regions is not None
@@ -75,7 +75,7 @@ def _even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, s
         own = np.flatnonzero((regions == number) & sounding)
         if not len(own):
             continue
-        places, P = _between(case, case.points[own], (t[own] / unit) ** 2)
+        places, P = _find_midpoints(case, case.points[own], (t[own] / unit) ** 2)
         if not P.any():
             continue
         made = np.abs(matrix(case.array, places, case.medium) @ g / unit) ** 2
@@ -87,7 +87,7 @@ def _even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, s
             yield "even", f"{told} between the samples of region {number}"
 
 
-def _between(case: Case, q: Floats, P: Floats) -> tuple[Floats, Floats]:
+def _find_midpoints(case: Case, q: Floats, P: Floats) -> tuple[Floats, Floats]:
     """Return places (K, 3) half way between neighbours, except on transducers, and the targets there, (K,)."""
     _, some = np.unique(np.round(q / ELSEWHERE), axis=0, return_index=True)
     d = np.sqrt(((q[some][:, None] - q[some]) ** 2).sum(axis=2))

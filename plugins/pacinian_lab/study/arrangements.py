@@ -47,7 +47,7 @@ def rings(diameter: float, pitch: float) -> Floats:
     return np.concatenate(places)
 
 
-def scattered(
+def scatter_points(
     width: float, height: float, count: int, apart: float, rng: np.random.Generator
 ) -> Floats:
     """Throw darts at a rectangle, and reject those nearer than `apart` [m] to an earlier one.

@@ -38,7 +38,7 @@ LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across
 
 def measures(rows: Sequence[Row], path: Path) -> None:
     """Draw each measure by layout: a dot for every task, a mark at the median, a colour for each plane."""
-    at = _grouped(rows)
+    at = _group_rows(rows)
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
     names.reverse()
     tall = 0.9 + 0.11 * len(names) * max(2, len(planes)) ** 0.5
@@ -66,7 +66,7 @@ def measures(rows: Sequence[Row], path: Path) -> None:
 
 def trends(rows: Sequence[Row], path: Path) -> None:
     """Draw measures against layout dimensions: a mark for the median of each layout in each plane."""
-    at, shown = _grouped(rows), SHOWN_CHARTS[:4]
+    at, shown = _group_rows(rows), SHOWN_CHARTS[:4]
     planes = list(dict.fromkeys(plane for _, plane in at))
     kinds = list(dict.fromkeys(found[0]["layout.type"] for found in at.values()))
     page = figure(2.0 + 2.2 * len(AGAINST), 0.6 + 1.5 * len(shown))
@@ -99,13 +99,13 @@ def values(rows: Iterable[Row], measure: str) -> list[float]:
     return [factor * v for v in found if v is not None and np.isfinite(v)]
 
 
-def titled(measure: str) -> str:
+def format_measure(measure: str) -> str:
     """Return the name of a measure, with the unit that is drawn."""
     unit = _unit(measure)[1]
     return measure.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
-def _grouped(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
+def _group_rows(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
     """Return the rows of each drawn layout and plane."""
     at: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
@@ -119,7 +119,7 @@ def _axis(panel: Panel, which: str, measure: str) -> None:
     """Label the axis "x" or "y" with a measure, and scale it."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    getattr(panel, f"set_{which}label")(titled(measure), fontsize=SMALL)
+    getattr(panel, f"set_{which}label")(format_measure(measure), fontsize=SMALL)
     axis = getattr(panel, f"{which}axis")
     if measure not in LOGARITHMIC or not np.isfinite(axis.get_minpos()):
         return

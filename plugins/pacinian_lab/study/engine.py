@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, cast
 
 from pacinian.errors import ArgumentError, MissingExtra, ServerError
-from pacinian_lab.study.worker import failed, measure
+from pacinian_lab.study.worker import make_failure, measure
 
 try:
     from dask import config
@@ -140,7 +140,7 @@ def _rows(future: Future[list[Row]], plan: Plan, tasks: Sequence[Task]) -> list[
         reason = "KilledWorker: the worker processes died repeatedly"
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
-    return [failed(job, reason) for job in plan.batch(tasks).jobs]
+    return [make_failure(job, reason) for job in plan.batch(tasks).jobs]
 
 
 def _alike(client: Client, address: str) -> None:

@@ -19,7 +19,7 @@ from pacinian.scene.file import Medium
 from pacinian_lab.study.layouts import AnyLayout, Device
 from pacinian_lab.study.patterns import AnyPattern
 from pacinian_lab.study.planes import Plane
-from pacinian_lab.study.sweep import Entry, chosen, described
+from pacinian_lab.study.sweep import Entry, format_label, iterate_combinations
 
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
@@ -55,14 +55,14 @@ class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     def entries(self) -> list[Entry[Method]]:
         """Return all combinations of the swept settings."""
         made: list[Entry[Method]] = []
-        for values in chosen(self.options):
+        for values in iterate_combinations(self.options):
             item = replace(self, options={**self.options, **values})
             told: dict[str, Any] = dict(item.options)
             if self.phases is not None:
                 told["phases"] = self.phases
             if self.precision != "single":
                 told["precision"] = self.precision
-            made.append(Entry(described(self.name, told), item))
+            made.append(Entry(format_label(self.name, told), item))
         return made
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.plot.page import figure, save
 from pacinian.plot.style import MAP, SMALL, TEXT, Panel
-from pacinian_lab.study.worker import emitted, solve
+from pacinian_lab.study.worker import quantise_gains, solve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -43,7 +43,7 @@ def layouts(plan: Plan, path: Path) -> None:
             x, y, c=z, s=1.0, linewidths=0, cmap=MAP, vmin=low[2], vmax=max(high[2], low[2] + 1.0)
         )
         panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-        panel.set_title(f"{_wrapped(entry.label)}\nN = {len(array)}", fontsize=SMALL)
+        panel.set_title(f"{_wrap_label(entry.label)}\nN = {len(array)}", fontsize=SMALL)
         panel.tick_params(labelsize=SMALL_FONT)
         panel.locator_params(nbins=2)
     for panel in panels[len(arrays) :]:
@@ -93,7 +93,7 @@ def _images(
             try:
                 field, points = _field(plan, task)
             except Exception as error:
-                text = _wrapped(str(error), 24)
+                text = _wrap_label(str(error), 24)
                 panel.text(0.0, 0.0, text, ha="center", va="center", fontsize=SMALL_FONT)
                 continue
             finally:
@@ -106,9 +106,11 @@ def _images(
             if len(points) <= MARKED:
                 panel.plot(*(1e3 * points.T), "o", mfc="none", mec="white", ms=2.4, mew=0.3)
             panel.set_title(f"maximum {1e-3 * most:.3g} kPa", fontsize=SMALL_FONT, pad=2)
-        panels[0].set_ylabel(f"{_wrapped(row[0].place.pattern.label)}\nv [mm]", fontsize=SMALL)
+        panels[0].set_ylabel(f"{_wrap_label(row[0].place.pattern.label)}\nv [mm]", fontsize=SMALL)
     for task, panel in zip(tasks[0], grid[0], strict=True):
-        panel.set_title(f"{_wrapped(task.place.layout.label)}\n{panel.get_title()}", fontsize=SMALL)
+        panel.set_title(
+            f"{_wrap_label(task.place.layout.label)}\n{panel.get_title()}", fontsize=SMALL
+        )
     for panel in grid[-1]:
         panel.set_xlabel("u [mm]", fontsize=SMALL)
     if image is not None:
@@ -123,7 +125,7 @@ def _field(plan: Plan, task: Task) -> tuple[Floats, Floats]:
     """Return |p| [Pa] in the picture, and the points with a target in its plane [m]."""
     batch = plan.batch([task])
     stage = batch.stage()
-    gains = emitted(batch, solve(batch, stage, batch.jobs[0]).gains)
+    gains = quantise_gains(batch, solve(batch, stage, batch.jobs[0]).gains)
     return stage.field(gains), stage.uv[stage.asked]
 
 
@@ -134,6 +136,6 @@ def _bar(page: Any, image: Any, panels: Sequence[Panel], label: str) -> None:
     made.ax.tick_params(labelsize=SMALL_FONT)
 
 
-def _wrapped(label: str, width: int = 18) -> str:
+def _wrap_label(label: str, width: int = 18) -> str:
     """Return a label, wrapped to several lines."""
     return "\n".join(textwrap.wrap(label, width))

@@ -15,7 +15,7 @@ from pacinian.checks import check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 from pacinian_lab.study import arrangements
-from pacinian_lab.study.sweep import Count, Number, Word, each, one
+from pacinian_lab.study.sweep import Count, Number, Word, check_single, each
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -67,11 +67,11 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
             raise ArgumentError(
                 "layout", f"has {len(array)} transducers: more than {MAX_TRANSDUCERS}"
             )
-        if bowl := one(self.bowl):
+        if bowl := check_single(self.bowl):
             array = bent(array, bowl)
-        if fold := one(self.fold):
-            array = array.fold(one(self.hinge), fold)
-        if facing := one(self.facing):
+        if fold := check_single(self.fold):
+            array = array.fold(check_single(self.hinge), fold)
+        if facing := check_single(self.facing):
             array += array.moved(Pose.turned("x", 180.0, (0.0, 0.0, facing)))
         return array.moved(self.pose)
 
@@ -88,7 +88,7 @@ class Autd(Layout, frozen=True, tag="autd"):
             each(name, value, _some)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return pc.autd(one(self.columns), one(self.rows)).positions[:, :2]
+        return pc.autd(check_single(self.columns), check_single(self.rows)).positions[:, :2]
 
 
 class Spread(Layout, frozen=True, kw_only=True):
@@ -105,7 +105,7 @@ class Spread(Layout, frozen=True, kw_only=True):
     @property
     def size(self) -> tuple[float, float]:
         """Width and height [m]."""
-        return one(self.width), one(self.height) or one(self.width)
+        return check_single(self.width), check_single(self.height) or check_single(self.width)
 
 
 class Lattice(Spread, frozen=True, tag="lattice"):
@@ -118,7 +118,7 @@ class Lattice(Spread, frozen=True, tag="lattice"):
         each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return pc.lattice(*self.size, one(self.pitch)).positions[:, :2]
+        return pc.lattice(*self.size, check_single(self.pitch)).positions[:, :2]
 
 
 class Hexagonal(Spread, frozen=True, tag="hexagonal"):
@@ -131,7 +131,7 @@ class Hexagonal(Spread, frozen=True, tag="hexagonal"):
         each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return arrangements.hexagonal(*self.size, one(self.pitch))
+        return arrangements.hexagonal(*self.size, check_single(self.pitch))
 
 
 class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
@@ -150,7 +150,9 @@ class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
         each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return arrangements.scattered(*self.size, one(self.count), one(self.apart), rng)
+        return arrangements.scatter_points(
+            *self.size, check_single(self.count), check_single(self.apart), rng
+        )
 
 
 class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
@@ -165,7 +167,7 @@ class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
         each("diameter", self.diameter, check_length)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return arrangements.sunflower(one(self.count), one(self.diameter))
+        return arrangements.sunflower(check_single(self.count), check_single(self.diameter))
 
 
 class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
@@ -180,7 +182,7 @@ class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
         each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
-        return arrangements.rings(one(self.diameter), one(self.pitch))
+        return arrangements.rings(check_single(self.diameter), check_single(self.pitch))
 
 
 class Device(Layout, frozen=True, tag="device"):

@@ -87,7 +87,7 @@ def image(a: Floats, field: Floats, lobes: Flags) -> dict[str, float]:
     }
 
 
-def emitted_power(array: pc.Array, gains: Complexes, medium: pc.Air) -> float:
+def compute_emitted_power(array: pc.Array, gains: Complexes, medium: pc.Air) -> float:
     """Return the sound power that transducers of these gains, (N,), emit, as if each were alone [W].
 
         W = P0^2 / (2 rho c) sum_n |g_n s_n|^2 int D^2 dOmega

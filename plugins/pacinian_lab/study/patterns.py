@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from pacinian.checks import check_integer, check_length, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian_lab.study.sweep import Count, Number, Word, each, one
+from pacinian_lab.study.sweep import Count, Number, Word, check_single, each
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -69,8 +69,8 @@ class Circle(Pattern, frozen=True, tag="circle"):
         each("count", self.count, _some)
 
     def _make(self, rng: np.random.Generator) -> Made:
-        angle = 2.0 * math.pi / one(self.count) * np.arange(one(self.count))
-        uv = one(self.radius) * np.column_stack([np.cos(angle), np.sin(angle)])
+        angle = 2.0 * math.pi / check_single(self.count) * np.arange(check_single(self.count))
+        uv = check_single(self.radius) * np.column_stack([np.cos(angle), np.sin(angle)])
         return uv, np.ones(len(uv))
 
 
@@ -87,8 +87,8 @@ class PointGrid(Pattern, frozen=True, tag="grid"):
         each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> Made:
-        counts = one(self.columns), one(self.rows)
-        u, v = (one(self.pitch) * (np.arange(n) - (n - 1) / 2.0) for n in counts)
+        counts = check_single(self.columns), check_single(self.rows)
+        u, v = (check_single(self.pitch) * (np.arange(n) - (n - 1) / 2.0) for n in counts)
         U, V = np.meshgrid(u, v)
         return np.column_stack([U.ravel(), V.ravel()]).astype(np.float64), np.ones(U.size)
 
@@ -101,16 +101,16 @@ class Letters(Pattern, frozen=True, tag="letters"):
     dots: Count = 8
 
     def __post_init__(self) -> None:
-        each("text", self.text, _printable)
+        each("text", self.text, _check_printable)
         each("height", self.height, check_length)
         each("dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64))
 
     def _make(self, rng: np.random.Generator) -> Made:
-        dots = _dots(one(self.text), one(self.dots))
+        dots = _dots(check_single(self.text), check_single(self.dots))
         v, u = np.nonzero(dots[::-1])
         uv = np.column_stack([u, v]).astype(np.float64)
         uv -= (uv.min(axis=0) + uv.max(axis=0)) / 2.0
-        return uv * one(self.height) / (one(self.dots) - 1), np.ones(len(uv))
+        return uv * check_single(self.height) / (check_single(self.dots) - 1), np.ones(len(uv))
 
 
 class RandomPoints(Pattern, frozen=True, tag="random"):
@@ -130,8 +130,8 @@ class RandomPoints(Pattern, frozen=True, tag="random"):
         each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _make(self, rng: np.random.Generator) -> Made:
-        half, count = one(self.side) / 2.0, one(self.count)
-        return rng.uniform(-half, half, (count, 2)), rng.uniform(one(self.low), 1.0, count)
+        half, count = check_single(self.side) / 2.0, check_single(self.count)
+        return rng.uniform(-half, half, (count, 2)), rng.uniform(check_single(self.low), 1.0, count)
 
 
 class Shape(Pattern, frozen=True, tag="shape"):
@@ -151,8 +151,8 @@ class Shape(Pattern, frozen=True, tag="shape"):
         each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> Made:
-        side = one(self.side)
-        count = 1 + round(side / one(self.pitch))
+        side = check_single(self.side)
+        count = 1 + round(side / check_single(self.pitch))
         line = np.linspace(-1.0, 1.0, count)
         v, u = np.meshgrid(line, line, indexing="ij")
         r, far = np.hypot(u, v), np.maximum(np.abs(u), np.abs(v))
@@ -161,7 +161,7 @@ class Shape(Pattern, frozen=True, tag="shape"):
             "disc": r < 0.3,
             "cross": ((np.abs(u) < 0.06) | (np.abs(v) < 0.06)) & (far < 0.6),
             "square": np.abs(far - 0.5) < 0.08,
-        }[one(self.form)]
+        }[check_single(self.form)]
         return side / 2.0 * np.column_stack([u.ravel(), v.ravel()]), asked.ravel().astype(float)
 
 
@@ -211,7 +211,7 @@ def _tall(box: tuple[float, float, float, float]) -> float:
     return box[3] - box[1]
 
 
-def _printable(name: str, text: str) -> None:
+def _check_printable(name: str, text: str) -> None:
     if not (text.isprintable() and text.strip() and len(text) <= 40):
         raise ArgumentError(name, f"must be 1 to 40 characters on one line, not {text!r}")
 

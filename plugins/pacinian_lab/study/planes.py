@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.checks import MAX_LENGTH, check_number
-from pacinian_lab.study.sweep import Number, each, one
+from pacinian_lab.study.sweep import Number, check_single, each
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -47,12 +47,12 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     @property
     def origin(self) -> Floats:
         """Origin of the plane, (3,) [m]."""
-        return np.array([one(self.x), one(self.y), one(self.z)])
+        return np.array([check_single(self.x), check_single(self.y), check_single(self.z)])
 
     @property
     def axes(self) -> Floats:
         """The unit vectors u and v, (2, 3)."""
-        t, a = np.radians([one(self.tilt), one(self.azimuth)])
+        t, a = np.radians([check_single(self.tilt), check_single(self.azimuth)])
         return np.array(
             [
                 [np.cos(a), np.sin(a), 0.0],

@@ -54,11 +54,11 @@ def text(plan: Plan, rows: Sequence[Row], files: Iterable[str]) -> str:
     for plane in dict.fromkeys(row["plane"] for row in good):
         parts += [f"## {_plain(plane)}", "Medians over patterns, solvers and levels."]
         parts.append(
-            _table("layout", IN_TABLE, [r for r in good if r["plane"] == plane], sizes=True)
+            _format_table("layout", IN_TABLE, [r for r in good if r["plane"] == plane], sizes=True)
         )
     if good:
         parts += ["## Solvers", "Medians over everything else."]
-        parts.append(_table("solver", OF_SOLVERS, good))
+        parts.append(_format_table("solver", OF_SOLVERS, good))
         parts += ["## Measures", _meanings()]
     if bad:
         parts += ["## Failures", _failures(bad)]
@@ -89,11 +89,13 @@ def _head(plan: Plan, rows: Sequence[Row], bad: Sequence[Row]) -> str:
     )
 
 
-def _table(by: str, columns: Sequence[str], rows: Sequence[Row], *, sizes: bool = False) -> str:
+def _format_table(
+    by: str, columns: Sequence[str], rows: Sequence[Row], *, sizes: bool = False
+) -> str:
     head = [
         by,
         *(["N", "aperture [mm]", "spacing [mm]"] if sizes else []),
-        *map(charts.titled, columns),
+        *map(charts.format_measure, columns),
     ]
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     groups: dict[str, list[Row]] = defaultdict(list)
@@ -121,7 +123,9 @@ def _plain(text: str) -> str:
 
 
 def _meanings() -> str:
-    return "\n".join(f"- **{charts.titled(name)}**: {m.meaning}" for name, m in MEASURES.items())
+    return "\n".join(
+        f"- **{charts.format_measure(name)}**: {m.meaning}" for name, m in MEASURES.items()
+    )
 
 
 def _failures(bad: Sequence[Row]) -> str:

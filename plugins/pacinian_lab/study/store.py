@@ -84,10 +84,10 @@ class Folder:
         table = pa.Table.from_pylist(list(rows), schema=MEASURED)
         self._write(table, self._parts / f"{uuid.uuid4().hex}.parquet")
 
-    def asked(self) -> tuple[str, set[str]]:
+    def read_asked(self) -> tuple[str, set[str]]:
         """Return the digest and the keys of the previous study, or empty values if there is none that can be read."""
         try:
-            table = _table(self.path / "tasks.parquet")
+            table = _read_table(self.path / "tasks.parquet")
         except RecordingError:
             return "", set()
         digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
@@ -95,15 +95,15 @@ class Folder:
 
     def ask(self, plan: Plan) -> None:
         """Write the tasks of the current study."""
-        rows = [described(task) for task in plan.tasks]
+        rows = [describe_task(task) for task in plan.tasks]
         names = dict.fromkeys(name for row in rows for name in row)
         table = pa.table({name: pa.array([row.get(name) for row in rows]) for name in names})
         table = table.replace_schema_metadata({DIGEST: plan.digest.encode()})
         self._write(table, self.path / "tasks.parquet")
 
-    def table(self) -> Table:
+    def join_table(self) -> Table:
         """Return the finished tasks with their measurements, a row for each. Raises RecordingError."""
-        asked = _table(self.path / "tasks.parquet")
+        asked = _read_table(self.path / "tasks.parquet")
         rows = self.rows()
         done = asked.filter(
             pa.array([key in rows for key in asked.column("key").to_pylist()], pa.bool_())
@@ -116,7 +116,7 @@ class Folder:
 
     def finish(self) -> Table:
         """Write the table and return it."""
-        table = self.table()
+        table = self.join_table()
         self._write(table, self.path / "results.parquet")
         return table
 
@@ -132,7 +132,7 @@ class Folder:
             beside.unlink(missing_ok=True)
 
 
-def described(task: Task) -> dict[str, Any]:
+def describe_task(task: Task) -> dict[str, Any]:
     """Return the row of a task before it runs: its key, labels and settings."""
     place = task.place
     row: dict[str, Any] = {
@@ -157,7 +157,7 @@ def described(task: Task) -> dict[str, Any]:
     return row
 
 
-def _table(path: Path) -> Table:
+def _read_table(path: Path) -> Table:
     try:
         return pq.read_table(path)
     except (pa.ArrowException, OSError) as error:

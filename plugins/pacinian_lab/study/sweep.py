@@ -36,7 +36,7 @@ class Entry(Generic[S]):
     value: S
 
 
-def one(value: T | tuple[T, ...]) -> T:
+def check_single(value: T | tuple[T, ...]) -> T:
     """Return a value that is not swept. Raises ArgumentError."""
     if isinstance(value, tuple):
         raise ArgumentError("value", f"must be one, not a sweep: {value}")
@@ -56,7 +56,7 @@ def each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]
             raise ArgumentError(name, f"has {value!r} twice")
 
 
-def chosen(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def iterate_combinations(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """Yield all combinations of the swept values, with the last one varying fastest. Raises ArgumentError."""
     swept = {name: value for name, value in values.items() if isinstance(value, tuple)}
     if (count := math.prod(map(len, swept.values()))) > MAX_COMBINATIONS:
@@ -75,11 +75,12 @@ def entries(item: S, whole: Iterable[str] = ()) -> list[Entry[S]]:
     fields = {n: getattr(item, n) for n in item.__struct_fields__ if n not in whole}
     name = fields.get("name") or item.__struct_config__.tag or type(item).__name__.lower()
     return [
-        Entry(described(str(name), values), replace(item, **values)) for values in chosen(fields)
+        Entry(format_label(str(name), values), replace(item, **values))
+        for values in iterate_combinations(fields)
     ]
 
 
-def described(label: str, values: dict[str, Any]) -> str:
+def format_label(label: str, values: dict[str, Any]) -> str:
     """Return a label with values: `lattice pitch=0.01, width=0.2`."""
     texts = [f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in values.items()]
     return f"{label} {', '.join(texts)}" if texts else label

@@ -67,18 +67,18 @@ class Plan:
     """
 
     def __init__(self, study: Study, path: str = "study") -> None:
-        self.study, self._path = _typed(study, path), path
+        self.study, self._path = _convert_types(study, path), path
         study = self.study
-        layouts = self._expanded("layouts", study.layouts, entries)
-        planes = self._expanded("planes", study.planes, entries)
-        patterns = self._expanded("patterns", study.patterns, lambda p: entries(p, p.whole))
-        methods = self._expanded("solvers", study.methods, lambda m: m.entries())
+        layouts = self._expand_part("layouts", study.layouts, entries)
+        planes = self._expand_part("planes", study.planes, entries)
+        patterns = self._expand_part("patterns", study.patterns, lambda p: entries(p, p.whole))
+        methods = self._expand_part("solvers", study.methods, lambda m: m.entries())
         parts = (layouts, planes, patterns, methods)
         if (count := math.prod(map(len, (*parts, study.levels)))) > MAX_TASKS:
             raise SceneFileError(path, "$", f"makes {count} tasks: more than {MAX_TASKS}")
-        self._checked(methods, lambda m: m.make())
-        N = max(self._checked(layouts, lambda layout: len(self.array(layout))))
-        M = max(self._checked(patterns, self._count))
+        self._check_items(methods, lambda m: m.make())
+        N = max(self._check_items(layouts, lambda layout: len(self.array(layout))))
+        M = max(self._check_items(patterns, self._count))
         if N * M > MAX_ELEMENTS:
             problem = f"asks for {M} points of {N} transducers: more than {MAX_ELEMENTS} of both multiplied"
             raise SceneFileError(path, "$", problem)
@@ -89,7 +89,7 @@ class Plan:
         self.tasks: list[Task] = []
         for where in itertools.product(layouts.values(), planes.values(), patterns.values()):
             place = Place(*where)
-            said = digest([self._world, *(self._said(part.value) for part in where)]).hex()
+            said = digest([self._world, *(self._list_inputs(part.value) for part in where)]).hex()
             for method, level, how in hows:
                 self.tasks.append(Task(digest([said, *how]).hex(), place, method, level))
         self._twice()
@@ -139,7 +139,7 @@ class Plan:
         shared = (study.medium, study.transducer, study.gain, study.emitted, study.picture)
         return [importlib.metadata.version("pacinian"), *map(msgspec.to_builtins, shared)]
 
-    def _said(self, item: Layout | Plane | Pattern) -> list[Any]:
+    def _list_inputs(self, item: Layout | Plane | Pattern) -> list[Any]:
         """Return what the results depend on, including the seed if the item is random."""
         return [_plain(item), self.study.seed if item.drawn else None]
 
@@ -159,7 +159,7 @@ class Plan:
             )
         return len(uv)
 
-    def _expanded(
+    def _expand_part(
         self, part: str, items: Sequence[Any], expand: Callable[[Any], list[Entry[Any]]]
     ) -> dict[str, Entry[Any]]:
         """Expand a part of the file. Returns the items, by the name for errors: the key and the label."""
@@ -179,7 +179,7 @@ class Plan:
                 made[f"{key}: {entry.label}" if len(found) > 1 else key] = entry
         return made
 
-    def _checked(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
+    def _check_items(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
         """Return the results of a check of each item. Raises SceneFileError."""
         told: list[T] = []
         for key, entry in made.items():
@@ -201,7 +201,7 @@ class Plan:
                 raise SceneFileError(self._path, "$", f"has the same task twice: {labels}")
 
 
-def _typed(study: Study, path: str) -> Study:
+def _convert_types(study: Study, path: str) -> Study:
     """Return a study with its values converted to the fields' types, so that 1 becomes 1.0 for a length."""
     try:
         return msgspec.convert(msgspec.to_builtins(study), type(study))
@@ -221,4 +221,4 @@ def _plain(item: Layout | Plane | Pattern) -> Any:
 
 def _source(solver: str) -> str:
     """Return the distribution that ships a solver, with its version."""
-    return registry.installed().find("solver", solver).distribution
+    return registry.discover_plugins().find("solver", solver).distribution

@@ -40,7 +40,7 @@ def run(
     Local processes import the calling program, so guard it with `if __name__ == "__main__"`. Raises SceneFileError,
     ArgumentError, ServerError, MissingExtra, OSError.
     """
-    plan = study if isinstance(study, Plan) else planned(study)
+    plan = study if isinstance(study, Plan) else make_plan(study)
     if workers is not None:
         check_integer("workers", workers, low=0)
     folder = Folder(Path(out))
@@ -56,10 +56,10 @@ def run(
 
 def load(out: str | Path) -> Table:
     """Return the pyarrow.Table of a study's folder: a row for each finished task, in order. Raises RecordingError."""
-    return Folder(Path(out)).table()
+    return Folder(Path(out)).join_table()
 
 
-def planned(study: Study | str | Path) -> Plan:
+def make_plan(study: Study | str | Path) -> Plan:
     """Return the tasks of a study, or of its file. Raises SceneFileError."""
     if isinstance(study, Study):
         return Plan(study)

@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.rendering.quantiser import Quantiser
-from pacinian_lab.study.measures import MEASURES, amplitudes, emitted_power, image
+from pacinian_lab.study.measures import MEASURES, amplitudes, compute_emitted_power, image
 from pacinian_lab.study.stage import Stage
 
 if TYPE_CHECKING:
@@ -79,25 +79,25 @@ def measure(batch: Batch) -> list[Row]:
         return [_row(batch, stage, job) for job in batch.jobs]
 
 
-def failed(job: Job, reason: str) -> Row:
+def make_failure(job: Job, reason: str) -> Row:
     """Return the row of a task that failed."""
     return {"key": job.key, "failure": reason}
 
 
 def _row(batch: Batch, stage: Stage, job: Job) -> Row:
     try:
-        return _measured(batch, stage, job)
+        return _measure_job(batch, stage, job)
     except Exception as error:
-        return failed(job, f"{type(error).__name__}: {error}")
+        return make_failure(job, f"{type(error).__name__}: {error}")
 
 
-def _measured(batch: Batch, stage: Stage, job: Job) -> Row:
+def _measure_job(batch: Batch, stage: Stage, job: Job) -> Row:
     exact = job.level != math.inf
     t = targets(batch, stage, job.level)
-    solution, seconds = _timed(batch, stage, job)
-    g = emitted(batch, solution.gains).astype(np.complex128)
+    solution, seconds = _time_solve(batch, stage, job)
+    g = quantise_gains(batch, solution.gains).astype(np.complex128)
     a = np.abs(stage.B @ g)
-    power = emitted_power(batch.array, g, batch.medium)
+    power = compute_emitted_power(batch.array, g, batch.medium)
     P = pc.radiation_pressure(a[stage.asked], batch.medium)
     rank, condition = stage.spectrum
     measured = {
@@ -153,16 +153,18 @@ def solve(batch: Batch, stage: Stage, job: Job) -> pc.Solution:
     )
 
 
-def emitted(batch: Batch, gains: Gains | Complexes) -> Complexes:
+def quantise_gains(batch: Batch, gains: Gains | Complexes) -> Complexes:
     """Return the gains as the device emits them, or unchanged if no device is emulated."""
     if batch.emitted is None:
         return gains
     can = pc.Capability(phases=batch.emitted.phases, amplitudes=batch.emitted.amplitudes)
-    made = Quantiser(can, 1, len(gains)).emitted(gains.astype(np.complex64), batch.gain or 1.0)
+    made = Quantiser(can, 1, len(gains)).quantise_gains(
+        gains.astype(np.complex64), batch.gain or 1.0
+    )
     return made.copy()
 
 
-def _timed(batch: Batch, stage: Stage, job: Job) -> tuple[pc.Solution, float]:
+def _time_solve(batch: Batch, stage: Stage, job: Job) -> tuple[pc.Solution, float]:
     """Return the solution, and the median of its run times, from points to gains [s]."""
     if job.method.name not in _warm:  # the solver may have to load or compile something
         solve(batch, stage, job)

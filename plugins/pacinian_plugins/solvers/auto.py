@@ -84,9 +84,11 @@ class Auto(pc.Solver):
         elif count > len(out) and targets.scale == "exact":
             result = self._many.solve(propagator, targets, limits, warm, budget, out)
             if budget.spent:
-                return _named(result._replace(late=True), self._many, "no time for more")
+                return _label_result(result._replace(late=True), self._many, "no time for more")
             if self._enough(propagator, targets, limits, out):
-                return _named(result, self._many, "more points than transducers, no limit touched")
+                return _label_result(
+                    result, self._many, "more points than transducers, no limit touched"
+                )
             out[:] = 0.0
             why = "more points than transducers, at their limit"
         result = solver.solve(propagator, targets, limits, warm, budget, out)
@@ -94,7 +96,7 @@ class Auto(pc.Solver):
         simple = simple and not limits.solver_limits and limits.power is None
         if simple and count <= len(out) and count * count * len(out) > LARGE and not budget.spent:
             return self._better(result, propagator, targets, limits, budget, out)
-        return _named(result, solver, why)
+        return _label_result(result, solver, why)
 
     def _better(
         self, first: pc.Result, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
@@ -103,14 +105,16 @@ class Auto(pc.Solver):
         """Return the first result; if it misses `error`, try the dense solver and return the better one."""
         missed = targets.relative_error(propagator.apply(out))
         if missed <= self.error:
-            return _named(first, self._several, "several points")
+            return _label_result(first, self._several, "several points")
         kept = out.copy()
         out[:] = 0.0
         second = self._dense.solve(propagator, targets, limits, None, budget, out)
         if targets.relative_error(propagator.apply(out)) < missed:
-            return _named(second, self._dense, "many points close together")
+            return _label_result(second, self._dense, "many points close together")
         out[:] = kept
-        return _named(first._replace(late=second.late), self._several, "many points close together")
+        return _label_result(
+            first._replace(late=second.late), self._several, "many points close together"
+        )
 
     def _enough(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
@@ -122,7 +126,7 @@ class Auto(pc.Solver):
         return not targets.free.any() or targets.relative_error(propagator.apply(out)) <= self.error
 
 
-def _named(result: pc.Result, solver: pc.Solver, why: str) -> pc.Result:
+def _label_result(result: pc.Result, solver: pc.Solver, why: str) -> pc.Result:
     note = f"{why}; {result.note}" if result.note else why
     return result._replace(solver=solver.name, note=note)
 

@@ -107,7 +107,7 @@ def test_what_is_behind_a_hand_or_beyond_the_transducers_does_not_count_or_matte
     np.testing.assert_allclose(SkinFacing(up, wall).weights(q, r), [[0, 1, np.sqrt(0.5), 0]])
     np.testing.assert_allclose(SkinFacing(down, wall).weights(q, r), [[0, 0, 0, 1]])
     np.testing.assert_allclose(SkinFacing([[0.0, 0.0, 0.0]], wall).weights(q, r), [[0, 1, 1, 1]])
-    np.testing.assert_allclose(SkinFacing(up, wall).arriving(q, r), [[0, 1, 1, 0]])
+    np.testing.assert_allclose(SkinFacing(up, wall).compute_arrival(q, r), [[0, 1, 1, 0]])
 
 
 @given(seeds)
@@ -140,8 +140,8 @@ def test_only_samples_said_to_have_moved_have_other_weights(seed: int) -> None:
     ):  # fmt: skip
         r = ARRAY.positions[::9] + np.array([0.0, 0.0, 0.2])
         same = (before.weights(q, r) == after.weights(q, r)).all(axis=1)
-        assert (same | after.moved(before, q)).all()
-    assert not SkinFacing(n, hand).moved(before, q).any()
+        assert (same | after.find_changed(before, q)).all()
+    assert not SkinFacing(n, hand).find_changed(before, q).any()
 
 
 def in_single(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> np.ndarray:

@@ -322,7 +322,7 @@ def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
                 self.commands[called] = registry.CommandOffer(called, command, "tuner", "tuner 1")
 
     fakes = Fakes([])
-    monkeypatch.setattr(registry, "installed", lambda: fakes)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: fakes)
     assert CliRunner().invoke(cli, ["serve", "--help"]).exit_code == 0
     assert not fakes.commands
     assert CliRunner().invoke(cli, ["tune"]).stdout == "tuned\n"
@@ -339,7 +339,7 @@ def test_an_unknown_command_tells_of_plugins_that_did_not_load(
 
     plugins = registry.Plugins([])
     plugins.failed["tuner"] = pc.PluginError("plug-in 'tuner' does not load: no numpy")
-    monkeypatch.setattr(registry, "installed", lambda: plugins)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
     result = CliRunner().invoke(cli, ["tune"])
     assert result.exit_code == 2
     assert "No such command 'tune'" in result.stderr

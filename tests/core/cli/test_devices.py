@@ -63,7 +63,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch) -> pc.Plugins:
     """An installation with that backend, and nothing on its shelf."""
     made = pc.Plugins([])
     made.offers["backend", "mine"] = Offer("backend", Mine, "mine", "here")
-    monkeypatch.setattr(registry, "installed", lambda: made)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: made)
     Mine.shelf[:] = []
     return made
 
@@ -143,7 +143,9 @@ def test_what_cannot_be_looked_for_is_a_row_with_its_fix_and_no_failure(plugins:
 def test_boards_are_not_missed_where_nobody_could_look(plugins: Any) -> None:
     blind = pc.Found("mine", "", "", "install libusb")
     for boards in ([pc.Board("A")], [pc.Board()]):
-        (found,) = device_findings.connected(described(boards=boards, backend="mine"), [blind])
+        (found,) = device_findings.check_connected(
+            described(boards=boards, backend="mine"), [blind]
+        )
         assert (found.level, found.told, found.fix) == (
             "problem", "search failed", "install libusb",
         )  # fmt: skip
@@ -187,21 +189,23 @@ def levels(findings: Iterable[Any]) -> dict[str, str]:
 
 
 def test_a_sound_description_has_no_problem() -> None:
-    assert set(levels(device_findings.described(described())).values()) == {"ok"}
+    assert set(levels(device_findings.check_description(described())).values()) == {"ok"}
 
 
 def test_boards_that_overlap_are_named() -> None:
     near = pc.Board("B", pose=pc.Pose((0.0, 0.004, 0.0)))
-    found = device_findings.described(described(boards=[pc.Board("A"), near]))
+    found = device_findings.check_description(described(boards=[pc.Board("A"), near]))
     (problem,) = (f for f in found if f.level == "problem")
     assert re.search(r"overlap, 4\.0 mm apart, on board A and board B", problem.told)
     opposite = pc.Board("B", pose=pc.Pose((0.0, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0)))
     assert (
-        levels(device_findings.described(described(boards=[pc.Board("A"), opposite])))["places"]
+        levels(device_findings.check_description(described(boards=[pc.Board("A"), opposite])))[
+            "places"
+        ]
         == "ok"
     )
     tight = pc.Board("A", Grid(4, 4, 0.005))
-    found = device_findings.described(described(boards=[tight]))
+    found = device_findings.check_description(described(boards=[tight]))
     assert "on board A" in next(f.told for f in found if f.level == "problem")
 
 
@@ -209,17 +213,21 @@ def test_dead_and_odd_channels_are_counted() -> None:
     gain = np.ones(249)
     gain[[3, 4]] = 0.2, 3.0
     one = pc.Board("A", dead=(7, 9), gain=tuple(gain.tolist()))
-    found = {f.name: f for f in device_findings.described(described(boards=[one]))}["board A"]
+    found = {f.name: f for f in device_findings.check_description(described(boards=[one]))}[
+        "board A"
+    ]
     assert found.level == "warning"
     assert "dead: 7, 9" in found.told
     assert "far from their kind: 3, 4" in found.told
-    assert "247 transducers" in device_findings.described(described(boards=[one]))[0].told
+    assert "247 transducers" in device_findings.check_description(described(boards=[one]))[0].told
 
 
 def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
     from pacinian.devices.description import Element
 
-    found = levels(device_findings.described(described(transducer=Element(frequency=30_000.0))))
+    found = levels(
+        device_findings.check_description(described(transducer=Element(frequency=30_000.0)))
+    )
     assert found["frequency"] == "warning"
 
 
@@ -236,22 +244,22 @@ def test_levels_must_be_the_backend_s() -> None:
 def test_boards_are_looked_for_by_serial() -> None:
     device = described(backend="mine")
     other = pc.Found("other", "B", "of another kind")
-    found = device_findings.connected(device, [READY, other, pc.Found("mine", "C", "spare")])
+    found = device_findings.check_connected(device, [READY, other, pc.Found("mine", "C", "spare")])
     assert levels(found) == {
         "board A, connected": "ok", "board B, connected": "problem", "others": "warning",
     }  # fmt: skip
     assert "connected: A, C" in found[1].fix
-    denied = device_findings.connected(device, [READY, DENIED])
+    denied = device_findings.check_connected(device, [READY, DENIED])
     assert denied[1].fix == DENIED.problem
 
 
 def test_a_board_without_a_serial_is_the_only_one_there() -> None:
     device = described(boards=[pc.Board()])
     nameless = pc.Found("mine", "", "a serial port")
-    assert levels(device_findings.connected(device, [nameless])) == {"board, connected": "ok"}
-    assert levels(device_findings.connected(device, [READY])) == {"board, connected": "ok"}
+    assert levels(device_findings.check_connected(device, [nameless])) == {"board, connected": "ok"}
+    assert levels(device_findings.check_connected(device, [READY])) == {"board, connected": "ok"}
     two = [READY, pc.Found("mine", "C", "another")]
-    assert levels(device_findings.connected(device, two))["board, connected"] == "problem"
+    assert levels(device_findings.check_connected(device, two))["board, connected"] == "problem"
 
 
 def test_check_tells_all_of_it(plugins: Any, tmp_path: Path) -> None:

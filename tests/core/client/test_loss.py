@@ -137,7 +137,7 @@ def test_an_end_that_came_beside_an_answer_is_told_after_it(
 ) -> None:
     with other_link(server) as (listener, client):
         dialogue = client._dialogue
-        sent = dialogue._sent
+        sent = dialogue._send
 
         def heard(*given: Any) -> bool:
             """Sent, and answered; and then the other link ends."""
@@ -147,7 +147,7 @@ def test_an_end_that_came_beside_an_answer_is_told_after_it(
             return done
 
         with monkeypatch.context() as patch:
-            patch.setattr(dialogue, "_sent", heard)
+            patch.setattr(dialogue, "_send", heard)
             client.status()
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             client.put(POINT)

@@ -79,7 +79,7 @@ def test_what_waits_is_waited_for_no_longer_than_once(
                 commands.Quiet(session=dialogue.welcome.session, sequence=1, time=0.0, zones=())
             )
         dialogue.outbox.waiting *= 5
-        monkeypatch.setattr(dialogue, "_sent", slow)
+        monkeypatch.setattr(dialogue, "_send", slow)
         assert dialogue._flush(1.0)
         monkeypatch.undo()
     assert len(waits) == 5

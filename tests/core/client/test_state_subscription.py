@@ -109,10 +109,10 @@ def test_where_states_come_without_end_the_first_fresh_one_is_taken(
 
 def test_what_is_felt_of_regions_is_told_by_name() -> None:
     felt = pack([[np.nan] * 4, [0.5, 0.25, 0.125, 1.5]])
-    told = pc.Client.felt(state(output="sounding", objects=("point", "ball"), felt=felt))
+    told = pc.Client.decode_felt(state(output="sounding", objects=("point", "ball"), felt=felt))
     assert told == {"ball": FeltRegion(0.5, 0.25, 0.125, 1.5)}
-    assert pc.Client.felt(state(output="silent", objects=("point", "ball"), felt=felt)) == {}
-    assert pc.Client.felt(state(output="sounding")) == {}
+    assert pc.Client.decode_felt(state(output="silent", objects=("point", "ball"), felt=felt)) == {}
+    assert pc.Client.decode_felt(state(output="sounding")) == {}
 
 
 def test_no_state_in_time_is_a_loss(client: pc.Client) -> None:
@@ -128,7 +128,7 @@ def test_the_servers_clock_is_known_to_half_of_the_shortest_trip(
 ) -> None:
     timing, now = Timing(), 0.0
     for there, back in ways:
-        timing.clocked(now, now + there + back, now + there + offset)
+        timing.add_mark(now, now + there + back, now + there + offset)
         now += 1.0
     shortest = min(sum(way) for way in ways[-64:])
     assert abs(timing.offset - offset) <= shortest / 2.0 + 1e-9 * (1.0 + abs(offset))
@@ -139,7 +139,7 @@ def test_the_servers_clock_is_known_to_half_of_the_shortest_trip(
 def test_round_trips_in_order(trips: list[float]) -> None:
     timing = Timing()
     for trip in trips:
-        timing.answered(0.0, trip)
+        timing.add_trip(0.0, trip)
     told = timing.trips
     if not trips:
         assert told == Trips()

@@ -158,13 +158,13 @@ def test_what_is_told_of_them() -> None:
 
 
 def test_errors_say_what_was_being_done_and_whose() -> None:
-    assert str(PADS.explained(error(errno.EIO), "dreaming", "X")).startswith(
+    assert str(PADS.convert_error(error(errno.EIO), "dreaming", "X")).startswith(
         "pads X: dreaming: [Errno 5] Input/Output Error"
     )
-    assert str(PADS.explained(error(errno.EPIPE), "dreaming")) == (
+    assert str(PADS.convert_error(error(errno.EPIPE), "dreaming")) == (
         "pads: dreaming: it refuses (stall)"
     )
-    assert str(PADS.explained(error(errno.ENODEV), "dreaming", "X")) == (
+    assert str(PADS.convert_error(error(errno.ENODEV), "dreaming", "X")) == (
         "pads X: it is gone: push it in"
     )
 

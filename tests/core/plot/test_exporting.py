@@ -208,7 +208,7 @@ def test_the_field_in_a_plane_is_a_picture_in_its_place(read: Gltf) -> None:
     ],
 )  # fmt: skip
 def test_every_kind_of_object_has_triangles_on_its_surface(item: Any) -> None:
-    made = meshes.thing(item)
+    made = meshes.make_object(item)
     assert len(made.faces)
     assert made.faces.max() < len(made.vertices)
     reach = np.sqrt((made.vertices**2).sum(axis=1)).max()

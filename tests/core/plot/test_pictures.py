@@ -11,7 +11,7 @@ from PIL import Image
 
 import pacinian as pc
 from pacinian import plot
-from pacinian.plot.space import Discs, array_of, skin, thing, towards
+from pacinian.plot.space import Discs, array_of, make_object, skin, towards
 
 ARRAY = pc.autd()
 FOCUS = np.array([[0.01, -0.02, 0.15]])
@@ -101,7 +101,7 @@ def test_objects_that_move_are_drawn_where_they_are_at_the_time() -> None:
 )
 def test_all_kinds_of_objects_have_discs(item: Any) -> None:
     for elevation in (20.0, -20.0):
-        made = thing(item, item.pose, towards(elevation, 0.0))
+        made = make_object(item, item.pose, towards(elevation, 0.0))
         assert len(made.points)
         assert ((made.colours >= 0.0) & (made.colours <= 1.0)).all()
 
@@ -111,7 +111,7 @@ def test_only_what_is_turned_to_the_eye_is_drawn() -> None:
     np.testing.assert_allclose(eye, (0.0, 0.0, -1.0), atol=1e-12)
     below, above = skin(HAND, eye), skin(HAND, -eye)
     assert below.points[:, 2].mean() < above.points[:, 2].mean()
-    half = thing(BALL, BALL.pose, eye).points[:, 2]
+    half = make_object(BALL, BALL.pose, eye).points[:, 2]
     assert half.max() <= 0.14
     assert len(array_of(ARRAY).points) == len(ARRAY)
 
@@ -120,7 +120,7 @@ def test_a_surface_is_seen_through_and_shows_its_texture() -> None:
     from pacinian.scene.shapes.texture import grating
 
     plate = pc.Surface(shape=pc.Rectangle(0.1, 0.1), texture=grating(0.02), radiation_pressure=5.0)
-    made = thing(plate, plate.pose, towards(30.0, 0.0))
+    made = make_object(plate, plate.pose, towards(30.0, 0.0))
     assert (made.colours[:, 3] < 1.0).all()
     assert np.ptp(made.colours[:, 0]) > 0.1
 

@@ -10,7 +10,7 @@ import pytest
 
 import pacinian as pc
 from pacinian import plot
-from pacinian.plot.feeds import watched
+from pacinian.plot.feeds import read_feed
 from pacinian.plot.timelines import BINS, MAX_VALUES
 from pacinian.rendering.report import REMEMBERED
 from pacinian.testing import ManualClock
@@ -32,8 +32,8 @@ def report(ticks: int) -> pc.Report:
     for k in range(ticks):
         made.tick(1e-6 * (k % 1000), late=False)
     for k in range(5):
-        made.solved(pc.Status.ok)
-        made.looked(0.01 * k, {})
+        made.count_solve(pc.Status.ok)
+        made.add_measurement(0.01 * k, {})
     made.skipped.update({"solve, nothing moved": 7, "<i>missed</i>": 2, "nothing": 0})
     return made
 
@@ -84,8 +84,8 @@ def test_of_a_long_run_the_last_ticks_and_errors_are_in_their_order() -> None:
     made = pc.Report()
     for k in range(REMEMBERED + 10):
         made.tick(1e-6 * k, late=False)
-        made.solved(pc.Status.ok)
-        made.looked(1e-6 * k, {})
+        made.count_solve(pc.Status.ok)
+        made.add_measurement(1e-6 * k, {})
     for kept in (made.recent(REMEMBERED), made.errors):
         np.testing.assert_allclose(kept, 1e-6 * np.arange(10, REMEMBERED + 10))
     np.testing.assert_allclose(made.recent(3), kept[-3:])
@@ -207,7 +207,7 @@ def test_levels_of_an_uneven_device_are_what_it_makes_of_them(tmp_path: Path) ->
             0.1, "frame", msgspec.msgpack.encode(frame(7, 7))
         )  # the device has no such level
         writer.write(0.1, "state", msgspec.msgpack.encode(state(1)))
-    found = watched(tmp_path / "a.feed")
+    found = read_feed(tmp_path / "a.feed")
     np.testing.assert_allclose(found.drive, [[0.0, 0.2, 0.3]], rtol=1e-6)
 
 

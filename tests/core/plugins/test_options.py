@@ -16,7 +16,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.plugins.options import check_options, find_client_options
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,7 +117,7 @@ def test_what_cannot_be_read_is_the_owners() -> None:
     assert set(find_client_options(Later)) == {"y"}
 
 
-@pytest.mark.parametrize("offer", installed().list(), ids=lambda offer: offer.name)
+@pytest.mark.parametrize("offer", discover_plugins().list(), ids=lambda offer: offer.name)
 def test_installed_plug_ins_take_the_ends_of_what_they_let_clients_set(offer: Any) -> None:
     for name, kinds in find_client_options(offer.cls).items():
         for kind in kinds:
@@ -132,7 +132,7 @@ def test_installed_plug_ins_take_the_ends_of_what_they_let_clients_set(offer: An
 
 def test_no_device_is_given_a_file_an_address_or_a_watchdog_by_clients() -> None:
     """It is whoever runs the server who says which device is driven, and how it is kept safe."""
-    plugins = installed()
+    plugins = discover_plugins()
     found = {o.name: set(find_client_options(o.cls)) for o in plugins.list() if o.kind == "backend"}
     assert found.pop("simulated") == {"phases", "amplitudes", "rate"}
     assert found == {

@@ -202,7 +202,7 @@ def test_what_is_emitted_is_what_the_frame_says(seed: int, phases: int, amplitud
     rng = np.random.default_rng(seed)
     g = (rng.uniform(0, 1, 40) * np.exp(1j * rng.uniform(0, 7, 40))).astype(np.complex64)
     quantiser = Quantiser(pc.Capability(phases, amplitudes), 1, 40)
-    made = quantiser.emitted(g, 1.0).copy()
+    made = quantiser.quantise_gains(g, 1.0).copy()
     frame = quantiser.frame(g[None], 1.0, 0, 0.0)
     np.testing.assert_allclose(made, frame.gains(quantiser.capability)[0], atol=1e-6)
     step = np.hypot(np.diff(quantiser.capability.sizes).max(), np.pi / phases)

@@ -45,7 +45,7 @@ def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, look
 def test_many_looks_find_what_all_places_say(strength: float) -> None:
     session, samples, solution = solved(disc(-0.02, 1.0, "one"), disc(0.02, 2.0, "two"))
     solution.gains[:] *= np.float32(strength)  # as if the device had made them weaker
-    every = session.felt(solution).felt
+    every = session.measure_felt(solution).felt
     found = looked(session, samples, solution, 100)
     assert found.keys() == {"one", "two"}
     for name, some in found.items():
@@ -101,5 +101,5 @@ def test_points_have_none_and_the_report_has_each_object() -> None:
     assert felt["force"] == pytest.approx(1.0, abs=0.05)
     assert felt["rms"] < 0.1
     assert felt["holes"] == 0.0
-    assert renderer.report.felt(5)["disc"].force == pytest.approx(1.0, abs=0.05)
+    assert renderer.report.compute_felt(5)["disc"].force == pytest.approx(1.0, abs=0.05)
     assert "felt of disc" in renderer.report._repr_html_()

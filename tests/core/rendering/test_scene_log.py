@@ -217,7 +217,7 @@ def edited(scene: pc.Scene, before: pc.Scene, edit: tuple[Any, ...]) -> pc.Scene
         case "remove", numbers:
             return scene.remove(*map(str, numbers))
         case "held", hands:
-            return scene.held(*hands)
+            return scene.with_hands(*hands)
         case "new", order, room:
             objects = [scene.objects[i] for i in order if i < len(scene.objects)]
             return pc.Scene((*objects, POINT), room, scene.hands)

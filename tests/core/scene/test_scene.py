@@ -74,7 +74,7 @@ def test_a_changed_scene_is_as_one_built_anew(steps: Any) -> None:
             scene = scene.remove(*how)
             objects = [x for x in objects if not x.name or x.name not in how]
         else:
-            scene = scene.held(*([hand] if how else []))
+            scene = scene.with_hands(*([hand] if how else []))
         same(scene, pc.Scene(tuple(objects), scene.workspace, scene.hands))
 
 
@@ -99,7 +99,7 @@ def test_put_twice_at_once_the_last_counts() -> None:
 def test_a_change_of_hands_shares_the_objects() -> None:
     scene = pc.Scene((made(0, "a", (0.0, 0.0, 0.1), None),))
     bounds = scene.bounds
-    held = scene.held(Hand.open("left"), Hand.open("right"))
+    held = scene.with_hands(Hand.open("left"), Hand.open("right"))
     assert held.objects is scene.objects
     assert held.bounds is bounds
     assert [hand.name for hand in held.hands] == ["left", "right"]
@@ -147,7 +147,7 @@ def test_hands_have_names_of_their_own_too() -> None:
     ("argument", "make"),
     [
         ("items", lambda bad: pc.Scene().put(bad)),
-        (r"hands\[0\]", lambda bad: pc.Scene().held(bad)),
+        (r"hands\[0\]", lambda bad: pc.Scene().with_hands(bad)),
         (r"objects\[1\]", lambda bad: pc.Scene((made(0, "", (0.0, 0.0, 0.1), None), bad))),
         (r"hands\[0\]", lambda bad: pc.Scene(hands=(bad,))),
         ("hands", lambda _: pc.Scene(hands=5)),
@@ -190,7 +190,7 @@ def test_of_a_hundred_thousand_objects_only_the_one_that_is_touched_is_looked_at
     far = pc.Volume(shape=shape, pose=pc.Pose((5.0, 5.0, 5.0)), radiation_pressure=1.0)
     ball = made(1, "ball", (0.0, 0.0, 0.2), None)
     scene = pc.Scene((far,) * 100_000).put(ball)
-    scene = scene.held(Hand.open("right", pc.Pose((0.0, 0.0, 0.21))))
+    scene = scene.with_hands(Hand.open("right", pc.Pose((0.0, 0.0, 0.21))))
     samples = pc.Sampler().sample(scene)
     assert set(samples.objects.tolist()) == {100_000}
     assert samples.items[100_000] is ball

@@ -36,7 +36,7 @@ class FakeControl:
     def wait(self, seconds: float) -> list[tuple[bytes, Any]]:
         self.clock.advance(seconds)
         self.sessions.pass_time(self.clock.time)
-        return self.sessions.taken()
+        return self.sessions.take_replies()
 
     def ask(self, peer: bytes, message: Any) -> Any:
         """What the peer is told last, of all."""
@@ -44,7 +44,7 @@ class FakeControl:
 
     def all(self, peer: bytes, message: Any) -> list[Any]:
         self.sessions.handle(peer, "user", message, self.clock.time)
-        return [reply for to, reply in self.sessions.taken() if to == peer]
+        return [reply for to, reply in self.sessions.take_replies() if to == peer]
 
     def hello(self, peer: bytes = b"game", **more: Any) -> Game:
         reply = self.ask(peer, hello(client=peer.decode(), **more))

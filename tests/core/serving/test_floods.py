@@ -11,7 +11,7 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.serving.settings import Log
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian.wire.codec import encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.control import Stop
@@ -29,7 +29,7 @@ SECONDS = 0.4  # [s] of a flood
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
-    with serving(replace(PATIENT, log=Log())) as running:
+    with run_server(replace(PATIENT, log=Log())) as running:
         yield running
 
 
@@ -56,6 +56,6 @@ def test_one_that_floods_and_is_gone_takes_no_process_with_it(server: Running, d
                         full += 1
                 if full == len(floods):
                     floods[0].poll(1, zmq.POLLOUT)
-    assert "Assertion failed" not in server.said()
+    assert "Assertion failed" not in server.read_log()
     assert server.pids == before
     assert server.process.poll() is None

@@ -19,7 +19,7 @@ from pacinian.serving.ipc import shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Metrics, Network, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian.wire.connection import Connection
 
 from ...waiting import PATIENCE, eventually
@@ -208,7 +208,7 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
 def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
     killed: tuple[str, ...],
 ) -> None:
-    with serving(Settings()) as server:
+    with run_server(Settings()) as server:
         pids, folder = server.pids, folder_of(server.process.pid)
         assert set(pids) == set(PROCESSES)
         for name in killed:

@@ -121,7 +121,7 @@ class Status(RuleBasedStateMachine):
         self.control_looks()
         hello = Hello(id=1, protocol=(MAJOR, MINOR), client="game")
         self.control.sessions.handle(b"game", "", hello, self.clock.now())
-        for _, reply in self.control.sessions.taken():
+        for _, reply in self.control.sessions.take_replies():
             if isinstance(reply, Welcome):
                 self.session = reply.session
 

@@ -5,7 +5,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import pacinian as pc
-from pacinian.solving.blas import MAX_ELEMENTS, one_thread
+from pacinian.solving.blas import MAX_ELEMENTS, limit_blas_threads
 
 
 def threads() -> set[int]:
@@ -18,22 +18,22 @@ def test_small_problems_have_one_thread_and_large_ones_what_there_was() -> None:
     pc.solve(pc.lattice(0.02, 0.02), [[0, 0, 0.1], [0.01, 0, 0.1]], [1.0, 1.0])  # loads BLAS
     with threadpool_limits(2):
         before = threads()
-        with one_thread():
+        with limit_blas_threads():
             assert threads() == {1}
-            with one_thread():
+            with limit_blas_threads():
                 assert threads() == {1}
             assert threads() == {1}
         assert threads() == before
-        a, b = one_thread(), one_thread()  # two that ask, interleaved
+        a, b = limit_blas_threads(), limit_blas_threads()  # two that ask, interleaved
         a.__enter__()
         b.__enter__()
         a.__exit__(None, None, None)
         assert threads() == {1}
         b.__exit__(None, None, None)
         assert threads() == before
-        with one_thread(MAX_ELEMENTS):
+        with limit_blas_threads(MAX_ELEMENTS):
             assert threads() == before
-        with pytest.raises(ZeroDivisionError), one_thread():
+        with pytest.raises(ZeroDivisionError), limit_blas_threads():
             1 / 0  # noqa: B018
         assert threads() == before
         assert np.isfinite(pc.solve(pc.autd(), [[0, 0, 0.2]] * 2, [1.0, 1.0]).error)

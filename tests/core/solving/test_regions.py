@@ -29,7 +29,9 @@ def settled(q, regions, amplitudes=None, phases=None, warm=None, array=ARRAY):
     t = np.ones(len(q)) if amplitudes is None else amplitudes
     propagator = Propagator(array, AIR)
     propagator.set_points(q)
-    return settle_phases(propagator, Targets.checked(len(q), t, phases, "exact", regions), warm)
+    return settle_phases(
+        propagator, Targets.make_checked(len(q), t, phases, "exact", regions), warm
+    )
 
 
 def off(a, b):
@@ -120,7 +122,10 @@ def test_the_strength_of_a_region_only_scales_the_last_solution():
 
 
 def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
-    q, targets = patch(), Targets.checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int))
+    q, targets = (
+        patch(),
+        Targets.make_checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int)),
+    )
     places = FeltPlaces.of(q, targets, None)
     away = np.sqrt(((places.points[:, None] - q) ** 2).sum(axis=2)).min(axis=1)
     inside, beside = ~places.beside, places.beside
@@ -136,18 +141,20 @@ def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
 
 def test_the_figures_of_what_is_felt():
     q = np.concatenate([patch(), patch(0.05)])
-    targets = Targets.checked(32, np.repeat([3.0, 0.0], 16), None, "exact", np.repeat([0, 1], 16))
+    targets = Targets.make_checked(
+        32, np.repeat([3.0, 0.0], 16), None, "exact", np.repeat([0, 1], 16)
+    )
     places = FeltPlaces.of(q, targets, None)
     own = places.region == 0
     p = np.where(places.beside, 1.5, 3.0) + 0j
-    assert places.felt(p) == (pc.FeltRegion(1.0, 0.0, 0.0, 0.25), pc.FeltRegion())
+    assert places.measure_felt(p) == (pc.FeltRegion(1.0, 0.0, 0.0, 0.25), pc.FeltRegion())
     p[np.flatnonzero(own & ~places.beside)[::2]] = 0.0
     count = int((own & ~places.beside).sum())
     gone = math.ceil(count / 2) / count
-    first = places.felt(p)[0]
+    first = places.measure_felt(p)[0]
     assert first == pytest.approx((1.0 - gone, math.sqrt(gone), gone, 0.25))
     assert not first.even
-    assert places.felt(2.0 * p, multiple=2.0)[0] == pytest.approx(first)
+    assert places.measure_felt(2.0 * p, multiple=2.0)[0] == pytest.approx(first)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

@@ -78,7 +78,7 @@ def test_a_region_that_splits_or_merges_is_felt_all_the_while(
         counts.add(len(np.unique(regions)))
         t = pc.sound_pressure(np.full(len(q), P), AIR)
         solution = session.solve(at(array, q), t, regions=regions)
-        assert session.felt(solution).status is pc.Status.ok
+        assert session.measure_felt(solution).status is pc.Status.ok
         now = felt(array, solution.gains, half, P)
         assert now.force == pytest.approx(1.0, abs=0.03)
         assert now.lowest > 0.75

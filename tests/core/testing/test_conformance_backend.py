@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 from pacinian.testing import NotConforming, check_backend, conformance_backend
 
 if TYPE_CHECKING:
@@ -292,6 +292,6 @@ def test_without_ears_nothing_is_said_of_what_sounds() -> None:
 
 @pytest.mark.parametrize("array", [None, ARRAY])
 def test_the_simulated_array_conforms(array: pc.Array | None) -> None:
-    simulated: Any = installed().find("backend", "simulated").cls
+    simulated: Any = discover_plugins().find("backend", "simulated").cls
     check_backend(simulated, array, heard=lambda d: d.gains, lose=lambda d: d.disconnect())
     check_backend(lambda: pc.backend("simulated", phases=32, amplitudes=2, rate=100.0), array)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 from pacinian.solving.phases import choose_phases
 from pacinian.testing import NotConforming, check_solver, conformance_solver
 from pacinian.testing.problems import make_problems
 
-SOLVERS = [offer.name for offer in installed().list() if offer.kind == "solver"]
+SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 RIGHT = pc.solver("pseudo-inverse")
 ARRAY = pc.lattice(0.09, 0.09)
 

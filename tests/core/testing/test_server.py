@@ -1,4 +1,4 @@
-"""`pacinian.testing.serving`: a real server, found while it runs, and gone afterwards."""
+"""`pacinian.testing.run_server`: a real server, found while it runs, and gone afterwards."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import pacinian as pc
 from pacinian.errors import ServerError
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Network, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 
 ONE = Settings(array=Units(1, 1))
 
 
 def test_its_processes_are_found_and_end_with_it() -> None:
-    with serving(ONE) as server:
+    with run_server(ONE) as server:
         pids = server.pids
         assert pids.keys() == {"control", "bus", "render", "guard"}
         assert len(set(pids.values())) == 4
@@ -35,7 +35,7 @@ def test_its_processes_are_found_and_end_with_it() -> None:
 
 
 def test_all_of_it_ends_when_its_first_process_was_killed() -> None:
-    with serving(ONE) as server:
+    with run_server(ONE) as server:
         pids = server.pids
         server.process.kill()
     assert not any(map(psutil.pid_exists, pids.values()))
@@ -45,5 +45,5 @@ def test_a_server_that_cannot_start_says_why() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         wrong = Settings(array=Units(1, 1), network=Network(control=port))
-        with pytest.raises(ServerError, match="cannot be bound"), serving(wrong):
+        with pytest.raises(ServerError, match="cannot be bound"), run_server(wrong):
             pass

@@ -12,7 +12,7 @@ import pytest
 from pacinian.errors import WireError
 from pacinian.wire import commands, control, objects, protocol, replies, shapes, state
 from pacinian.wire.codec import (
-    checked,
+    check_part,
     decode_command,
     decode_control,
     decode_reply,
@@ -277,5 +277,5 @@ def test_each_socket_has_its_own_messages() -> None:
 def test_a_part_is_checked_by_its_path() -> None:
     decoder = msgspec.msgpack.Decoder(objects.Material)
     with pytest.raises(WireError) as caught:
-        checked(decoder, objects.Material(-1.0), "$.material")
+        check_part(decoder, objects.Material(-1.0), "$.material")
     assert caught.value.path == "$.material.stiffness"

@@ -18,7 +18,7 @@ def found(monkeypatch: pytest.MonkeyPatch) -> None:
     """As installed."""
     points = [EntryPoint("usb-autd", "pacinian_plugins.backends.usb_autd", "pacinian")]
     plugins = pc.Plugins(points)
-    monkeypatch.setattr(registry, "installed", lambda: plugins)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
 
 
 def test_what_it_measures_adds_up() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_lab.regions.skin import felt_on_skin
+from pacinian_lab.regions.skin import measure_felt
 
 AIR, ARRAY = pc.Air(), pc.autd()
 MIDDLE = ARRAY.centre
@@ -33,8 +33,8 @@ def solved(scene: pc.Scene) -> pc.Solution:
 def test_a_ball_in_the_palm_is_felt_as_asked_and_half_of_it_as_half() -> None:
     scene = ball()
     gains = solved(scene).gains
-    whole = felt_on_skin(ARRAY, AIR, scene, 0.0, gains)
-    half = felt_on_skin(ARRAY, AIR, scene, 0.0, gains * np.float32(np.sqrt(0.5)))
+    whole = measure_felt(ARRAY, AIR, scene, 0.0, gains)
+    half = measure_felt(ARRAY, AIR, scene, 0.0, gains * np.float32(np.sqrt(0.5)))
     assert whole is not None
     assert half is not None
     assert whole.force == pytest.approx(1.0, abs=0.05)
@@ -44,10 +44,10 @@ def test_a_ball_in_the_palm_is_felt_as_asked_and_half_of_it_as_half() -> None:
 
 
 def test_silence_is_a_hole_and_what_no_hand_touches_is_nothing() -> None:
-    silent = felt_on_skin(ARRAY, AIR, ball(), 0.0, np.zeros(len(ARRAY), np.complex64))
+    silent = measure_felt(ARRAY, AIR, ball(), 0.0, np.zeros(len(ARRAY), np.complex64))
     assert silent == pc.FeltRegion(0.0, 1.0, 1.0, 0.0)
     gains = np.ones(len(ARRAY), np.complex64)
-    assert felt_on_skin(ARRAY, AIR, ball(-0.01), 0.0, gains) is None
+    assert measure_felt(ARRAY, AIR, ball(-0.01), 0.0, gains) is None
     point = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=2.0)
-    assert felt_on_skin(ARRAY, AIR, pc.Scene((point,), hands=(HAND,)), 0.0, gains) is None
-    assert felt_on_skin(ARRAY, AIR, pc.Scene(ball().objects), 0.0, gains) is None
+    assert measure_felt(ARRAY, AIR, pc.Scene((point,), hands=(HAND,)), 0.0, gains) is None
+    assert measure_felt(ARRAY, AIR, pc.Scene(ball().objects), 0.0, gains) is None

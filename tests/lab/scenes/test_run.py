@@ -119,7 +119,7 @@ def test_nothing_is_left_out_where_all_can_be_given() -> None:
 def test_what_the_array_cannot_reach_is_left_out() -> None:
     away = pc.Point(position=(0.0, 0.0, 30.0), radiation_pressure=5.0)
     look = run(pc.Scene((POINT, away))).looks[-1]
-    assert look.sounded(pc.Air()) == pytest.approx(look.asked / 2.0, rel=1e-6)
+    assert look.compute_sounded(pc.Air()) == pytest.approx(look.asked / 2.0, rel=1e-6)
 
 
 def test_what_is_over_the_budget_or_too_faint_to_feel_is_left_out() -> None:
@@ -129,7 +129,7 @@ def test_what_is_over_the_budget_or_too_faint_to_feel_is_left_out() -> None:
     )  # fmt: skip
     look = run(pc.Scene((faint,), hands=(gallery.HAND,)), array=ARRAY).looks[-1]
     assert look.asked > 0.0
-    assert look.sounded(pc.Air()) == 0.0
+    assert look.compute_sounded(pc.Air()) == 0.0
 
 
 def test_a_rate_is_held_if_p99_is_within_a_tick_and_few_are_late() -> None:
@@ -275,7 +275,7 @@ def test_tables_fit_a_terminal_and_hide_nothing() -> None:
     console = Console(width=80, file=io.StringIO())
     rows = [replace(ROW, scene=name, p50_ms=10.123, p99_ms=99.123) for name in gallery.SCENES]
     console.print(scene_tables.scenes(rows))
-    console.print(scene_tables.felt(rows))
+    console.print(scene_tables.tabulate_felt(rows))
     console.print(scene_tables.stages(rows))
     real = [Saving(skip.what, 10.0, 100.0, skip.limit) for skip in skips()]
     console.print(scene_tables.savings(real))

@@ -64,7 +64,7 @@ def test_quantiles_are_of_the_values(values: list[float]) -> None:
 @given(st.floats(0.0, 1e6), st.floats(0.0, 9.9), st.integers(0, 15))
 def test_a_place_tells_when_it_was_sent(t: float, age: float, index: int) -> None:
     point = binary_arrays.pack(places.place(index, t))
-    found = places.sent(point, t + age + 1e-3)
+    found = places.decode_send_times(point, t + age + 1e-3)
     assert found.keys() == {index}
     assert found[index] == pytest.approx(t, abs=1e-3)
 
@@ -72,11 +72,11 @@ def test_a_place_tells_when_it_was_sent(t: float, age: float, index: int) -> Non
 @given(st.floats(0.0, 1e6), st.sets(st.integers(0, 15)))
 def test_what_is_not_where_it_was_put_is_missing(t: float, gone: set[int]) -> None:
     here = [places.place(i, t, 1) for i in range(16, 32) if i - 16 not in gone]
-    found = places.missing(binary_arrays.pack(here or np.empty((0, 3))), range(16, 32), t)
+    found = places.find_missing(binary_arrays.pack(here or np.empty((0, 3))), range(16, 32), t)
     assert found == [16 + i for i in sorted(gone)]
-    assert places.missing(binary_arrays.pack(here or np.empty((0, 3))), range(16), t + 1.0) == [
-        *range(16)
-    ]
+    assert places.find_missing(
+        binary_arrays.pack(here or np.empty((0, 3))), range(16), t + 1.0
+    ) == [*range(16)]
 
 
 def test_groups_that_are_not_felt_are_outside_of_the_workspace() -> None:
@@ -208,6 +208,6 @@ def test_everything_is_told_in_json_and_in_tables(tmp_path: Path) -> None:
 
 def test_pacing_calls_in_turn() -> None:
     calls = list[str]()
-    sender.paced(10_000.0, 0.002, lambda: calls.append("a"), lambda: calls.append("b"))
+    sender.pace_calls(10_000.0, 0.002, lambda: calls.append("a"), lambda: calls.append("b"))
     assert calls == ["a", "b"] * 20
     assert latency.settings(3).array.make().positions.shape == (2241, 3)

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.scene.file import Units
 from pacinian.serving.settings import Log, Safety, Settings
-from pacinian.testing import serving
+from pacinian.testing import run_server
 from pacinian_lab.server import game, latency, load, soak
 from pacinian_lab.server.game import Game, Play
 from pacinian_lab.server.load import Final, Row
@@ -62,7 +62,7 @@ def test_all_that_may_happen_in_a_soak_happens_and_nothing_is_refused(
     monkeypatch.setattr(game, "Client", partial(pc.Client, timeout=60.0))
     settings = Settings(array=Units(1, 1), log=Log(level="error"), safety=PATIENT)
     context, events = zmq.Context[Any](), Counter[str]()
-    with serving(settings) as server:
+    with run_server(settings) as server:
         play = Game(context, Play(str(server.connection), beat=0.0))
         while play.count < 40:
             events.update(play.window(game.Window(0.1)).events)

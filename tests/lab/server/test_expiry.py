@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from pacinian_lab.server.expiry import BOUND, Sizes, measure, table
+from pacinian_lab.server.expiry import BOUND, Sizes, measure, tabulate
 
 
 def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
@@ -17,5 +17,5 @@ def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
         assert 0.0 <= row.over <= 1.0
     assert rows[4].p50 > 0.02  # no more frames: not before they are old
     console = Console(width=120, record=True)
-    console.print(table(rows))
+    console.print(tabulate(rows))
     assert f"{1e3 * BOUND:.3f}" in console.export_text()

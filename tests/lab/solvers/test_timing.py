@@ -64,7 +64,7 @@ def test_quantiles_are_by_nearest_rank(values: list[float], share: float) -> Non
 
 def test_memory_is_what_a_call_holds_at_most() -> None:
     kept = bytearray(5_000_000)
-    held = timing.traced(lambda: len(bytearray(1_000_000)) + len(bytearray(2_000_000)))
+    held = timing.measure_memory(lambda: len(bytearray(1_000_000)) + len(bytearray(2_000_000)))
     assert 2_000_000 <= held < 2_200_000
-    assert timing.traced(lambda: None) < 100_000
+    assert timing.measure_memory(lambda: None) < 100_000
     assert len(kept) < timing.resident()

@@ -34,7 +34,7 @@ def fake(made: list[Worker], how: str) -> run.Entry:
 
 def test_one_that_works_is_measured(made: list[Worker]) -> None:
     entry = fake(made, "works")
-    row = run.one(entry, PROBLEM, 0.0, LIMIT)
+    row = run.run_one(entry, PROBLEM, 0.0, LIMIT)
     expected = score(PROBLEM.positions, PROBLEM.points, PROBLEM.targets, np.ones(249))
     assert row.ok
     assert (row.p50, row.p99, row.samples, row.traced, row.resident) == (1e-3, 2e-3, 3, 10, 1e6)
@@ -64,18 +64,18 @@ def test_one_that_works_is_measured(made: list[Worker]) -> None:
 )
 def test_what_goes_wrong_is_the_rows_status(made: list[Worker], how: str, says: str) -> None:
     entry = fake(made, how)
-    row = run.one(entry, PROBLEM, 0.0, LIMIT)
+    row = run.run_one(entry, PROBLEM, 0.0, LIMIT)
     assert not row.ok
     with pytest.raises(AssertionError, match=says):
         raise AssertionError(row.status)
     assert np.isnan(row.error)
-    assert run.one(entry, PROBLEM, 0.0, LIMIT).status == row.status  # it is started again
+    assert run.run_one(entry, PROBLEM, 0.0, LIMIT).status == row.status  # it is started again
 
 
 def test_one_that_hangs_is_given_up(made: list[Worker]) -> None:
     entry = fake(made, "hangs")
     entry.worker.offers()
-    row = run.one(entry, PROBLEM, 0.0, 0.2)
+    row = run.run_one(entry, PROBLEM, 0.0, 0.2)
     assert row.status == "timed out after 0.2 s"
     assert entry.worker.offers() == [("fake", "cold")]  # a new process
 
@@ -98,7 +98,7 @@ def test_ours_must_start(made: list[Worker]) -> None:
 def test_a_warm_up_goes_on_after_a_fault(made: list[Worker]) -> None:
     entries = [fake(made, "crashes"), fake(made, "works")]
     run.warm_up(entries)
-    assert run.one(entries[1], PROBLEM, 0.0, LIMIT).ok
+    assert run.run_one(entries[1], PROBLEM, 0.0, LIMIT).ok
 
 
 CONTESTANT = """
@@ -139,7 +139,7 @@ def test_the_worker_measures_and_keeps_its_lines_clean(made: list[Worker], tmp_p
     bad["problem"]["targets"][0] = -1.0
     with pytest.raises(WorkerError, match="failed: ValueError: negative"):
         made[0].ask(bad, LIMIT)
-    assert run.one(entry, PROBLEM, 0.0, LIMIT).ok
+    assert run.run_one(entry, PROBLEM, 0.0, LIMIT).ok
 
 
 def test_every_thread_variable_is_set(made: list[Worker]) -> None:

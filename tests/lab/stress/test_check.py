@@ -9,13 +9,15 @@ import pytest
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL_ARRAY, asked, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, compute_asked, scatter_points
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import check
 from pacinian_lab.stress.every import breaches
 
-Q = scattered(3)
-CASE = Case("test: plain", SMALL_ARRAY, Q, asked(SMALL_ARRAY, Q, 0.3), 0.0, clock=lambda: 0.0)
+Q = scatter_points(3)
+CASE = Case(
+    "test: plain", SMALL_ARRAY, Q, compute_asked(SMALL_ARRAY, Q, 0.3), 0.0, clock=lambda: 0.0
+)
 QUIET = ([[0.0, 0.0, 0.07]], 1e-3)
 
 

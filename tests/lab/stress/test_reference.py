@@ -9,7 +9,7 @@ import pytest
 from mpmath import mp
 
 import pacinian as pc
-from pacinian_lab.stress.asking import SMALL_ARRAY, row, scattered
+from pacinian_lab.stress.asking import SMALL_ARRAY, row, scatter_points
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.reference import Reference
 
@@ -53,7 +53,7 @@ def test_the_best_without_a_limit_is_that_of_60_digits(
 @pytest.mark.parametrize("level", [0.5, 1.2, 30.0])
 def test_the_best_within_a_limit_is_that_of_clarabel(seed: int, level: float) -> None:
     rng = np.random.default_rng(seed)
-    q = scattered(4, seed)
+    q = scatter_points(4, seed)
     q[1] = q[0] + rng.choice([0.0, 1e-9, 1e-4])
     B = pc.matrix(FEW, q)
     p = rng.normal(size=4) + 1j * rng.normal(size=4)
@@ -75,7 +75,7 @@ def test_the_best_within_a_limit_is_that_of_clarabel(seed: int, level: float) ->
 @pytest.mark.parametrize("offset", [0.0, 1000.0, 1e6])
 @pytest.mark.parametrize("place", ["far", "near", "coincident", "distant"])
 def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precision: Any) -> None:
-    q = scattered(3)
+    q = scatter_points(3)
     if place == "near":
         q[0] = FEW.positions[4] + [0.0, 0.0, 1.1e-6]
     elif place == "coincident":

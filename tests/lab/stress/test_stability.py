@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import NO_LIMIT, SMALL_ARRAY, asked, half, scattered
+from pacinian_lab.stress.asking import NO_LIMIT, SMALL_ARRAY, compute_asked, half, scatter_points
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.cases import FAMILIES
 from pacinian_lab.stress.run import run, solvers
@@ -61,14 +61,14 @@ def problems(draw: Any) -> Case:
     kind = draw(st.sampled_from(sorted(ARRAYS)))
     array = ARRAYS[kind]
     M, seed = draw(st.integers(1, 8)), draw(st.integers(0, 99))
-    q = scattered(M, seed, height=draw(st.sampled_from([0.1, 0.02, 1.0])))
+    q = scatter_points(M, seed, height=draw(st.sampled_from([0.1, 0.02, 1.0])))
     spacings = draw(st.lists(st.sampled_from([0.0, 1e-9, 1e-6, 1e-4, 1e-3]), max_size=2))
     for i, spacing in enumerate(spacings):
         q[i % M] = q[-1 - i % M] + np.array([spacing, 0.0, 0.0])
     shares = np.array(draw(st.lists(st.floats(0.1, 1.0), min_size=M, max_size=M)))
     level = draw(st.sampled_from([1e-6, 0.1, 0.7, 1.0, 3.0, 1e3]))
     spread = draw(st.sampled_from([0, 0, 6, 30]))  # orders of magnitude between the targets
-    t = asked(array, q, level, shares * np.logspace(0, -spread, M))
+    t = compute_asked(array, q, level, shares * np.logspace(0, -spread, M))
     phases = draw(st.sampled_from(["free", "fixed", "half", "mixed"]))
     limits = draw(st.sampled_from([pc.Limits(), pc.Limits(gain=0.3, power=2.0), NO_LIMIT]))
     precision = draw(st.sampled_from(["single", "single", "double"]))
@@ -122,10 +122,10 @@ def clarabel(case: Case) -> float:
 @pytest.mark.parametrize("level", [0.4, 1.2, 4.0])
 @pytest.mark.parametrize("spacing", [0.0, 1e-9, 1e-4, 1e-2])
 def test_the_residual_is_that_of_clarabel(solver: str, spacing: float, level: float) -> None:
-    q = scattered(4)
+    q = scatter_points(4)
     q[2:] = q[:2] + np.array([spacing, 0.0, 0.0])
     phases = np.array([0.0, 1.0, 2.0, 3.0])
-    case = Case("clarabel: pairs", SMALL_ARRAY, q, asked(SMALL_ARRAY, q, level), phases)
+    case = Case("clarabel: pairs", SMALL_ARRAY, q, compute_asked(SMALL_ARRAY, q, level), phases)
     best = clarabel(case)
     found = float(np.linalg.norm(case.solve(solver).residual))
     assert found <= 1.05 * best + 3e-3 * np.linalg.norm(case.amplitudes)
@@ -145,8 +145,8 @@ def test_the_residual_is_that_of_clarabel(solver: str, spacing: float, level: fl
     ],
 )
 def test_limits_are_kept_at_the_price_of_clarabel(solver: str, limits: Any, level: float) -> None:
-    q = scattered(4)
-    t, phases = asked(SMALL_ARRAY, q, level, [1, 2, 3, 4]), np.array([0.0, 1.0, 2.0, 3.0])
+    q = scatter_points(4)
+    t, phases = compute_asked(SMALL_ARRAY, q, level, [1, 2, 3, 4]), np.array([0.0, 1.0, 2.0, 3.0])
     case = Case("clarabel: limits", SMALL_ARRAY, q, t, phases, pc.Limits(**limits))
     require_promises(case, solver)
     best = clarabel(case)

@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian_lab.stress import promises
 from pacinian_lab.stress.asking import SMALL_ARRAY
 from pacinian_lab.stress.case import Case
-from pacinian_lab.stress.check import near
+from pacinian_lab.stress.check import compute_ratio
 from pacinian_lab.stress.every import breaches
 from pacinian_lab.stress.regions import make_square, regions, shapes
 
@@ -64,9 +64,9 @@ def test_the_residual_beside_counts_by_its_weight() -> None:
     assert solution.quiet_weight < 0.1
     promise = promises.of("lagrange").near
     assert promise is not None
-    assert near(case, promise, solution) <= promise.factor
+    assert compute_ratio(case, promise, solution) <= promise.factor
     heavy = dataclasses.replace(solution, quiet_weight=1.0)
-    assert near(case, promise, heavy) > near(case, promise, solution)
+    assert compute_ratio(case, promise, heavy) > compute_ratio(case, promise, solution)
     assert "bound" in broken(case, quiet_weight=1.0)
 
 

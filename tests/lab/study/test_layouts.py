@@ -81,7 +81,7 @@ def test_darts_land_where_thrown_one_by_one_they_would() -> None:
         dart = rng.uniform([-half, -half], [half, half])
         if not len(slow) or np.sqrt(((slow - dart) ** 2).sum(axis=1)).min() >= 0.009:
             slow = np.concatenate([slow, dart[None]])
-    found = arrangements.scattered(0.1, 0.1, 60, 0.009, np.random.default_rng(3))
+    found = arrangements.scatter_points(0.1, 0.1, 60, 0.009, np.random.default_rng(3))
     np.testing.assert_array_equal(found, slow)
 
 

@@ -19,11 +19,11 @@ from pacinian.testing import ManualClock
 from pacinian_lab.study import worker
 from pacinian_lab.study.file import Picture, Study, read
 from pacinian_lab.study.layouts import Autd, Lattice, Rings
-from pacinian_lab.study.measures import MEASURES, amplitudes, emitted_power, image
+from pacinian_lab.study.measures import MEASURES, amplitudes, compute_emitted_power, image
 from pacinian_lab.study.patterns import Focus, Points, RandomPoints
 from pacinian_lab.study.planes import Plane
 from pacinian_lab.study.tasks import Plan
-from pacinian_lab.study.worker import emitted, measure, solve, targets
+from pacinian_lab.study.worker import measure, quantise_gains, solve, targets
 
 AIR = pc.Air()
 STUDIES = Path(__file__).parents[3] / "examples" / "studies"
@@ -78,12 +78,14 @@ def test_emitted_power_is_what_flows_through_a_sphere(kind: pc.Transducer) -> No
     ring = np.column_stack([np.sqrt(1.0 - cosine**2), 0.0 * cosine, cosine])
     flow = (pc.intensity(array, [0.5], R * ring, AIR) * ring).sum(axis=1)
     through = 2.0 * math.pi * R**2 * float(weight @ flow)
-    assert emitted_power(array, np.array([0.5 + 0j]), AIR) == pytest.approx(through, rel=2e-3)
+    assert compute_emitted_power(array, np.array([0.5 + 0j]), AIR) == pytest.approx(
+        through, rel=2e-3
+    )
 
 
 def test_there_is_no_power_where_sound_does_not_fade() -> None:
     array = pc.Array([[0.0, 0.0, 0.0]])
-    assert math.isnan(emitted_power(array, np.ones(1, complex), pc.Air(attenuation="none")))
+    assert math.isnan(compute_emitted_power(array, np.ones(1, complex), pc.Air(attenuation="none")))
 
 
 def test_the_yield_of_one_transducer_is_a_closed_form() -> None:
@@ -175,7 +177,7 @@ def test_gains_are_rounded_to_the_devices_levels_before_they_are_judged() -> Non
     assert coarse["error"] > 10.0 * exact["error"]
     study = Study(layouts=(Autd(),), picture=SMALL, emitted=Steps(phases=16, amplitudes=5), **parts)
     batch = Plan(study).batch(Plan(study).tasks)
-    g = emitted(batch, solve(batch, batch.stage(), batch.jobs[0]).gains)
+    g = quantise_gains(batch, solve(batch, batch.stage(), batch.jobs[0]).gains)
     np.testing.assert_allclose(4.0 * np.abs(g), np.rint(4.0 * np.abs(g)), atol=1e-5)
     turns = 16.0 * np.angle(g[np.abs(g) > 0.0]) / (2.0 * np.pi)
     np.testing.assert_allclose(turns, np.rint(turns), atol=1e-4)

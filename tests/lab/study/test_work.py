@@ -115,14 +115,14 @@ def test_what_was_cut_off_or_is_something_else_or_of_another_version_is_told_and
     pq.write_table(pq.read_table(older).drop_columns(["rank", "condition"]), older)
     (out / "tasks.parquet").write_text("no table")
     folder = Folder(out)
-    assert folder.asked() == ("", set())
+    assert folder.read_asked() == ("", set())
     assert len(folder.rows()) == count - lost
     told = "\n".join(folder.unreadable)
     assert all(str(part) in told for part in damaged)
     again = ps.run(path, out, workers=0)
     assert len(counted) == count + lost
     assert same(again) == same(table)
-    assert Folder(out).asked()[0] == Plan(ps.read(path)).digest
+    assert Folder(out).read_asked()[0] == Plan(ps.read(path)).digest
 
 
 def test_a_crash_while_writing_leaves_no_half_part(
@@ -190,7 +190,7 @@ def test_a_report_has_its_tables_failures_and_pictures(
     assert "1 x PointOnTransducer" in text
     assert "| lattice | 9 | 20 | 10 |" in text
     for name in MEASURES:
-        assert charts.titled(name) in text
+        assert charts.format_measure(name) in text
     assert len(drawn) == 2
     for file in files[1:]:
         assert f"({file.name})" in text

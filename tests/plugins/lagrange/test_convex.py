@@ -206,7 +206,7 @@ def test_promises_are_kept_whatever_is_asked(
 @pytest.mark.parametrize("along", [False, True])
 def test_the_slope_is_that_of_the_dual(power: float | None, along: bool) -> None:
     A, p, more = problem({"exact", "quiet"}, 0.7, 3, False)
-    rows = Constraints.of(p, more["exact"], more["quiet"]).smoothed(1.0)
+    rows = Constraints.of(p, more["exact"], more["quiet"]).smooth(1.0)
     dual = Dual.of(A, rows, more["mu"], True, power)
     rng = np.random.default_rng(0)
     y, d = rng.normal(size=(2, len(A), 2)) @ [1, 1j]
@@ -254,7 +254,7 @@ def test_what_smoothing_adds_to_the_dual_is_spared_and_no_more(
     quiet = np.abs(y[len(c) :])
     limit, slack = rows.limit[len(c) :], rows.slack[len(c) :]
     plain = -gains - float((limit + slack) @ quiet)
-    dual = replace(dual, along=along).smoothed(10.0**smooth, 10.0**smooth)
+    dual = replace(dual, along=along).smooth(10.0**smooth, 10.0**smooth)
     point = dual.at(y)
     bound = point.value - dual.spare(y)
     near = 1e-9 * abs(plain)

@@ -283,7 +283,7 @@ def test_where_samples_come_and_go_a_region_is_as_asked_from_step_to_step(array,
         q, names = sliding(i, 0.0021)
         amplitudes = np.full(len(q), pc.sound_pressure(1.0, AIR))
         solution = session.solve(q, amplitudes, regions=whole(q), deadline=deadline)
-        felt = session.felt(solution).felt[0]
+        felt = session.measure_felt(solution).felt[0]
         assert felt.force == pytest.approx(1.0, abs=0.06)
         assert felt.rms < (0.15 if deadline is None else 0.2)
         assert solution.iterations <= 3

@@ -84,7 +84,7 @@ class CapsuleSkin(Skin):
         )  # fmt: skip
         return placed
 
-    def exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
         return ~flesh.are_buried(placed.capsules, placed.points, self.bone, self.slack, which)
 

@@ -71,11 +71,15 @@ class Hand:
         if joints is None and vertices is None:
             raise ArgumentError("joints", "or `vertices` and `faces` must be given")
         J, lost = (
-            (None, False) if joints is None else _measured("joints", joints, (rest_pose.JOINTS, 3))
+            (None, False)
+            if joints is None
+            else _mask_unmeasured("joints", joints, (rest_pose.JOINTS, 3))
         )
-        V, gone = (None, False) if vertices is None else _measured("vertices", vertices, (None, 3))
-        lost = lost or (J is not None and _collapsed("joints", J))
-        gone = gone or (V is not None and _collapsed("vertices", V))
+        V, gone = (
+            (None, False) if vertices is None else _mask_unmeasured("vertices", vertices, (None, 3))
+        )
+        lost = lost or (J is not None and _is_collapsed("joints", J))
+        gone = gone or (V is not None and _is_collapsed("vertices", V))
         self._set(
             joints=J,
             radii=RADII if radii is None or (J is not None and lost) else _radii(radii),
@@ -118,10 +122,10 @@ class Hand:
         The palm joint is the middle of the middle finger's metacarpal, as in OpenXR, which differs a little from
         LEAP_PALM.
         """
-        B, lost = _measured("bones", bones, (5, 4, 2, 3))
+        B, lost = _mask_unmeasured("bones", bones, (5, 4, 2, 3))
         W = np.full((5, 4), 0.02) if lost else check_numbers("widths", widths, (5, 4))
         joints, radii = np.zeros((rest_pose.JOINTS, 3)), RADII.copy()
-        joints[WRIST] = _measured("wrist", wrist, (3,))[0]
+        joints[WRIST] = _mask_unmeasured("wrist", wrist, (3,))[0]
         first = 2
         for digit in range(5):
             chain, width = (B[0, 1:], W[0, 1:]) if digit == 0 else (B[digit], W[digit])
@@ -194,7 +198,9 @@ class Hand:
         self.__dict__.update(values)
 
 
-def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tuple[Floats, bool]:
+def _mask_unmeasured(
+    name: str, value: ArrayLike, shape: tuple[int | None, ...]
+) -> tuple[Floats, bool]:
     """Return a copy of `value` with NaN for each number that was not measured, and whether there are any."""
     try:
         known = np.abs(cast("Floats", value)) < MAX_COORDINATE  # False for NaN
@@ -204,7 +210,7 @@ def _measured(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> tup
     return np.where(known, array, np.nan), not known.all()
 
 
-def _collapsed(name: str, points: Floats) -> bool:
+def _is_collapsed(name: str, points: Floats) -> bool:
     """Return whether the points are too small for a hand. Raises ArgumentError if they are too large (millimetres)."""
     across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
     if across > MAX_SIZE:  # False for NaN
@@ -230,7 +236,7 @@ def _velocities(value: ArrayLike) -> Floats | None:
         shape = (3,) if np.ndim(value) == 1 else (rest_pose.JOINTS, 3)
     except ValueError:  # ragged
         shape = (rest_pose.JOINTS, 3)
-    v, unknown = _measured("velocities", value, shape)
+    v, unknown = _mask_unmeasured("velocities", value, shape)
     return None if unknown else np.broadcast_to(v, (rest_pose.JOINTS, 3)).copy()
 
 

@@ -12,6 +12,7 @@ from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
 from pacinian.scene.hands.skin import Placed, Skin
 from pacinian.scene.hands.skin_lod import GRAIN, SkinNodes, gather_pressure, spread_pressure
+from pacinian.scene.shapes.triangle_points import find_barycentric, pick_points
 
 if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
@@ -34,10 +35,6 @@ class MeshSkin(Skin):
         V, F = _mesh(hand)
         if hand.lost:
             raise ArgumentError("hand", "must not be lost when it is first seen")
-        from trimesh import Trimesh
-        from trimesh.sample import sample_surface
-        from trimesh.triangles import points_to_barycentric
-
         corners = V[F]
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         self.doubled = np.linalg.norm(across, axis=1)  # twice each face's area
@@ -47,13 +44,12 @@ class MeshSkin(Skin):
         middle = corners.mean(axis=1)
         self.outward = 1.0 if ((middle - V.mean(axis=0)) * across).sum() >= 0.0 else -1.0
         N = max(1, round(check_count(total, GRAIN, 2)))
-        points, face = sample_surface(Trimesh(V, F, process=False), N, seed=0)[:2]
-        points, face = np.ascontiguousarray(points), np.asarray(face, dtype=np.intp)
+        points, face = pick_points(corners, self.doubled / 2.0, N)
         normals = self.outward * across[face] / self.doubled[face, None]
         surface = SkinNodes(points, normals, np.zeros(N, dtype=np.intp))
         order, apart, nearest = spread_pressure(surface)
         surface, self.face = surface.only(order), face[order]
-        self.coordinates: Floats = points_to_barycentric(corners[self.face], surface.points)  # type: ignore[no-untyped-call]
+        self.coordinates: Floats = find_barycentric(corners[self.face], surface.points)
         away = np.linalg.norm(middle[:, None] - surface.points[:PATCHES], axis=2)
         self.patch = away.argmin(axis=1)
         area = np.full(N, total / N)
@@ -75,7 +71,7 @@ class MeshSkin(Skin):
         )  # fmt: skip
         return placed
 
-    def exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are exposed, (I,): on a mesh, all of them."""
         return np.ones(len(which), dtype=np.bool_)
 

@@ -82,7 +82,7 @@ class Skin(ABC):
         """Place the points on a hand of this kind, which must not be lost."""
 
     @abstractmethod
-    def exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
 
     @abstractmethod

@@ -11,7 +11,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.checks import check_integer
 from pacinian.errors import ArgumentError
-from pacinian.scene.modulation.waves import between, bounds, frequency
+from pacinian.scene.modulation.waves import bounds, frequency, interpolate_table
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -49,13 +49,13 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
     def at(self, t: Floats) -> Floats:
         """Return the factor at times t [s], in the same shape."""
-        table = _table(self.low_frequency / self.high_frequency, self.seed)
+        table = _tabulate_noise(self.low_frequency / self.high_frequency, self.seed)
         place = (VALUES_PER_PERIOD * self.high_frequency * t) % LENGTH
-        return self.low + (self.high - self.low) * between(table, place)
+        return self.low + (self.high - self.low) * interpolate_table(table, place)
 
 
 @functools.lru_cache(maxsize=64)
-def _table(lowest: float, seed: int) -> Floats:
+def _tabulate_noise(lowest: float, seed: int) -> Floats:
     """Return one period of noise in 0..1, and its first two values again.
 
     lowest: the lowest frequency over the highest one.

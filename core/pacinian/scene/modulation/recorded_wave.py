@@ -14,7 +14,7 @@ from msgspec.structs import force_setattr
 from pacinian.checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.modulation.wav import read_wav
-from pacinian.scene.modulation.waves import EDGE, between, between_edges
+from pacinian.scene.modulation.waves import EDGE, compute_gate, interpolate_table
 
 if TYPE_CHECKING:
     from pacinian.types import Floats, Singles
@@ -82,16 +82,16 @@ class Wave(
         """Return the factor at times t [s], in the same shape."""
         values, rate, duration = self._table
         if self.loop:
-            return between(values, (t % duration) * rate)
+            return interpolate_table(values, (t % duration) * rate)
         edge = min(EDGE, duration / 2.0)
-        within = between_edges(t, duration - edge, edge)
-        return within * between(values, np.clip(t, 0.0, duration) * rate)
+        within = compute_gate(t, duration - edge, edge)
+        return within * interpolate_table(values, np.clip(t, 0.0, duration) * rate)
 
     @functools.cached_property
     def _table(self) -> Table:
         if self.rate is not None:
             x = np.array(self.samples, dtype=np.float32)
-            return _table(x, self.rate, self.loop, self.mode)
+            return _tabulate_wave(x, self.rate, self.loop, self.mode)
         try:
             stat = Path(self.file).stat()
         except (OSError, ValueError) as error:
@@ -103,7 +103,7 @@ class Wave(
 def _load(file: str, time: int, size: int, loop: bool, mode: str) -> Table:
     """Return the table of a file; `time` and `size` identify its current contents in the cache."""
     rate, x = read_wav(file)
-    return _table(x, _rate(f"wave {file}", rate, len(x)), loop, mode)
+    return _tabulate_wave(x, _rate(f"wave {file}", rate, len(x)), loop, mode)
 
 
 def _rate(name: str, rate: float, count: int) -> float:
@@ -114,7 +114,7 @@ def _rate(name: str, rate: float, count: int) -> float:
     return rate
 
 
-def _table(x: Singles, rate: float, loop: bool, mode: str) -> Table:
+def _tabulate_wave(x: Singles, rate: float, loop: bool, mode: str) -> Table:
     """Make the table of samples x, (L,), in -1..1."""
     from scipy.signal import oaconvolve
 

@@ -37,7 +37,7 @@ def visit_one_by_one(samples: Samples) -> Route:
 
     @functools.cache
     def stop(m: int) -> Samples:
-        return _named(samples.only(order[m : m + 1]))
+        return _replace_key(samples.only(order[m : m + 1]))
 
     return lambda i, n: stop(i * len(order) // n)
 
@@ -79,7 +79,7 @@ def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
     return lambda i, n: replace(mean, positions=centre + curve.at(np.array([i / n])) @ axes)
 
 
-def _named(one: Samples) -> Samples:
+def _replace_key(one: Samples) -> Samples:
     """Return the sample with the key of its object's focus, which never changes and belongs to no other sample."""
     return replace(one, keys=np.asarray(-1 - one.objects, dtype=np.int64))
 
@@ -87,7 +87,7 @@ def _named(one: Samples) -> Samples:
 def _mean(samples: Samples, w: Floats, normal: Floats) -> Samples:
     """Return one sample that represents all, with weights w, (M,), and a normal, (3,)."""
     return replace(
-        _named(samples.only(np.zeros(1, dtype=np.intp))),
+        _replace_key(samples.only(np.zeros(1, dtype=np.intp))),
         radiation_pressure=np.array([w @ samples.radiation_pressure]),
         normals=normal[None],
         area=np.array([w @ samples.area]),

@@ -37,7 +37,7 @@ def read_wav(file: str) -> tuple[float, Singles]:
         raise ArgumentError("wave", f"{file} cannot be read as a WAV file: {error}") from error
     if not len(data):
         raise ArgumentError("wave", f"{file} holds no samples")
-    x = _scaled(data).reshape(len(data), -1).mean(axis=1)
+    x = _convert_samples(data).reshape(len(data), -1).mean(axis=1)
     if not np.isfinite(x).all():
         raise ArgumentError("wave", f"{file} has values that are not finite")
     return float(rate), x
@@ -53,7 +53,7 @@ def _content(path: Path) -> bytes:
     return content
 
 
-def _scaled(data: Any) -> Singles:
+def _convert_samples(data: Any) -> Singles:
     """Convert samples of any type to floats, -1..1 at full scale."""
     x = np.asarray(data, dtype=np.float32)
     if data.dtype.kind == "u":  # 8 bits: silence is 128

@@ -69,13 +69,13 @@ class Square(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         """Return the factor at times t [s], in the same shape."""
         return self._at(t, min(EDGE * self.frequency, self.duty, 1.0 - self.duty))
 
-    def switched(self, t: Floats) -> Floats:
+    def compute_steps(self, t: Floats) -> Floats:
         """Return the factor with steps instead of edges, for devices that are either on or off."""
         return self._at(t, 0.0)
 
     def _at(self, t: Floats, edge: float) -> Floats:
         place = (self.frequency * (t + SLIP)) % 1.0  # in the period
-        return self.low + (self.high - self.low) * between_edges(place, self.duty, edge)
+        return self.low + (self.high - self.low) * compute_gate(place, self.duty, edge)
 
 
 class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="pulse"):
@@ -108,7 +108,7 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
         if self.period is not None:
             s, edge = s % self.period, min(EDGE, self.period - falls)
         edge = max(self.rise, min(edge, falls))
-        return self.low + (self.high - self.low) * between_edges(s, falls, edge)
+        return self.low + (self.high - self.low) * compute_gate(s, falls, edge)
 
 
 class Function(Struct, frozen=True):
@@ -127,7 +127,7 @@ def raise_cosine(share: Floats) -> Floats:
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.clip(share, 0.0, 1.0)))
 
 
-def between_edges(place: Floats, falls: float, edge: float) -> Floats:
+def compute_gate(place: Floats, falls: float, edge: float) -> Floats:
     """Return 1 from 0 to `falls`, and otherwise 0. Each edge starts there and takes `edge`, if that is not 0."""
     if not edge > 0.0:
         return np.asarray((place >= 0.0) & (place < falls), dtype=np.float64)
@@ -147,7 +147,7 @@ def bounds(wave: Any) -> None:
     force_setattr(wave, "high", check_number("high", wave.high, low=wave.low, high=1.0))
 
 
-def between(table: Any, place: Floats) -> Floats:
+def interpolate_table(table: Any, place: Floats) -> Floats:
     """Interpolate the values of a table, (L,), linearly at fractional places from 0 up to, but not including, L - 1."""
     i = place.astype(np.intp)
     a = table[i]

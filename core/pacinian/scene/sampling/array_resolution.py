@@ -41,7 +41,7 @@ class ArrayResolution:
         """Corners of the array's bounding box, (V, 3) [m]."""
         self._spacings: dict[tuple[int, int, int], float] = {}
 
-    def spacing(self, place: tuple[float, float, float]) -> float:
+    def compute_spacing(self, place: tuple[float, float, float]) -> float:
         """Return the sample spacing at `place` [m]: a wavelength, or the resolution there if that is coarser.
 
         The spacing changes in steps of sqrt(2), so that a moving object mostly keeps its samples.
@@ -73,14 +73,14 @@ class ArrayResolution:
             areas[kept] = focal_area(self.array, q[kept], normals[kept], self.medium, even=even)
         return np.where(np.isfinite(areas), areas, np.nan)
 
-    def seen(self, positions: Floats, normals: Floats) -> Floats:
+    def compute_incidence(self, positions: Floats, normals: Floats) -> Floats:
         """Return the mean cos^2 of the angle of incidence on skin at points (M, 3) [m], over the transducers: (M,)."""
         d = self.some[:, None] - positions  # (V, M, 3)
         cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + MIN_LENGTH)
         return np.asarray((np.maximum(cosine, 0.0) ** 2).mean(axis=0))
 
 
-def grazing(seen: Floats) -> Floats:
+def weigh_incidence(seen: Floats) -> Floats:
     """Return the fraction of the requested pressure, 0..1, (M,), given how well the array sees the skin.
 
     seen: mean cos^2 of the angle of incidence, which is the fraction of the sound power that presses, (M,). The

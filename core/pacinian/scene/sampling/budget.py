@@ -45,9 +45,9 @@ def allot_budget(
     left = budget
     for priority, group in itertools.groupby(sources, key=lambda s: s[0].item.priority):
         members = list(group)
-        made, levels[priority] = _fitting(members, left, levels.get(priority, 0), cut, bands)
+        made, levels[priority] = _fit_level(members, left, levels.get(priority, 0), cut, bands)
         for (source, _), samples in zip(members, made, strict=True):
-            count = _sounded(source, samples, bands if levels[priority] else 1)
+            count = _count_simultaneous(source, samples, bands if levels[priority] else 1)
             kept = samples if count <= left else _strongest(samples, left)
             skipped["samples over budget"] += len(samples) - len(kept)
             left -= min(count, left)
@@ -55,7 +55,7 @@ def allot_budget(
     return parts
 
 
-def _sounded(source: Source, samples: Samples, bands: int) -> int:
+def _count_simultaneous(source: Source, samples: Samples, bands: int) -> int:
     """Return the number of simultaneous samples of a source, given the number of bands."""
     if measure_spacing(source.item):
         return min(1, len(samples))
@@ -68,7 +68,7 @@ def _strongest(samples: Samples, count: int) -> Samples:
     return samples.only(np.sort(np.argsort(-force, kind="stable")[:count]))
 
 
-def _fitting(
+def _fit_level(
     members: list[tuple[Source, float]], left: int, level: int,
     cut: Callable[[Samples], Samples], bands: int,
 ) -> tuple[list[Samples], int]:  # fmt: skip
@@ -83,7 +83,7 @@ def _fitting(
     def number(made: list[Samples], level: int) -> int:
         """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
         counts = [
-            sum(_sounded(m, s, most) for (m, _), s in zip(members, made, strict=True))
+            sum(_count_simultaneous(m, s, most) for (m, _), s in zip(members, made, strict=True))
             for most in ({1, bands} if level else {1})
         ]
         return min(counts)
@@ -96,7 +96,7 @@ def _fitting(
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        return _whole(members, level) > 2.0 * left * (bands if level else 1)
+        return _estimate_whole(members, level) > 2.0 * left * (bands if level else 1)
 
     while too_many(level) and more(level):
         level += 1
@@ -113,7 +113,7 @@ def _fitting(
     return made, level
 
 
-def _whole(members: list[tuple[Source, float]], level: int) -> float:
+def _estimate_whole(members: list[tuple[Source, float]], level: int) -> float:
     """Estimate the number of samples of the sources that are rendered whole."""
     return sum(
         estimate_samples(source.item, spacing * COARSER**level)

@@ -199,7 +199,7 @@ inline void define_contact(nb::module_& m) {
            "d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.\n"
            "points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper\n"
            "than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3); none for any. hardly,\n"
-           "well: as in `resolving.grazing`. inside: indices into `which`, (I,). force: of each [N], (I,).",
+           "well: as in `array_resolution.weigh_incidence`. inside: indices into `which`, (I,). force: of each [N], (I,).",
            "d", "which", "reach", "stiffness", "most", "points", "normals", "area", "bone", "slack", "capsules", "some", "hardly",
            "well", "inside", "force");
     kernel(m, "stale", &stale,

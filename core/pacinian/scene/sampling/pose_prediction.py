@@ -70,11 +70,11 @@ class PosePredictor:
                 del self._tracks[next(iter(self._tracks))]
             made = _Track(item, t)
         else:
-            made = self._blended(item, t, track.pose(t))
+            made = self._start_blend(item, t, track.pose(t))
         self._tracks[item.name] = made
         return made.pose(t)
 
-    def _blended(self, item: Object, t: float, was: Pose) -> _Track:
+    def _start_blend(self, item: Object, t: float, was: Pose) -> _Track:
         assert item.motion is not None
         now = item.motion.pose(item.pose, t)
         d = np.array(was.position) - now.position
@@ -120,9 +120,9 @@ class HandTrack:
         if share <= 0.0:
             self._last = None
             return None, 0.0
-        return self._moved(last, t), share
+        return self._blend_hand(last, t), share
 
-    def touchable(self, hand: Hand) -> PosedSkin:
+    def pose_skin(self, hand: Hand) -> PosedSkin:
         """Return the posed skin of a hand from `at`; the previous one if the hand has not moved."""
         if self._touchable is None or self._touchable.hand is not hand:
             kind = self._touchable
@@ -130,7 +130,7 @@ class HandTrack:
             self._touchable = PosedSkin(hand, kind.skin if kind and same else self._skin)
         return self._touchable
 
-    def moving(self, t: float) -> bool:
+    def can_move(self, t: float) -> bool:
         """Return whether the hand may move or fade after time t [s] without an update."""
         if self._last is None:
             return False
@@ -140,22 +140,22 @@ class HandTrack:
 
     def _take(self, hand: Hand, t: float) -> None:
         """Accept a new update of a hand that is not lost."""
-        was = None if self._last is None else self._moved(self._last, t)
+        was = None if self._last is None else self._blend_hand(self._last, t)
         self._seen = t if hand.time is None else hand.time
         self._last, self._offset = hand, None
         if was is None or was.carriers.shape != hand.carriers.shape:
             return
-        d = was.carriers - self._carried(hand, t).carriers
+        d = was.carriers - self._extrapolate(hand, t).carriers
         if float((d * d).sum(axis=1).max()) <= JUMP * JUMP and d.any():
             self._offset, self._since = d, t
 
-    def _carried(self, hand: Hand, t: float) -> Hand:
+    def _extrapolate(self, hand: Hand, t: float) -> Hand:
         if hand.time is None or hand.velocities is None:
             return hand
         return hand.after(min(max(t - hand.time, 0.0), HOLD))
 
-    def _moved(self, hand: Hand, t: float) -> Hand:
-        now = self._carried(hand, t)
+    def _blend_hand(self, hand: Hand, t: float) -> Hand:
+        now = self._extrapolate(hand, t)
         f = 1.0 - (t - self._since) / BLEND
         if self._offset is None or f <= 0.0:
             self._offset = None

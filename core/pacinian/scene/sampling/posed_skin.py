@@ -41,7 +41,7 @@ class PosedSkin:
         self.salt = zlib.crc32(hand.name.encode())
         """Number that keeps sample keys of different hands apart. It depends only on the hand's name."""
 
-    def near(self, pose: Pose, radius: float, corners: Floats) -> tuple[Indices, Floats]:
+    def find_near(self, pose: Pose, radius: float, corners: Floats) -> tuple[Indices, Floats]:
         """Find the points within `radius` [m] of a pose. Returns their indices, and their positions in its frame [m].
 
         corners: points of the skin must face one of these, (V, 3) [m]; if empty, they may face anywhere.
@@ -56,7 +56,7 @@ class PosedSkin:
         )  # fmt: skip
         return which[:count], local[:count]
 
-    def pressed(
+    def find_pressed(
         self, which: Indices, d: Floats, reach: float, stiffness: float, most: float, some: Floats
     ) -> tuple[Indices, Floats]:
         """Find which of the points `which`, (I,), are pressed, and with what force.
@@ -90,12 +90,12 @@ class PosedSkin:
         found = around(
             self.points, self.normals, count, q, centre, inner, outer, which, nearest
         )  # fmt: skip
-        shown = self.exposed(which[:found])
+        shown = self.find_exposed(which[:found])
         return which[:found][shown], nearest[:found][shown]
 
-    def exposed(self, touched: Indices) -> Flags:
+    def find_exposed(self, touched: Indices) -> Flags:
         """Return which of the points `touched` are not inside another finger."""
-        return self.skin.exposed(self.placed, touched)
+        return self.skin.find_exposed(self.placed, touched)
 
     def about(self, points: Floats, radius: float) -> Indices:
         """Return the indices of the points, (K, 3) [m], that are within `radius` [m] of the bounding box."""
@@ -107,21 +107,21 @@ class PosedSkin:
         found = self.skin.closest(self.hand, points)
         return found.points, found.normals, found.distance
 
-    def thinned(
+    def thin_forces(
         self, touched: Indices, force: Floats, spacing: float
     ) -> tuple[Indices, Floats, Floats]:
         """Keep only the points that are nodes of the level nearest to `spacing` [m], each at its own pressure.
 
-        The arguments and results are those of `shared`. Each force is scaled to the larger area of its node [N].
+        The arguments and results are those of `share_forces`. Each force is scaled to the larger area of its node [N].
         """
         level = self.skin.level(spacing)
         own = touched < self.skin.counts[level]
-        own[own] = self.exposed(touched[own])
+        own[own] = self.find_exposed(touched[own])
         nodes = touched[own]
         stretch = self.skin.node_area[level][nodes] / self.skin.area[nodes]
         return nodes, force[own] * stretch, self.area[nodes] * stretch
 
-    def shared(
+    def share_forces(
         self, touched: Indices, force: Floats, spacing: float
     ) -> tuple[Indices, Floats, Floats]:
         """Distribute forces on points among the nodes of the level nearest to `spacing` [m].
@@ -136,7 +136,7 @@ class PosedSkin:
         count = skin.counts[level]
         got, nodes = np.empty(count), np.empty(count, dtype=np.intp)
         nodes = nodes[: share_out(touched, force, *skin.share[level], SHARED, got, nodes)]
-        shown = self.exposed(nodes)
+        shown = self.find_exposed(nodes)
         if not shown.all():
             nodes = nodes[shown]
         kept = got[nodes]

@@ -56,11 +56,11 @@ class PressureRamps:
             seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
         )  # part of a full ramp that this tick covers
         last = self._last
-        was, top, gone, jumped = _matched(asked, last)
+        was, top, gone, jumped = _match_samples(asked, last)
         most = np.maximum(asked.most, np.where(was > asked.radiation_pressure, top, was))
         low, high = _on(was, most, -share), _on(was, most, share)
         P = np.minimum(np.maximum(asked.radiation_pressure, low), high)
-        going = self._going(last, gone, jumped, share) if gone.any() else None
+        going = self._fade_out(last, gone, jumped, share) if gone.any() else None
         if going is None and (asked.radiation_pressure == P).all():
             self._last = asked
         else:
@@ -69,7 +69,7 @@ class PressureRamps:
             self._last = _with(self._last, going)
         return self._last
 
-    def _going(self, last: Samples, gone: Flags, jumped: Flags, share: float) -> Samples | None:
+    def _fade_out(self, last: Samples, gone: Flags, jumped: Flags, share: float) -> Samples | None:
         """Return the fading samples, one step fainter; None if none are left.
 
         A fading sample keeps its key, so that it rises from its current pressure if it becomes a target again. If its
@@ -96,7 +96,7 @@ def _on(P: Floats, most: Floats, share: float) -> Floats:
     return np.asarray(most * np.sin(QUARTER * np.clip(way + share, 0.0, 1.0)) ** 2)
 
 
-def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flags]:
+def _match_samples(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flags]:
     """Match the target samples `asked` with the last ones.
 
     Returns the last pressure and maximum of each target, 0 for new ones, and which of the last samples are gone and
@@ -104,7 +104,7 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flag
     """
     jumped = np.zeros(len(last), dtype=np.bool_)
     if len(asked) == len(last) and (asked.keys == last.keys).all():
-        near = _near(asked.positions, last.positions)
+        near = _find_near(asked.positions, last.positions)
         was, top = (np.where(near, x, 0.0) for x in (last.radiation_pressure, last.most))
         return was, top, ~near, ~near
     gone = np.ones(len(last), dtype=np.bool_)
@@ -114,7 +114,7 @@ def _matched(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flag
     place = np.minimum(np.searchsorted(last.keys, asked.keys, sorter=order), len(last) - 1)
     index = order[place]
     found = last.keys[index] == asked.keys
-    near = found & _near(asked.positions, last.positions[index])
+    near = found & _find_near(asked.positions, last.positions[index])
     jumped[index[found & ~near]] = True
     gone[index[near]] = False
     was, top = (np.where(near, x[index], 0.0) for x in (last.radiation_pressure, last.most))
@@ -144,7 +144,7 @@ def _under(samples: Samples, others: Samples) -> Indices:
     return found
 
 
-def _near(a: Floats, b: Floats) -> Flags:
+def _find_near(a: Floats, b: Floats) -> Flags:
     """Return which of the points, (M, 3) [m], have not jumped, (M,)."""
     d = a - b
     return np.asarray(np.einsum("mk,mk->m", d, d) <= JUMP * JUMP)

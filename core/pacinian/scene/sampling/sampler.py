@@ -131,7 +131,7 @@ class Sampler:
         self._resolving = ArrayResolution(array, medium)
         self.reset()
 
-    def changed(self) -> None:
+    def invalidate(self) -> None:
         """Sample again at the next call, even if the scene is the same."""
         self._still = False
 
@@ -146,7 +146,7 @@ class Sampler:
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
         skin = bool(scene.hands)
-        hands = self._touching(scene, t)
+        hands = self._track_hands(scene, t)
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
@@ -154,7 +154,7 @@ class Sampler:
         sources = self._sources(scene, t, found, hands, skin)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
-            and not any(track.moving(t) for track in self._hands.values())
+            and not any(track.can_move(t) for track in self._hands.values())
         )  # fmt: skip
         if not sources:
             return no_samples(scene.objects, capsules)
@@ -169,11 +169,11 @@ class Sampler:
             self.bands,
         )
         if len(parts) > 1:
-            parts = [self._merged([source.item for source, _ in sources], parts)]
+            parts = [self._merge_samples([source.item for source, _ in sources], parts)]
         parts = [self._focal(parts[0])]
         if self.surround and skin and solid and self._resolving is not None:
             touching, centre = [hand for hand, _ in hands], self._resolving.centre
-            resolved = min(self._resolving.spacing(hand.centre) for hand in touching)
+            resolved = min(self._resolving.compute_spacing(hand.centre) for hand in touching)
             left = budget - len(parts[0])
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         if skin:
@@ -206,7 +206,7 @@ class Sampler:
         P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
         return replace(samples, radiation_pressure=P, most=most, area=area)
 
-    def _touching(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
+    def _track_hands(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
         """Return the hands that are present, each with the factor on its pressures, 0..1."""
         tracks = {
             hand.name: self._hands.get(hand.name) or HandTrack(self.skin) for hand in scene.hands
@@ -218,7 +218,7 @@ class Sampler:
             if now is None:
                 self.skipped["hands lost"] += 1
             else:
-                there.append((tracks[hand.name].touchable(now), share))
+                there.append((tracks[hand.name].pose_skin(now), share))
         return there
 
     def _boxes(self, scene: Scene, hands: list[tuple[PosedSkin, float]], skin: bool) -> Floats:
@@ -263,7 +263,7 @@ class Sampler:
             if not skin:
                 of = SinglePoint if isinstance(item, Point) else WholeObject
                 whole = of(item, i, name, pose, self._covers, objects)
-                sources.append((whole, self._spacing(item, pose.position)))
+                sources.append((whole, self._compute_spacing(item, pose.position)))
                 continue
             least = lowest_threshold(_vibration(item)) if self.perception else 0.0
             for hand, share in hands:
@@ -296,19 +296,19 @@ class Sampler:
                         least,
                     )
                 if source is not None:
-                    spacing = self._spacing(item, hand.centre)
+                    spacing = self._compute_spacing(item, hand.centre)
                     if isinstance(source, Contact) and self.spacing is None and is_dense(item):
-                        spacing = _fitting(source.extent, spacing / DENSE, wanted.get(own))
+                        spacing = _choose_spacing(source.extent, spacing / DENSE, wanted.get(own))
                         self._wanted[own] = source.fine = spacing
                     sources.append((source, spacing))
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
 
-    def _spacing(self, item: Object, place: tuple[float, float, float]) -> float:
+    def _compute_spacing(self, item: Object, place: tuple[float, float, float]) -> float:
         """Return the spacing of an object's samples at `place` [m]."""
         if self.spacing is not None:
             return self.spacing
-        resolved = WAVELENGTH if self._resolving is None else self._resolving.spacing(place)
+        resolved = WAVELENGTH if self._resolving is None else self._resolving.compute_spacing(place)
         return DENSE * resolved if is_dense(item) else resolved
 
     def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
@@ -327,7 +327,7 @@ class Sampler:
 
         return cut
 
-    def _merged(self, items: list[Object], parts: list[Samples]) -> Samples:
+    def _merge_samples(self, items: list[Object], parts: list[Samples]) -> Samples:
         """Join all samples, and merge those of different `items` that the array cannot resolve.
 
         Only samples of equal envelope and technique are merged.
@@ -354,7 +354,7 @@ class Sampler:
         return replace(whole, radiation_pressure=P, area=area).only(kept)
 
 
-def _fitting(extent: float, resolved: float, last: float | None) -> float:
+def _choose_spacing(extent: float, resolved: float, last: float | None) -> float:
     """Return the spacing of a contact's samples [m]: about 128 samples, but no finer than the array can use.
 
     extent: of the contact [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m], which is

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.scene.objects import Body
-from pacinian.scene.sampling.array_resolution import grazing
+from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class PointContacts:
         depth = reach - np.maximum(d, 0.0)  # full depth for points inside the hand
         P = self.share * item.material.pressure(depth, item.pressure)
         if self.resolving is not None and P.any():
-            P *= grazing(self.resolving.seen(on, normals))
+            P *= weigh_incidence(self.resolving.compute_incidence(on, normals))
         kept = np.flatnonzero((P > 0.0) & (self.least <= P))
         self.faint = int((P > 0.0).sum()) - len(kept)
         return Samples(
@@ -157,7 +157,7 @@ class Contact:
         """Return samples about `spacing` [m] apart."""
         hand = self.hand
         fine = spacing <= self.fine
-        among = hand.thinned if fine else hand.shared
+        among = hand.thin_forces if fine else hand.share_forces
         nodes, force, area = among(self.touched, self.force, spacing)
         P = force / area
         felt = self.least <= P
@@ -184,12 +184,12 @@ def find_contact(
     material, most = item.material, item.pressure
     reach = material.reach
     corners = ANYWHERE if resolving is None else resolving.corners
-    which, local = hand.near(pose, item.bounding_radius + reach, corners)
+    which, local = hand.find_near(pose, item.bounding_radius + reach, corners)
     if not len(which):
         return None
     d = distances.of(item, name, hand, which, local, reach, material.enough(most))
     some = ANYWHERE if resolving is None else resolving.some
-    inside, force = hand.pressed(which, d, reach, material.per_metre(most), most, some)
+    inside, force = hand.find_pressed(which, d, reach, material.per_metre(most), most, some)
     if not len(inside):
         return None
     if item.texture is not None:

@@ -32,14 +32,14 @@ def encode_array(name: str, values: ArrayLike | None, file: str, dimension: int)
     except Exception as error:
         raise ArgumentError(name, f"must be numbers on a grid: {error}") from error
     out = BytesIO()
-    np.lib.format.write_array(out, _checked(name, array, dimension), allow_pickle=False)
+    np.lib.format.write_array(out, _check_array(name, array, dimension), allow_pickle=False)
     return out.getvalue()
 
 
 def decode_array(name: str, values: ArrayLike | None, file: str, dimension: int) -> Array:
     """Decode an array from the bytes that `encode_array` made, or read it from `file`. Raises ArgumentError."""
     try:
-        return _checked(name, _read(file), dimension) if file else _array(values)
+        return _check_array(name, _read(file), dimension) if file else _array(values)
     except Exception as error:
         problem = str(error).removeprefix(f"`{name}` ")
         raise ArgumentError(name, f"of {file} do not load: {problem}") from error
@@ -56,7 +56,7 @@ def _array(values: Any) -> Array:
     return np.lib.format.read_array(BytesIO(values), allow_pickle=False)
 
 
-def _checked(name: str, array: Array, dimension: int) -> Array:
+def _check_array(name: str, array: Array, dimension: int) -> Array:
     """Return a copy in memory, after checking that it has at most `MAX_NUMBERS` real and finite numbers."""
     if array.ndim != dimension or not array.size:
         raise ArgumentError(name, f"must have {dimension} dimensions, not shape {array.shape}")

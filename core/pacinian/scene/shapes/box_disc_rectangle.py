@@ -46,7 +46,7 @@ class Rectangle(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type
         check_count(self.area, spacing, 2)
         (x, width), (y, height) = span(self.width, spacing), span(self.height, spacing)
         X, Y = np.meshgrid(x, y)
-        return _facing_up(X.ravel(), Y.ravel(), np.outer(height, width).ravel())
+        return _make_flat_samples(X.ravel(), Y.ravel(), np.outer(height, width).ravel())
 
 
 class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="disc"):
@@ -84,7 +84,7 @@ class Disc(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", ta
         nth = np.arange(len(ring)) - np.repeat(np.cumsum(counts) - counts, counts)
         phi = 2.0 * math.pi * (nth + ring % 2 / 2.0) / counts[ring]
         area = math.pi * np.diff(edges**2) / counts
-        return _facing_up(r[ring] * np.cos(phi), r[ring] * np.sin(phi), area[ring])
+        return _make_flat_samples(r[ring] * np.cos(phi), r[ring] * np.sin(phi), area[ring])
 
 
 class Box(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="box"):
@@ -140,7 +140,7 @@ def _inner(width: float, height: float, spacing: float) -> LocalSamples:
     """Return a centred grid that starts half a step from the outline."""
     check_count(width * height, spacing, 2)
     X, Y = np.meshgrid(centre(width, spacing), centre(height, spacing))
-    return _facing_up(X.ravel(), Y.ravel(), np.full(X.size, width * height / X.size))
+    return _make_flat_samples(X.ravel(), Y.ravel(), np.full(X.size, width * height / X.size))
 
 
 def distance_outside(points: Floats, width: float, height: float) -> Floats:
@@ -154,7 +154,7 @@ def distance_beside(outside: Floats, height: Floats) -> Floats:
     return np.where(outside > 0.0, np.hypot(outside, height), height)
 
 
-def _facing_up(x: Floats, y: Floats, area: Floats) -> LocalSamples:
+def _make_flat_samples(x: Floats, y: Floats, area: Floats) -> LocalSamples:
     K = len(x)
     points = np.stack([x, y, np.zeros(K)], axis=-1)
     return LocalSamples(points, np.tile([0.0, 0.0, 1.0], (K, 1)), area)

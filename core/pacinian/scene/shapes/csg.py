@@ -212,15 +212,15 @@ def _solids(name: str, solids: Iterable[SolidShape]) -> tuple[SolidShape, ...]:
 
 
 def _limit(name: str, whole: SolidShape) -> None:
-    depth, number = _nested(whole)
+    depth, number = _measure_nesting(whole)
     if depth > MAX_DEPTH or number > MAX_SOLIDS:
         raise ArgumentError(
             name, f"is {number} solids, {depth} deep: keep to {MAX_SOLIDS}, and to {MAX_DEPTH} deep"
         )
 
 
-def _nested(solid: SolidShape) -> tuple[int, int]:
-    inner = [_nested(part) for part in _inner(solid)]
+def _measure_nesting(solid: SolidShape) -> tuple[int, int]:
+    inner = [_measure_nesting(part) for part in _inner(solid)]
     return 1 + max((depth for depth, _ in inner), default=-1), sum(n for _, n in inner) or 1
 
 

@@ -101,7 +101,7 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
     """Return points of a fine grid, projected on the shell by Newton steps and thinned to about `spacing` [m]."""
     extent = np.array(solid.extent)
-    points, area = _near(solid, spacing / 3.0, -extent, extent)
+    points, area = _sample_shell(solid, spacing / 3.0, -extent, extent)
     for _ in range(STEPS):
         d, slope = solid.distance(points)[:, None], gradient(solid, points)
         points = points - d * slope / np.maximum((slope**2).sum(axis=1, keepdims=True), 0.25)
@@ -121,14 +121,14 @@ def measure_solid(solid: Solid) -> float:
     area = np.zeros(0)
     for _ in range(2):  # first in the solid's whole box, then in the part that holds the shell
         step = math.cbrt(float((high - low).prod()) / CELLS)
-        points, area = _near(solid, step, low, high)
+        points, area = _sample_shell(solid, step, low, high)
         if not len(points):
             break
         low, high = points.min(axis=0), points.max(axis=0)
     return float(area.sum())
 
 
-def _near(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _sample_shell(solid: Solid, step: float, low: Floats, high: Floats) -> tuple[Floats, Floats]:
     """Return the points of a grid near a shell, (K, 3) [m], and the shell's area in the cell around each, (K,) [m^2].
 
     Engquist, Tornberg and Tsai, "Discretization of Dirac delta functions in level set methods", 2005.

@@ -18,6 +18,7 @@ from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.function_solid import scale_shell, share_area
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
+from pacinian.scene.shapes.triangle_points import pick_points
 from pacinian.scene.shapes.triangles import Triangles, read_mesh
 
 if TYPE_CHECKING:
@@ -105,16 +106,11 @@ class Mesh(
 
     def sample_surface(self, spacing: float) -> LocalSamples:
         """Return reproducible random samples, thinned to about `spacing` [m]. The rim of an open mesh comes first."""
-        from trimesh import Trimesh
-        from trimesh.sample import sample_surface
-
         t = self.triangles
         tries = TRIES * max(1, round(check_count(TRIES * t.area, spacing, 2) / TRIES))
-        mesh = Trimesh(t.vertices, t.faces, process=False)
-        points, face = sample_surface(mesh, tries, face_weight=t.areas, seed=0)[:2]
+        points, face = pick_points(t.vertices[t.faces], t.areas, tries)
         rim, of = t.rim(spacing / RIM)
-        every = np.concatenate([rim, np.asarray(points, dtype=np.float64)])
-        face = np.concatenate([of, np.asarray(face, dtype=np.int64)])
+        every, face = np.concatenate([rim, points]), np.concatenate([of, face])
         kept = thin_out(every, MIN_DISTANCE * spacing, len(rim))
         whole = np.repeat([0.0, t.area / tries], [len(rim), tries])
         area = scale_shell(share_area(every, whole, kept), t.area)
@@ -130,7 +126,7 @@ class Mesh(
         stamp = _stamp(self.file)
         if kept is None or (stamp is not None and stamp != kept[0]):
             try:
-                made = self._made(stamp)
+                made = self._make_triangles(stamp)
             except ArgumentError as error:
                 if kept is None:
                     raise
@@ -139,7 +135,7 @@ class Mesh(
             kept = vars(self)["kept"] = stamp, made
         return kept[1]
 
-    def _made(self, stamp: Stamp | None) -> Triangles:
+    def _make_triangles(self, stamp: Stamp | None) -> Triangles:
         if not self.file:
             vertices = self.scale * np.array(self.vertices)
             return Triangles.of(vertices, np.array(self.faces, dtype=np.int64), "given here")

@@ -46,7 +46,7 @@ class MeshDistance:
     @cached_property
     def bounds(self) -> Bounds:
         """Rough distances, for points far away."""
-        return Bounds(self.triangles, self.unsigned)
+        return Bounds(self.triangles, self.compute_unsigned)
 
     def __call__(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
         """Return the signed distance of points, (K, 3), (K,) [m]; infinite for points that are not finite.
@@ -68,7 +68,7 @@ class MeshDistance:
         )  # fmt: skip
         return d
 
-    def unsigned(self, points: Floats) -> Floats:
+    def compute_unsigned(self, points: Floats) -> Floats:
         """Return the unsigned distance of points, (K, 3): (K,) [m]."""
         squared: Floats = self.tree.squared_distance(self.vertices, self.faces, points)[0]
         return np.sqrt(squared)

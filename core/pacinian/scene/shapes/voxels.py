@@ -65,7 +65,7 @@ class Voxels(
         )
         force_setattr(self, "values", encode_array("values", self.values, self.file, 3))
         if not self.file:
-            self._filled()
+            self._decode_values()
 
     @property
     def area(self) -> float:
@@ -111,7 +111,7 @@ class Voxels(
         import igl
         from scipy import ndimage
 
-        v = np.pad(self._filled(), RIM)
+        v = np.pad(self._decode_values(), RIM)
         inside, (X, Y, Z) = v > self.level, v.shape
         axes = np.ogrid[:X, :Y, :Z]
         nodes = np.stack(np.broadcast_arrays(*axes), axis=-1).reshape(-1, 3, order="F")
@@ -135,7 +135,7 @@ class Voxels(
             D.astype(np.float32), area, (x, y, z), math.sqrt((V * V).sum(axis=1).max())
         )
 
-    def _filled(self) -> Floats:
+    def _decode_values(self) -> Floats:
         values = decode_array("values", self.values, self.file, 3)
         check_within("values", values)
         inside = values > self.level

@@ -61,7 +61,7 @@ class Client:
             advice="send less, or let it live longer",
         )
 
-    def replaced(self, count: int) -> None:
+    def count_superseded(self, count: int) -> None:
         """Count commands that were superseded."""
         self.commands += count
         self.dropped += count

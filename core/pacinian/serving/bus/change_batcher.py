@@ -55,7 +55,7 @@ class ChangeBatcher:
         elif mine:
             self._waits = False
 
-    def lost(self) -> None:
+    def resend_scene(self) -> None:
         """Send the whole scene again, because the last batch could not be published."""
         self._waits = False
         self._begin()

@@ -41,11 +41,11 @@ class Job(ABC):
 
     def trim(self) -> bool:
         """Drop the objects that are gone or have something newer; return whether any are left."""
-        self.objects = [thing for thing in self.objects if self.awaited(thing)]
+        self.objects = [thing for thing in self.objects if self.is_awaited(thing)]
         return bool(self.objects)
 
     @abstractmethod
-    def awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, thing: StoredObject) -> bool:
         """Whether this job is still the newest for the object."""
 
     @abstractmethod
@@ -64,7 +64,7 @@ class Job(ABC):
 class ObjectConversion(Job):
     """Converts objects that were put."""
 
-    def awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, thing: StoredObject) -> bool:
         """Whether the object is in the scene and not converted yet."""
         return thing.item is not None
 
@@ -93,7 +93,7 @@ class EnvelopeConversion(Job):
         super().__init__(room, things, client, id)
         self._envelope: Envelope = envelope
 
-    def awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, thing: StoredObject) -> bool:
         """Whether no newer envelope has arrived."""
         return thing.wraps is self
 
@@ -110,7 +110,7 @@ class EnvelopeConversion(Job):
     def fail(self) -> None:
         """Keep the old envelopes."""
         for thing in self.objects:
-            if self.awaited(thing):
+            if self.is_awaited(thing):
                 thing.wrap(thing.wrapped)
 
 
@@ -156,7 +156,7 @@ class Converter:
         """Finish a job that is converted or superseded."""
         try:
             for thing, packed in future.result() if future is not None else ():
-                if job.awaited(thing):
+                if job.is_awaited(thing):
                     job.take(thing, packed)
         except Exception as error:  # whatever a conversion raises, the bus must go on
             job.fail()

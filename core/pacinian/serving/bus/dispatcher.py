@@ -83,14 +83,14 @@ class CommandDispatcher:
         self.received += len(messages)
         kept, replaced = coalesce([one for one in messages if self._may(one)])
         for message in kept:
-            with self.going_on("message"):
+            with self.catch_faults("message"):
                 self._message(*message)
         for key, count in replaced.items():
             if (client := self.clients.get(key)) is not None:
-                client.replaced(count)
+                client.count_superseded(count)
 
     @contextmanager
-    def going_on(self, what: str) -> Generator[None]:
+    def catch_faults(self, what: str) -> Generator[None]:
         """Log and count any exception of the block, so that the bus continues."""
         try:
             yield
@@ -125,16 +125,16 @@ class CommandDispatcher:
     def round(self, now: float) -> None:
         """Do the timed work, and report errors found while batching."""
         for room in self.scenes.values():
-            with self.going_on("expiry"):
+            with self.catch_faults("expiry"):
                 room.expire(now)
         errors = self.batcher.errors[:]
         self.batcher.errors.clear()
         for client, error in errors:
             self._answer(client, error, now)
-        with self.going_on("conversion"):
+        with self.catch_faults("conversion"):
             for client, reply in self.converter.round():
                 self._answer(client, reply, now)
-        with self.going_on("field"):
+        with self.catch_faults("field"):
             answer = self.queries.step()
             if answer is not None:
                 self._answer(*answer, now)

@@ -50,7 +50,7 @@ class PendingChanges:
         if name not in self.puts:
             self.light[name] = before | what
 
-    def removed(self, name: str) -> None:
+    def note_removed(self, name: str) -> None:
         """Note that an object was removed."""
         self.superseded += self.puts.pop(name, None) is not None
         if name in self.known:

@@ -101,10 +101,10 @@ class Bus:
         )
         if self._poller.poll(wait):
             self._take()
-        with self.dispatcher.going_on("sessions"):
+        with self.dispatcher.catch_faults("sessions"):
             if (sessions := self._sessions()) is not None:
                 self.dispatcher.sessions(sessions)
-        with self.dispatcher.going_on("publishing"):
+        with self.dispatcher.catch_faults("publishing"):
             self._publish()
         self.dispatcher.round(self._clock())
         self._reply()
@@ -115,7 +115,7 @@ class Bus:
     def tell(self) -> None:
         """Report the status to control."""
         now = self._clock()
-        with self.dispatcher.going_on("device"):
+        with self.dispatcher.catch_faults("device"):
             self._new("device", DeviceStatus, self._emitted.device)
         self._memory["traffic"].write(pack(self.dispatcher.traffic(now, self.port)))
         self._told = now
@@ -140,14 +140,14 @@ class Bus:
             try:
                 self._memory["changes"].write(pack(changes))
             except Exception:
-                outbox.lost()
+                outbox.resend_scene()
                 raise
 
     def _reply(self) -> None:
         replies = self.dispatcher.replies[:]
         self.dispatcher.replies.clear()
         for peer, reply in replies:
-            with self.dispatcher.going_on("reply"), contextlib.suppress(zmq.Again):
+            with self.dispatcher.catch_faults("reply"), contextlib.suppress(zmq.Again):
                 self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
 
     def _sessions(self) -> SessionTable | None:

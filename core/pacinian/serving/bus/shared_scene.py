@@ -236,7 +236,7 @@ class SharedScene:
             if thing is not None:
                 _count(thing, -1)
                 thing.leave()
-                self.pending.removed(name)
+                self.pending.note_removed(name)
 
     def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
         others = sum(len(given) for who, given in self.zones.items() if who is not client)

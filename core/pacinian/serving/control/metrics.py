@@ -78,7 +78,7 @@ class Metrics(Collector):
             "longest_gap_seconds", "Longest time between frames while armed", state.longest_gap
         )
         yield _gauge("clients", "Sessions", len(state.clients))
-        yield _labelled(
+        yield _make_gauge_family(
             "output",
             "State of the output",
             "state",
@@ -87,7 +87,7 @@ class Metrics(Collector):
         quantiles = {
             str(q): ms / 1e3 for q, ms in zip((0.5, 0.99, 1.0), state.tick_ms, strict=True)
         }
-        yield _labelled(
+        yield _make_gauge_family(
             "tick_seconds", "Duration of a tick in the last second", "quantile", quantiles
         )
         restarts = CounterMetricFamily(
@@ -110,7 +110,7 @@ def _gauge(name: str, text: str, value: float) -> Metric:
     return GaugeMetricFamily(f"pacinian_{name}", text, value=value)
 
 
-def _labelled(name: str, text: str, label: str, values: Mapping[str, Any]) -> Metric:
+def _make_gauge_family(name: str, text: str, label: str, values: Mapping[str, Any]) -> Metric:
     family = GaugeMetricFamily(f"pacinian_{name}", text, labels=[label])
     for key, value in values.items():
         family.add_metric([key], float(value))

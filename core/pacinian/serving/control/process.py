@@ -113,7 +113,7 @@ class ControlLoop:
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
-        for why, more in self._doors.turned_away():
+        for why, more in self._doors.take_refusals():
             self._log.warning("connection refused", why=why, more=more)
         now = self._clock()
         self.sessions.pass_time(now)
@@ -248,9 +248,9 @@ class ControlLoop:
             ownership = self.sessions.lease
             self._write("permit", ownership.permit, ownership.permit.pack)
             stamp = (self.sessions.changes, ownership.owner)
-            self._write("sessions", stamp, lambda: pack(self.sessions.listed()))
+            self._write("sessions", stamp, lambda: pack(self.sessions.list_sessions()))
             self._write("orders", self.selection.orders, lambda: pack(self.selection.orders))
-            told = self.sessions.taken()
+            told = self.sessions.take_replies()
             if not told:
                 return
             for peer, reply in told:
@@ -266,7 +266,7 @@ class ControlLoop:
     def _send(self, peer: bytes, reply: Struct) -> None:
         if not self._doors.reply(peer, encode(reply)):
             self.counts["lost"] += 1
-            self.sessions.lost(peer, self._clock())
+            self.sessions.end_peer(peer, self._clock())
 
     def _slow_down(self, peer: bytes, number: int) -> None:
         most = f"more than {self._settings.clients.rate:g} messages a second"
@@ -297,7 +297,7 @@ class ControlLoop:
         device = self.view.device
         sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
         for name, why in self._supervisor.check(self._beats, sound):
-            self._ended(name, why, now)
+            self._handle_exit(name, why, now)
         self.view.guarded = self._supervisor.alive("guard", self.view.device.beat)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
@@ -307,7 +307,7 @@ class ControlLoop:
         self.publisher.fault(fault)
         log().error("fault", fault=fault)
 
-    def _ended(self, name: str, why: str, now: float) -> None:
+    def _handle_exit(self, name: str, why: str, now: float) -> None:
         if name == SPARE:
             self._log.warning("spare guard lost", why=why)
             return
@@ -324,7 +324,7 @@ class ControlLoop:
         self._look(now)  # what is published must have been acted on
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
-            self.newest = self.publisher.published(now, self._supervisor.restarts)
+            self.newest = self.publisher.make_next_state(now, self._supervisor.restarts)
             self._doors.publish(STATE, encode(self.newest))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1

@@ -49,13 +49,13 @@ class ClientSessions:
         """All sessions."""
         return tuple(self._by_key.values())
 
-    def listed(self) -> messages.SessionTable:
+    def list_sessions(self) -> messages.SessionTable:
         """Return the sessions that may send commands, and the owner's scene."""
         infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
         owner = self.lease.owner
         return messages.SessionTable(tuple(infos), owner.scene if owner is not None else "")
 
-    def taken(self) -> list[tuple[bytes, Reply]]:
+    def take_replies(self) -> list[tuple[bytes, Reply]]:
         """Return the collected replies, and clear them."""
         told = self.lease.replies
         self.lease.replies = []
@@ -114,7 +114,7 @@ class ClientSessions:
         self._error(peer, request, "session", problem, "say hello first")
         return None
 
-    def lost(self, peer: bytes, now: float) -> None:
+    def end_peer(self, peer: bytes, now: float) -> None:
         """End the session of a lost connection. If it owns the output, this silences it."""
         if session := self._by_peer.get(peer):
             self._end(session, now)
@@ -128,7 +128,7 @@ class ClientSessions:
 
     def probe(self, session: Session, now: float) -> Renewed:
         """Return the unsolicited message that reports the session's lease."""
-        return self._renewed(session, 0, now)
+        return self._make_renewed(session, 0, now)
 
     def _hello(self, peer: bytes, user: str, message: Hello, now: float) -> None:
         major = message.protocol[0]
@@ -183,9 +183,9 @@ class ClientSessions:
         sent = now - session.clock.age(message.time, now)
         session.until = max(session.until, sent + session.lease)
         self.lease.renew(session)
-        self._tell(session.peer, self._renewed(session, message.id, now))
+        self._tell(session.peer, self._make_renewed(session, message.id, now))
 
-    def _renewed(self, session: Session, request: int, now: float) -> Renewed:
+    def _make_renewed(self, session: Session, request: int, now: float) -> Renewed:
         owner = session is self.lease.owner
         return Renewed(
             id=request,

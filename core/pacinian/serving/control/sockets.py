@@ -100,7 +100,7 @@ class ControlSockets:
         with contextlib.suppress(zmq.Again):
             self._state.send_multipart((topic, data), zmq.NOBLOCK)
 
-    def turned_away(self) -> list[tuple[str, str]]:
+    def take_refusals(self) -> list[tuple[str, str]]:
         """Return the connections refused since the last call: reason, detail."""
         seen: list[tuple[str, str]] = []
         for monitor in self._monitors:

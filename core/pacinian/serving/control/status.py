@@ -156,7 +156,7 @@ class StatusPublisher:
             self._view.unreadable += 1
             return msgspec.convert({**nothing, **common}, State)
 
-    def published(self, now: float, restarts: dict[str, int]) -> State:
+    def make_next_state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state to publish. Each hand update that reached the device is in exactly one of them."""
         self._sequence += 1
         return replace(self.state(now, restarts), inputs=self._new_inputs())

@@ -148,7 +148,7 @@ class Supervisor:
             hung = compute_hang_limit(self._hung, sound=sound and name == GUARD)
             if child.due is not None:
                 why = self._again(child, now)
-            elif why := self._ended(child, beats.get(name, 0.0), hung, now):
+            elif why := self._check_child(child, beats.get(name, 0.0), hung, now):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
                 if now - child.started > WELL:
@@ -173,7 +173,7 @@ class Supervisor:
                 why = f"could not be started: {error}"
             else:
                 return ""
-        elif not (why := self._ended(self._spare, now, math.inf, now)):
+        elif not (why := self._check_child(self._spare, now, math.inf, now)):
             return ""
         self._spare, self._spare_due = None, now + guard.wait
         guard.wait = min(MAX_RESTART_DELAY, 2.0 * guard.wait)
@@ -199,23 +199,23 @@ class Supervisor:
         child.restarts += 1
         return ""
 
-    def _ended(self, child: Child, beat: float, hung: float, now: float) -> str:
+    def _check_child(self, child: Child, beat: float, hung: float, now: float) -> str:
         if (code := child.process.poll()) is not None:
-            _closed(child.process)
+            _close_input(child.process)
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = beat >= child.started
         if beat != child.beat:
             child.beat, child.heard = beat, self._watched
         if self._watched - child.heard <= (hung if seen else child.patience):
             return ""
-        _killed(child.process)
+        _kill_process(child.process)
         return "hung, and was killed" if seen else "did not start, and was killed"
 
     def end(self) -> list[str]:
         """End all processes in order; return the names of those that had to be killed."""
         killed: list[str] = []
         if self._spare is not None:  # it has no device
-            _killed(self._spare.process)
+            _kill_process(self._spare.process)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._spare.process.wait(MAX_END_TIME)
         rest = [name for name in self.children if name not in ENDED]
@@ -223,13 +223,13 @@ class Supervisor:
             child = self.children.get(name)
             if child is None or child.process.poll() is not None:
                 if child is not None:
-                    _closed(child.process)
+                    _close_input(child.process)
                 continue
-            _closed(child.process)
+            _close_input(child.process)
             try:
                 child.process.wait(MAX_END_TIME)
             except subprocess.TimeoutExpired:
-                _killed(child.process)
+                _kill_process(child.process)
                 killed.append(name)
                 # The system does not let it end.
                 with contextlib.suppress(subprocess.TimeoutExpired):
@@ -237,13 +237,13 @@ class Supervisor:
         return killed
 
 
-def _closed(process: Process) -> None:
+def _close_input(process: Process) -> None:
     with contextlib.suppress(OSError):
         if process.stdin is not None:
             process.stdin.close()
 
 
-def _killed(process: Process) -> None:
+def _kill_process(process: Process) -> None:
     """Kill a process, which ends when the system lets it."""
     process.kill()
-    _closed(process)
+    _close_input(process)

@@ -153,7 +153,7 @@ class DeviceSwitcher:
 
     def _select(self, order: str, choice: Choice | Configured) -> None:
         if self._next.order:
-            self._done(self._next.order, SUPERSEDED)
+            self._note_result(self._next.order, SUPERSEDED)
         self._next.order, self._next.choice = order, choice
         self._open()
 
@@ -169,7 +169,7 @@ class DeviceSwitcher:
         if guard.fault:
             guard.switch()
             guard.clear()
-        self._done(order)
+        self._note_result(order)
 
     def poll(self) -> None:
         """Take the devices that have opened, and close those that were replaced."""
@@ -182,7 +182,7 @@ class DeviceSwitcher:
             problem = f"{opening.choice.name}: did not open within {OPENING:g} s; given up"
             self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(guard.generation, ()):  # it has got its first frame
-            self._done(order)
+            self._note_result(order)
         while guard.leaving:
             self._thread(functools.partial(self._close, guard.leaving.pop()))
 
@@ -199,7 +199,7 @@ class DeviceSwitcher:
         self._opening = None
         if device is None:
             for order in orders:
-                self._done(order, problem)
+                self._note_result(order, problem)
             if guard.backend is None:
                 guard.clear()
                 guard.fail(problem)
@@ -207,20 +207,20 @@ class DeviceSwitcher:
             if guard.backend is not None and self._next.order:
                 guard.leaving.append(device[0])
                 for order in orders:
-                    self._done(order, SUPERSEDED)
+                    self._note_result(order, SUPERSEDED)
             else:
                 for late in itertools.chain(*self._coming.values()):
-                    self._done(late, SUPERSEDED)
+                    self._note_result(late, SUPERSEDED)
                 self._choice = choice
                 generation = guard.take(*device)
                 self._coming = {generation: orders}
                 self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
-                self._choices[generation] = self._configured(choice)
+                self._choices[generation] = self._convert_choice(choice)
             if any(order.startswith("reset") for order in orders):
                 guard.clear()
         self._open()
 
-    def _done(self, order: str, problem: str = "") -> None:
+    def _note_result(self, order: str, problem: str = "") -> None:
         self.results[order] = problem
         self._guard.changed = True
         for old in list(self.results)[:-MAX_RESULTS]:
@@ -237,7 +237,7 @@ class DeviceSwitcher:
             guard.leaving += ahead.olds
             guard.clear()
             for order in ahead.resets:
-                self._done(order)
+                self._note_result(order)
             return
         choice, now = ahead.choice or self._choice, self._clock.now()
         opening = Opening(ahead.orders, choice, ahead.olds, self._left, now, now + self._again)
@@ -256,13 +256,13 @@ class DeviceSwitcher:
         if opening.left is not None:
             # Only opening and closing this device ends its sound.
             raise_priority()
-        if opening.left not in (None, self._configured(opening.choice)):
-            device = self._tried(opening, opening.left).device
+        if opening.left not in (None, self._convert_choice(opening.choice)):
+            device = self._try_open(opening, opening.left).device
             if device is not None:
                 self._close(device[0])
-        self._opened.put((opening, self._tried(opening, opening.choice)))
+        self._opened.put((opening, self._try_open(opening, opening.choice)))
 
-    def _tried(self, opening: Opening, choice: Choice | Configured) -> Opened:
+    def _try_open(self, opening: Opening, choice: Choice | Configured) -> Opened:
         """Open a device, with retries until it opens, the time is over, or it was abandoned."""
         while True:
             opened = self._once(opening, choice)
@@ -274,7 +274,7 @@ class DeviceSwitcher:
                 return opened
             self._clock.wait_until(self._clock.now() + PAUSE)
 
-    def _configured(self, choice: Choice | Configured) -> Configured:
+    def _convert_choice(self, choice: Choice | Configured) -> Configured:
         """Return the choice as a configuration holds it, with the owner's options if it names the owner's backend."""
         given = choice if isinstance(choice, Configured) else None
         owners = self._owners.options if given is None and choice.name == self._owners.name else {}
@@ -284,7 +284,7 @@ class DeviceSwitcher:
         # The device was silenced before, or is faulty; a reset reports what is wrong.
         with suppress(Exception):
             backend.close()
-        self._guard.closed(backend)
+        self._guard.note_closed(backend)
 
     def _once(self, opening: Opening, choice: Choice | Configured) -> Opened:
         """Try once to open a device. An abandoned device is not opened."""

@@ -86,7 +86,7 @@ class OutputGate:
         self._generations += 1
         self.changed = True
         if self.backend is None:
-            self._ended("replaced")
+            self._end_sound("replaced")
             self.backend, self.generation, self._can = backend, self._generations, can
         else:
             if self.coming is not None:
@@ -114,10 +114,10 @@ class OutputGate:
             self._stuck.append(backend)
             self._why = self.fault
         self.loud = False
-        self._ended("fault")
+        self._end_sound("fault")
         return backend
 
-    def closed(self, backend: Backend) -> None:
+    def note_closed(self, backend: Backend) -> None:
         """Note that a released device is closed, and so silent. May be called from any thread."""
         with suppress(ValueError):
             self._stuck.remove(backend)
@@ -195,9 +195,9 @@ class OutputGate:
             self.fail(describe_error(error))
             return
         self.loud = False
-        self._ended(reason)
+        self._end_sound(reason)
 
-    def _ended(self, reason: str) -> None:
+    def _end_sound(self, reason: str) -> None:
         if self.sounding:
             self.sounding, self.changed = False, True
             self._reasons[reason] += 1

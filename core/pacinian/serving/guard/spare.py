@@ -29,7 +29,7 @@ class HangDetector:
         self._beat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
         self._last = -1.0  # time of the last check [s]
 
-    def missed(self, beat: float, sound: bool, now: float) -> bool:
+    def detect_hang(self, beat: float, sound: bool, now: float) -> bool:
         """Check the last heartbeat `beat` [s] at `now` [s]; return whether the guard hangs.
 
         sound: whether there may be sound.
@@ -62,7 +62,7 @@ def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]
     sound = False
     while not (ready := poll.poll(1e3 * (CHECK_INTERVAL if sound else IDLE_INTERVAL))):
         beat, sound = look()
-        if pulse.missed(beat, sound, time.perf_counter()):
+        if pulse.detect_hang(beat, sound, time.perf_counter()):
             with contextlib.suppress(OSError):
                 signal.pidfd_send_signal(guard, signal.SIGKILL)
     if parent.pipe in dict(ready):

@@ -117,7 +117,7 @@ class Authenticator:
         del domain
         if key == self._secrets["public_key"].encode():
             return True
-        known = key in self._listed()
+        known = key in self._read_client_keys()
         if not known:
             with self._lock:
                 self._unknown = [*self._unknown[-15:], key.decode()]
@@ -135,7 +135,7 @@ class Authenticator:
             seen, self._unknown = self._unknown, []
         return seen
 
-    def _listed(self) -> dict[bytes, str]:
+    def _read_client_keys(self) -> dict[bytes, str]:
         # A key was just removed, or the folder cannot be read: nobody is let in.
         try:
             files = sorted(self._clients.glob("*.key"))

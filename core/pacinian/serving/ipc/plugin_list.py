@@ -24,7 +24,7 @@ LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 
 def list_offers(kind: Kind) -> tuple[Plugin, ...]:
     """Return the installed plug-ins of a kind. Imports all modules that may offer one."""
-    plugins = registry.installed()
+    plugins = registry.discover_plugins()
     with LOADING:
         plugins.load(kind=kind)
     return tuple(
@@ -50,12 +50,12 @@ def make_plugin(
     if isinstance(choice, Choice):
         asked = check_options(offer.cls, options)
         options = {**(configured.options if configured.name == choice.name else {}), **asked}
-    return registry.installed().make(kind, choice.name, options)
+    return registry.discover_plugins().make(kind, choice.name, options)
 
 
 def find_plugin(kind: Kind, name: str) -> Offer:
     """Return the plug-in of that name; import it if necessary. Raises UnknownPlugin, PluginError."""
-    plugins = registry.installed()
+    plugins = registry.discover_plugins()
     if (kind, name) not in plugins.offers:
         with LOADING:
             plugins.find(kind, name)

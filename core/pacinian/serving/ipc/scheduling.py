@@ -30,7 +30,7 @@ def raise_priority(by: int = URGENT) -> None:
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(TIMERSLACK, 1000)  # [ns], in place of 50,000
-    for level in (by, min(by, _most())):
+    for level in (by, min(by, _find_highest_priority())):
         with contextlib.suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, 0, -level)
             break
@@ -94,7 +94,7 @@ def start_background_thread(work: Callable[[], object], name: str) -> None:
     threading.Thread(target=run, name=name, daemon=True).start()
 
 
-def _most() -> int:
+def _find_highest_priority() -> int:
     """Return the highest priority available without a privilege: the current one, or up to the limit on niceness."""
     return max(0, _limit(), -os.getpriority(os.PRIO_PROCESS, 0)) if sys.platform == "linux" else 0
 

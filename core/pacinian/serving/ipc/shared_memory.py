@@ -97,7 +97,7 @@ class SharedRegister:
     def create(cls, path: Path, capacity: int) -> SharedRegister:
         """Create a register for values of at most `capacity` [bytes]. Raises ServerError."""
         room = -(-max(1, capacity) // WORD) * WORD
-        mapped = _mapped(path, os.O_CREAT | os.O_EXCL, _size(room))
+        mapped = _map_file(path, os.O_CREAT | os.O_EXCL, _size(room))
         with memoryview(mapped) as view, view.cast("Q") as words:
             words[1], words[0] = room, MAGIC
         return cls(path, mapped)
@@ -105,7 +105,7 @@ class SharedRegister:
     @classmethod
     def attach(cls, path: Path) -> SharedRegister:
         """Attach to a register that another process created. Raises ServerError."""
-        mapped = _mapped(path, 0, 0)
+        mapped = _map_file(path, 0, 0)
         if len(mapped) >= WORD * HEAD and len(mapped) % WORD == 0:
             with memoryview(mapped) as view, view.cast("Q") as words:
                 ours = words[0] == MAGIC and len(mapped) == _size(words[1])
@@ -178,7 +178,7 @@ def _size(room: int) -> int:
     return WORD * HEAD + SLOTS * (WORD * SLOT + room)
 
 
-def _mapped(path: Path, flags: int, size: int) -> mmap.mmap:
+def _map_file(path: Path, flags: int, size: int) -> mmap.mmap:
     """Map a file.
 
     A new file is allocated at once, so that a full disk fails here, and does not crash the process later.

@@ -70,7 +70,7 @@ class BackgroundLoader:
         with self._some:
             self._jobs.pop(name, None)
 
-    def done(self) -> list[Loaded]:
+    def take_results(self) -> list[Loaded]:
         """Return the results since the last call."""
         found: list[Loaded] = []
         while not self._done.empty():
@@ -79,9 +79,9 @@ class BackgroundLoader:
 
     def _work(self) -> None:
         while True:
-            self._one()
+            self._load_next()
 
-    def _one(self) -> None:
+    def _load_next(self) -> None:
         with self._some:
             self._some.wait_for(lambda: self._jobs)
             name = next(iter(self._jobs))

@@ -49,7 +49,7 @@ class BetweenTicks:
     """Does the server's work between ticks of the renderer: takes changes and orders, reports, dims and silences.
 
     files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
-    then `renderer.run(on_tick=loop.between)` or single ticks, then `close`. Raises ArgumentError.
+    then `renderer.run(on_tick=loop.run_between)` or single ticks, then `close`. Raises ArgumentError.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class BetweenTicks:
         """Silence the output."""
         self.renderer.close()
 
-    def between(self, report: object = None) -> None:
+    def run_between(self, report: object = None) -> None:
         """Do the work between two ticks: orders, a new device, a new solver, a report. Never raises an Exception."""
         for step in self._follow, self._listen, self._choose, self._mend:
             self._try(step)

@@ -105,7 +105,7 @@ class OutputSwitcher:
     def first(self) -> SharedFrameBackend:
         """Return an output for the current device. Without a device, the loop runs until one comes."""
         try:
-            return self._made()
+            return self._make_output()
         except ArgumentError:
             self._tried = 0  # `follow` reports the error
             return self._output(0, Capability(rate=self._rate))
@@ -118,7 +118,7 @@ class OutputSwitcher:
             return {}
         self._tried = generation
         try:
-            made = self._made()
+            made = self._make_output()
             made.open(renderer.session.array)
             # The old output stays open, because the guard continues with its last frame.
             renderer.use(made)
@@ -126,7 +126,7 @@ class OutputSwitcher:
             return {f"device {generation}": describe_error(error)}
         return {}
 
-    def _made(self) -> SharedFrameBackend:
+    def _make_output(self) -> SharedFrameBackend:
         """Make an output for the device that needs the next frames.
 
         Raises ArgumentError if the loop does not suit it.

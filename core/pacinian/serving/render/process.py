@@ -66,7 +66,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         loop.open()
         scheduling.start_background_thread(functools.partial(_list, loop), "offers")
         # Skip late ticks, so that frames are current and the newest hands are used at once.
-        loop.renderer.run(on_tick=loop.between, behind=0.0)
+        loop.renderer.run(on_tick=loop.run_between, behind=0.0)
 
 
 def _list(loop: BetweenTicks) -> None:

@@ -87,7 +87,7 @@ class SceneReplica:
 
     def apply(self, changes: Iterable[messages.AnyChange] = ()) -> None:
         """Apply changes, and take what has been loaded. Invalid changes are dropped and reported."""
-        for done in self._loader.done():
+        for done in self._loader.take_results():
             self._take(done)
         for change in changes:
             self._do(change)
@@ -97,7 +97,7 @@ class SceneReplica:
         if self._new:
             scene = self._with_new(scene)
         if self._hands is not None:
-            scene = scene.held(*self._hands)
+            scene = scene.with_hands(*self._hands)
         self._gone, self._new, self._hands = {}, {}, None
         if scene is not self.scene:
             self.scene = scene
@@ -136,7 +136,7 @@ class SceneReplica:
         self._technique, self._intensity = technique, intensity
         for item in list(self._items.values()):
             self._change(item)
-            self._dressed(self._items[item.name])
+            self._apply_settings(self._items[item.name])
         self.apply()
 
     def _do(self, change: messages.AnyChange) -> None:
@@ -200,9 +200,9 @@ class SceneReplica:
             force_setattr(motion, "time", motion.time - self.start)
             force_setattr(item, "motion", motion)
         self._given[name] = Given(item.radiation_pressure, item.force, default)
-        self._new[name] = self._items[name] = self._dressed(item)
+        self._new[name] = self._items[name] = self._apply_settings(item)
 
-    def _dressed(self, item: Object) -> Object:
+    def _apply_settings(self, item: Object) -> Object:
         given = self._given[item.name]
         if given.radiation_pressure is not None:
             force_setattr(item, "radiation_pressure", self._intensity * given.radiation_pressure)

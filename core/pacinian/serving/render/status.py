@@ -31,7 +31,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
     hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
     return {
-        **_emitted(renderer),
+        **_make_sample_fields(renderer),
         **_zones(renderer),
         "solver": shorten(renderer.session.solver.name),
         "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
@@ -47,7 +47,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _emitted(renderer: Renderer) -> dict[str, Any]:
+def _make_sample_fields(renderer: Renderer) -> dict[str, Any]:
     """Return the samples and the pressures on them, at full envelope."""
     player, session = renderer.player, renderer.session
     if renderer.halted is not None or not player.solved:
@@ -73,7 +73,7 @@ def _emitted(renderer: Renderer) -> dict[str, Any]:
         "index": index.astype("<i4").tobytes(),
         "objects": tuple(samples.items[i].name for i in used.tolist()),
         "error": error,
-        "felt": _felt(renderer, [samples.items[i] for i in used.tolist()]),
+        "felt": _encode_felt(renderer, [samples.items[i] for i in used.tolist()]),
         "status": solution.status.name,
     }
 
@@ -89,9 +89,9 @@ def _zones(renderer: Renderer) -> dict[str, Any]:
     }
 
 
-def _felt(renderer: Renderer, items: list[Object]) -> bytes:
+def _encode_felt(renderer: Renderer, items: list[Object]) -> bytes:
     """Return force, rms, holes and spill of each object, measured between its samples."""
-    felt = renderer.report.felt(LOOKS)
+    felt = renderer.report.compute_felt(LOOKS)
     figures = [felt.get(name_of(item), UNKNOWN) for item in items]
     return np.array(figures, dtype="<f4").tobytes()
 

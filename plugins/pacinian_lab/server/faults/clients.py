@@ -24,25 +24,25 @@ READERS, READ = 20, 3.0  # subscribers that never read; length of the test [s]
 MOST_TOPICS = 20_000
 
 
-def killed(stage: Stage) -> Times:
+def kill_client(stage: Stage) -> Times:
     """Kill the game with kill -9, then start another."""
-    return Times(stage.broken(stage.end), stage.healed(stage.play))
+    return Times(stage.inject_fault(stage.end), stage.recover(stage.play))
 
 
-def stopped(stage: Stage) -> Times:
+def stop_client(stage: Stage) -> Times:
     """Stop the game with SIGSTOP, so that its sockets stay open, then continue it with SIGCONT."""
-    stage.sounding()
+    stage.wait_for_sound()
     game = stage.game
     if game is None:
         raise RuntimeError("there is no game")
-    silence = stage.broken(lambda: game.send_signal(signal.SIGSTOP))
-    return Times(silence, stage.healed(lambda: game.send_signal(signal.SIGCONT)))
+    silence = stage.inject_fault(lambda: game.send_signal(signal.SIGSTOP))
+    return Times(silence, stage.recover(lambda: game.send_signal(signal.SIGCONT)))
 
 
-def frozen(stage: Stage) -> Times:
+def freeze_client(stage: Stage) -> Times:
     """Freeze the game's thread while its sockets stay alive, then let it go on."""
-    silence = stage.broken(lambda: stage.tell("freeze", seconds=FREEZE))
-    return Times(silence, stage.healed(after=FREEZE))
+    silence = stage.inject_fault(lambda: stage.tell("freeze", seconds=FREEZE))
+    return Times(silence, stage.recover(after=FREEZE))
 
 
 def half_open(stage: Stage) -> Times:
@@ -55,9 +55,9 @@ def half_open(stage: Stage) -> Times:
             control.cut()
             command.cut()
 
-        silence = stage.broken(cut)
+        silence = stage.inject_fault(cut)
         stage.end()
-    return Times(silence, stage.healed(stage.play))
+    return Times(silence, stage.recover(stage.play))
 
 
 def address(stage: Stage, name: str) -> str:
@@ -66,14 +66,14 @@ def address(stage: Stage, name: str) -> str:
         return str(peer.file[name])
 
 
-def jumped(stage: Stage) -> Times:
+def jump_clock(stage: Stage) -> Times:
     """Set the game's clock forward by an hour, then back by two. The output should continue."""
     gaps = [
         stage.gap(partial(stage.tell, "jump", seconds=ahead), 0.5)
         for ahead in (HOUR, -2.0 * HOUR, HOUR)
     ]
-    silence = stage.broken(lambda: stage.tell("freeze", seconds=FREEZE))
-    recovery = stage.healed(after=FREEZE)
+    silence = stage.inject_fault(lambda: stage.tell("freeze", seconds=FREEZE))
+    recovery = stage.recover(after=FREEZE)
     return Times(
         silence, recovery, max(gaps), note="then frozen: the lease is no longer than before"
     )
@@ -125,24 +125,24 @@ def greedy(stage: Stage) -> Times:
 def emergency(stage: Stage) -> Times:
     """Stop the output from another client, then reset it."""
     onlooker = stage.onlooker
-    silence = stage.broken(lambda: onlooker.say("stop"))
+    silence = stage.inject_fault(lambda: onlooker.say("stop"))
     time.sleep(0.2)  # the game keeps arming meanwhile, and must not sound
     events = stage.events()
     heard = bool(events["sounds"][events["time"] > stage.at + silence].any())
-    recovery = stage.healed(lambda: onlooker.ask("reset"))
+    recovery = stage.recover(lambda: onlooker.ask("reset"))
     return Times(silence, recovery, note="sounded before the reset" if heard else "")
 
 
-def restarted(stage: Stage) -> Times:
+def restart_server(stage: Stage) -> Times:
     """Kill the server with kill -9 under a running client, and start a new one in its place.
 
     Messages that the client sends in between must not arrive, and its old session and token must not be valid.
     """
-    stage.sounding()
+    stage.wait_for_sound()
     with Peer(stage.server.file) as old:
         old.hello(client="left behind")
-        silence = stage.broken(lambda: stage.server.signal("control", signal.SIGKILL))
-        until(lambda: not stage.server.left())
+        silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGKILL))
+        until(lambda: not stage.server.list_running())
         since = time.perf_counter()
         told = 0
         for _ in range(50):

@@ -52,13 +52,13 @@ class Fault(NamedTuple):
 
 
 FAULTS = (
-    Fault("client killed -9", clients.killed, LEASE, "end of the link, or lease"),
-    Fault("client stopped (SIGSTOP)", clients.stopped, LEASE, "lease"),
-    Fault("game thread frozen", clients.frozen, LEASE, "lease"),
+    Fault("client killed -9", clients.kill_client, LEASE, "end of the link, or lease"),
+    Fault("client stopped (SIGSTOP)", clients.stop_client, LEASE, "lease"),
+    Fault("game thread frozen", clients.freeze_client, LEASE, "lease"),
     Fault(
         "half-open connection: a relay that passes nothing on", clients.half_open, LEASE, "lease"
     ),
-    Fault("client's clock jumps by 1 h", clients.jumped, LEASE, "lease"),
+    Fault("client's clock jumps by 1 h", clients.jump_clock, LEASE, "lease"),
     Fault("subscribers that never read the state", clients.slow, math.nan, "memory bounded"),
     Fault("subscriber to thousands of topics", clients.greedy, math.nan, "memory bounded"),
     Fault("emergency stop by another client", clients.emergency, TICK, "delivery and two rounds"),
@@ -78,20 +78,18 @@ FAULTS = (
         GUARD_ROUND,
         "a round, after they resume",
     ),
-    Fault("server killed and restarted", clients.restarted, LEASE, "lease"),
-    Fault("device unplugged", parts.unplugged, TICK + GUARD_ROUND, "the next frame"),
+    Fault("server killed and restarted", clients.restart_server, LEASE, "lease"),
+    Fault("device unplugged", parts.unplug_device, TICK + GUARD_ROUND, "the next frame"),
     Fault(
-        "... while swapping solvers", parts.unplugged_swapping, TICK + GUARD_ROUND, "the next frame"
+        "... while swapping solvers", parts.unplug_swapping, TICK + GUARD_ROUND, "the next frame"
     ),
-    Fault(
-        "... while swapping devices", parts.unplugged_both, TICK + 2 * GUARD_ROUND, "a round later"
-    ),
+    Fault("... while swapping devices", parts.unplug_both, TICK + 2 * GUARD_ROUND, "a round later"),
     Fault("solvers swapped", parts.solvers_swapped, TICK, SWAP),
     Fault("devices swapped", parts.devices_swapped, TICK, SWAP),
     Fault("simulated to USB models", parts.to_models, LEAD + TICK, LED),
     Fault("USB models to simulated", parts.from_models, TICK, SWAP),
     Fault("solver hangs while it warms up", parts.solver_hangs_warming, TICK, SWAP),
-    Fault("SIGTERM of the server", parts.terminated, math.nan, "silent first, exit code 0"),
+    Fault("SIGTERM of the server", parts.terminate_server, math.nan, "silent first, exit code 0"),
 )
 
 
@@ -176,7 +174,7 @@ def _once(server: Server, fault: Fault, row: Row) -> bool:
     try:
         with Stage(server) as stage:
             row.times.append(fault.do(stage))
-            stage.sounding()
+            stage.wait_for_sound()
     except (TimeoutError, OSError, KeyError, RuntimeError, PacinianError) as error:
         row.failed.append(f"{type(error).__name__}: {error}")
         return False

@@ -70,7 +70,7 @@ class Server:
         end = time.monotonic() + START
         while not (self.file.exists() and self.parts().keys() >= set(PARTS)):
             if self._process.poll() is not None or time.monotonic() > end:
-                raise ServerError(f"the server did not start: {self.said()[-2000:]}")
+                raise ServerError(f"the server did not start: {self.read_output()[-2000:]}")
             time.sleep(0.02)
         self._shared |= memory(self._process.pid)
 
@@ -100,14 +100,14 @@ class Server:
         process = self.process if part == "control" else self.parts()[part]
         process.send_signal(number)
 
-    def said(self) -> str:
+    def read_output(self) -> str:
         """Return the output of the server."""
         return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
 
     def events(self) -> list[dict[str, Any]]:
         """Return the entries of its log that are JSON."""
         found: list[dict[str, Any]] = []
-        for line in self.said().splitlines():
+        for line in self.read_output().splitlines():
             with contextlib.suppress(ValueError):
                 if isinstance(entry := json.loads(line), dict):
                     found.append(entry)
@@ -118,7 +118,7 @@ class Server:
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(wait)
 
-    def left(self) -> list[psutil.Process]:
+    def list_running(self) -> list[psutil.Process]:
         """Return the server's processes that still run."""
         return [process for process in self._seen if _runs(process)]
 
@@ -132,7 +132,7 @@ class Server:
                     self.terminate(5.0)
             self._process.kill()
             self._process.wait()
-        for process in self.left():
+        for process in self.list_running():
             with contextlib.suppress(psutil.Error):
                 process.kill()
                 process.wait(5.0)

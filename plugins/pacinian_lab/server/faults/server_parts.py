@@ -31,17 +31,17 @@ SWAPPING = 0.03  # [s] after a selection during which the swap is in progress
 
 def render_killed(stage: Stage) -> Times:
     """Kill the renderer with kill -9."""
-    return _signalled(stage, "render", signal.SIGKILL)
+    return _signal_part(stage, "render", signal.SIGKILL)
 
 
 def render_stopped(stage: Stage) -> Times:
     """Stop the renderer with SIGSTOP, until control kills it for hanging."""
-    return _signalled(stage, "render", signal.SIGSTOP)
+    return _signal_part(stage, "render", signal.SIGSTOP)
 
 
 def bus_killed(stage: Stage) -> Times:
     """Kill the bus with kill -9. Sessions end, and the game says hello again."""
-    return _signalled(stage, "bus", signal.SIGKILL)
+    return _signal_part(stage, "bus", signal.SIGKILL)
 
 
 def guard_killed(stage: Stage) -> Times:
@@ -63,7 +63,7 @@ def guard_blocked(stage: Stage) -> Times:
 def _guard_lost(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
     """Take out the guard while a spare guard is ready."""
     until(lambda: any(_waits(p) for name, p in stage.server.parts().items() if name == SPARE))
-    return _lost(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
+    return _inject_loss(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
 
 
 def _waits(process: psutil.Process) -> bool:
@@ -76,39 +76,39 @@ def _waits(process: psutil.Process) -> bool:
     )
 
 
-def _signalled(stage: Stage, part: str, number: int) -> Times:
+def _signal_part(stage: Stage, part: str, number: int) -> Times:
     process = stage.server.parts()[part]
     if stage.onlooker.ask("status")["restarts"][part]:
         # Control delays the restart of a process that ends repeatedly, and this delay is not to be
         # measured.
         until(lambda: time.time() - process.create_time() > WELL)
-    return _lost(stage, lambda: process.send_signal(number))
+    return _inject_loss(stage, lambda: process.send_signal(number))
 
 
-def _lost(stage: Stage, lose: Callable[[], object], quiet: float = QUIET) -> Times:
+def _inject_loss(stage: Stage, lose: Callable[[], object], quiet: float = QUIET) -> Times:
     def act() -> None:
         stage.answers.clear()
         lose()
 
-    silence = stage.broken(act, quiet)
-    recovery = stage.healed(after=0.0)
+    silence = stage.inject_fault(act, quiet)
+    recovery = stage.recover(after=0.0)
     told = [answer["code"] for answer in stage.answers if answer["type"] == "error"]
     return Times(silence, recovery, note=f"told: {told[0] if told else 'nothing'}")
 
 
 def control_killed(stage: Stage) -> Times:
     """Kill the parent with kill -9, which ends its children too, and start a new server."""
-    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGKILL))
-    until(lambda: not stage.server.left())
+    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGKILL))
+    until(lambda: not stage.server.list_running())
     gone = time.perf_counter() - stage.at
     stage.server.start()
-    return Times(silence, stage.healed(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
+    return Times(silence, stage.recover(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
 
 
 def control_stopped(stage: Stage) -> Times:
     """Stop the parent with SIGSTOP, so that nobody renews the permit, then continue it with SIGCONT."""
-    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGSTOP))
-    return Times(silence, stage.healed(lambda: stage.server.signal("control", signal.SIGCONT)))
+    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGSTOP))
+    return Times(silence, stage.recover(lambda: stage.server.signal("control", signal.SIGCONT)))
 
 
 def all_stopped(stage: Stage) -> Times:
@@ -124,8 +124,8 @@ def all_stopped(stage: Stage) -> Times:
         for process in processes:
             process.resume()
 
-    silence = stage.broken(act, quiet=0.0)  # the game may continue at once
-    recovery = stage.healed(after=0.0)
+    silence = stage.inject_fault(act, quiet=0.0)  # the game may continue at once
+    recovery = stage.recover(after=0.0)
     after = stage.server.parts()
     replaced = [name for name, process in before.items() if after.get(name) != process]
     return Times(silence, recovery, note=f"replaced: {replaced}" if replaced else "")
@@ -142,16 +142,16 @@ def solver_holds(stage: Stage) -> Times:
 
 
 def _stuck(stage: Stage, *, hold: bool) -> Times:
-    stage.sounding()
+    stage.wait_for_sound()
     file, since = stage.server.folder / STUCK, stage.server.folder / SINCE
     since.unlink(missing_ok=True)
     answer = stage.select(solver={"name": Stuck.name, "options": {"hold": hold}})
     if answer["type"] != "ok":
         raise RuntimeError(f"{Stuck.name} cannot be selected: {answer}")
     try:
-        stage.broken(file.touch)
+        stage.inject_fault(file.touch)
         stage.at = float(since.read_text(encoding="ascii"))
-        silence, recovery = stage.quiet() - stage.at, stage.healed(after=0.0)
+        silence, recovery = stage.quiet() - stage.at, stage.recover(after=0.0)
     finally:
         file.unlink(missing_ok=True)
     used = stage.onlooker.ask("status")["solver"]
@@ -175,12 +175,12 @@ def solver_hangs_warming(stage: Stage) -> Times:
 
 def solvers_swapped(stage: Stage) -> Times:
     """Swap the solver and back while the output sounds."""
-    return _swapped(stage, "solver", "lagrange", "auto")
+    return _swap_each(stage, "solver", "lagrange", "auto")
 
 
 def devices_swapped(stage: Stage) -> Times:
     """Swap the device and back while the output sounds."""
-    return _swapped(stage, "backend", Other.name, Probe.name)
+    return _swap_each(stage, "backend", Other.name, Probe.name)
 
 
 def to_models(stage: Stage) -> Times:
@@ -194,14 +194,14 @@ def from_models(stage: Stage) -> Times:
 
 
 def _from(stage: Stage, old: str, new: str) -> Times:
-    stage.sounding()
+    stage.wait_for_sound()
     stage.select(backend={"name": old})
-    times = _swapped(stage, "backend", new)
+    times = _swap_each(stage, "backend", new)
     stage.select(backend={"name": Probe.name})
     return times
 
 
-def _swapped(stage: Stage, kind: str, *names: str) -> Times:
+def _swap_each(stage: Stage, kind: str, *names: str) -> Times:
     """Select each in turn. Before each selection, observe for as long without a swap."""
     undisturbed, gaps = list[float](), list[float]()
     for name in names:
@@ -217,19 +217,19 @@ def _select(stage: Stage, kind: str, name: str) -> None:
     stage.tell("select", **{kind: {"name": name}})
 
 
-def unplugged(stage: Stage) -> Times:
+def unplug_device(stage: Stage) -> Times:
     """Unplug the device and plug it in again, then reset."""
-    return _unplugged(stage, lambda: None)
+    return _unplug(stage, lambda: None)
 
 
-def unplugged_swapping(stage: Stage) -> Times:
+def unplug_swapping(stage: Stage) -> Times:
     """Unplug the device while solvers are swapped."""
-    return _unplugged(stage, partial(_begin, stage, "solver", "lagrange"))
+    return _unplug(stage, partial(_begin, stage, "solver", "lagrange"))
 
 
-def unplugged_both(stage: Stage) -> Times:
+def unplug_both(stage: Stage) -> Times:
     """Unplug both devices while one takes over from the other."""
-    return _unplugged(stage, partial(_begin, stage, "backend", Other.name))
+    return _unplug(stage, partial(_begin, stage, "backend", Other.name))
 
 
 def _begin(stage: Stage, kind: str, name: str) -> None:
@@ -238,7 +238,7 @@ def _begin(stage: Stage, kind: str, name: str) -> None:
     time.sleep(random.uniform(0.0, SWAPPING))
 
 
-def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
+def _unplug(stage: Stage, before: Callable[[], None]) -> Times:
     onlooker, file = stage.onlooker, stage.server.folder / UNPLUGGED
 
     def act() -> None:
@@ -247,25 +247,25 @@ def _unplugged(stage: Stage, before: Callable[[], None]) -> Times:
         file.touch()
 
     try:
-        silence = stage.broken(act)
+        silence = stage.inject_fault(act)
         faulted = until(lambda: onlooker.ask("status")["output"] == "faulted")
         told = time.perf_counter() - stage.at
     finally:
         file.unlink(missing_ok=True)
-    recovery = stage.healed(lambda: onlooker.ask("reset"))
+    recovery = stage.recover(lambda: onlooker.ask("reset"))
     stage.select(backend={"name": Probe.name}, solver={"name": "auto"})
     return Times(silence, recovery, note=f"told in {1e3 * told:.0f} ms" if faulted else "")
 
 
-def terminated(stage: Stage) -> Times:
+def terminate_server(stage: Stage) -> Times:
     """Send SIGTERM to the server: silence, exit code 0 and no files left. Then start a new one."""
-    stage.sounding()
+    stage.wait_for_sound()
     shared = memory(stage.server.process.pid)
-    silence = stage.broken(lambda: stage.server.signal("control", signal.SIGTERM))
+    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGTERM))
     code = stage.server.process.wait(10.0)
     took = time.perf_counter() - stage.at
     left = [str(path) for path in (*shared, stage.server.file) if path.exists()]
-    left += [str(process) for process in stage.server.left()]
+    left += [str(process) for process in stage.server.list_running()]
     stage.server.start()
     note = f"exit code {code} after {1e3 * took:.0f} ms" + f"; left: {left}" * bool(left)
-    return Times(silence, stage.healed(after=took), note=note)
+    return Times(silence, stage.recover(after=took), note=note)

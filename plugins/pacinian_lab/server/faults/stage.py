@@ -114,7 +114,7 @@ class Stage:
                 self.game.stdin.close()
             self.game = None
 
-    def sounding(self) -> None:
+    def wait_for_sound(self) -> None:
         """Wait until the output sounds steadily. Events count from there on."""
         if self.game is None:
             self.play()
@@ -137,15 +137,15 @@ class Stage:
         every = np.concatenate([log.read(mark) for log, mark in logs])
         return every[np.argsort(every["time"], kind="stable")]
 
-    def broken(self, act: Callable[[], object], quiet: float = QUIET) -> float:
+    def inject_fault(self, act: Callable[[], object], quiet: float = QUIET) -> float:
         """Inject a fault while the output sounds. Returns the time until silence that lasts longer than `quiet` [s]."""
-        self.sounding()
+        self.wait_for_sound()
         self._quiet = quiet
         self.at = time.perf_counter()
         act()
         return self.quiet() - self.at
 
-    def healed(self, act: Callable[[], object] | None = None, after: float = math.nan) -> float:
+    def recover(self, act: Callable[[], object] | None = None, after: float = math.nan) -> float:
         """Undo a fault and return the time until sound [s]. after: length of a fault that ends by itself [s]."""
         since = time.perf_counter() if math.isnan(after) else self.at + after
         if act is not None:
@@ -178,7 +178,7 @@ class Stage:
 
     def gap(self, act: Callable[[], object], seconds: float = 1.0) -> float:
         """Call `act` while the output sounds. Returns the longest time without a frame in the next `seconds` [s]."""
-        self.sounding()
+        self.wait_for_sound()
         self.at = time.perf_counter()
         act()
         time.sleep(max(0.0, self.at + seconds - time.perf_counter()))

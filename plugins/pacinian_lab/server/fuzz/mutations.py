@@ -46,13 +46,13 @@ def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [at, *(place for key, inner in items for place in places(inner, (*at, key)))]
 
 
-def replaced(value: Any, at: tuple[Any, ...], change: Callable[[Any], Any]) -> Any:
+def replace_value(value: Any, at: tuple[Any, ...], change: Callable[[Any], Any]) -> Any:
     """Return the message with the value at a path changed. Copies only the containers along the path."""
     if not at:
         return change(value)
     key, rest = at[0], at[1:]
     made = list(value) if isinstance(value, list) else dict(value)
-    made[key] = replaced(value[key], rest, change)
+    made[key] = replace_value(value[key], rest, change)
     return made
 
 
@@ -64,11 +64,11 @@ class Spoiler:
         self.sequence = 0
         self._kept: list[bytes] = [b"\x80"]
         self._ways = (
-            (12, "odd value", self._odd), (6, "missing", self._missing), (6, "moved", self._moved),
-            (5, "other type", self._typed), (4, "unknown field", self._more),
-            (4, "bytes flipped", self._flipped), (3, "cut", self._cut), (3, "joined", self._joined),
-            (3, "number", self._number), (2, "bulk", self._bulk), (2, "replayed", self._replayed),
-            (2, "sequence", self._sequenced), (2, "session", self._foreign),
+            (12, "odd value", self._odd), (6, "missing", self._remove_value), (6, "moved", self._misplace_object),
+            (5, "other type", self._change_type), (4, "unknown field", self._more),
+            (4, "bytes flipped", self._flip_bits), (3, "cut", self._cut), (3, "joined", self._join_messages),
+            (3, "number", self._number), (2, "bulk", self._bulk), (2, "replayed", self._replay_message),
+            (2, "sequence", self._change_sequence), (2, "session", self._foreign),
             (2, "length bomb", self._bomb), (2, "bad UTF-8", self._utf8), (2, "twice", self._twice),
             (2, "good", self._good), (1, "deep", self._deep), (1, "many", self._many),
             (4, "random bytes", self._noise), (0.02, "long", self._long),
@@ -93,7 +93,7 @@ class Spoiler:
         if self.random.random() < 0.2:
             return "stop", encode({**STOP, "id": self.random.choice(["", -1, math.nan, [], {}])})
         ways: tuple[tuple[str, Callable[[Message], Any]], ...] = (
-            ("hello, odd", self._odd), ("hello, missing", self._missing), ("hello, good", self._good),
+            ("hello, odd", self._odd), ("hello, missing", self._remove_value), ("hello, good", self._good),
         )  # fmt: skip
         name, way = self.random.choice(ways)
         return name, encode(way(HELLO))
@@ -102,9 +102,9 @@ class Spoiler:
         return self.random.choice(places(message))
 
     def _odd(self, message: Message) -> Any:
-        return replaced(message, self._at(message), lambda _: self.random.choice(ODD))
+        return replace_value(message, self._at(message), lambda _: self.random.choice(ODD))
 
-    def _missing(self, message: Message) -> Any:
+    def _remove_value(self, message: Message) -> Any:
         at = self._at(message)
         if not at:
             return b""
@@ -114,15 +114,15 @@ class Spoiler:
                 return {key: inner for key, inner in value.items() if key != at[-1]}
             return [inner for n, inner in enumerate(value) if n != at[-1]]
 
-        return replaced(message, at[:-1], without)
+        return replace_value(message, at[:-1], without)
 
-    def _moved(self, message: Message) -> Any:
+    def _misplace_object(self, message: Message) -> Any:
         other = self.random.choice(list(OBJECTS.values()))
-        return replaced(message, self._at(message), lambda _: other)
+        return replace_value(message, self._at(message), lambda _: other)
 
-    def _typed(self, message: Message) -> Any:
+    def _change_type(self, message: Message) -> Any:
         at = self.random.choice([p for p in places(message) if p and p[-1] == "type"])
-        return replaced(message, at, lambda _: self.random.choice(TYPES))
+        return replace_value(message, at, lambda _: self.random.choice(TYPES))
 
     def _more(self, message: Message) -> Any:
         return {**message, "a" * self.random.randrange(1, 60): self.random.choice(ODD)}
@@ -130,15 +130,15 @@ class Spoiler:
     def _number(self, message: Message) -> Any:
         value = struct.unpack("<d", self.random.randbytes(8))[0]
         numbers = [p for p in places(message) if isinstance(_get(message, p), float)]
-        return replaced(message, self.random.choice(numbers or [()]), lambda _: value)
+        return replace_value(message, self.random.choice(numbers or [()]), lambda _: value)
 
     def _bulk(self, message: Message) -> Any:
         found = [p for p in places(message) if p[-1:] != ("session",)]
         found = [p for p in found if isinstance(_get(message, p), bytes)]
         value = self.random.randbytes(self.random.choice([1, 4, 12, 28, 312, 3000]))
-        return replaced(message, self.random.choice(found or [()]), lambda _: value)
+        return replace_value(message, self.random.choice(found or [()]), lambda _: value)
 
-    def _sequenced(self, message: Message) -> Any:
+    def _change_sequence(self, message: Message) -> Any:
         wrong = self.random.choice([-1, 0, 1, self.sequence, 2**53, 2**60, 1.5, "1"])
         return {**message, "sequence": wrong if wrong != 2**53 else 1, "time": -1e9}
 
@@ -156,7 +156,7 @@ class Spoiler:
         opening = self.random.choice([b"\x91", b"\x81\xa1a", b"\x81\xa7objects"])
         return opening * self.random.randrange(100, DEEP) + b"\xc0" * self.random.randrange(2)
 
-    def _flipped(self, message: Message) -> bytes:
+    def _flip_bits(self, message: Message) -> bytes:
         data = bytearray(encode(message))
         for _ in range(self.random.randrange(1, 4)):
             data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
@@ -166,10 +166,10 @@ class Spoiler:
         data = encode(message)
         return data[: self.random.randrange(len(data))]
 
-    def _joined(self, message: Message) -> bytes:
+    def _join_messages(self, message: Message) -> bytes:
         return encode(message) + self.random.choice(self._kept)
 
-    def _replayed(self, message: Message) -> bytes:
+    def _replay_message(self, message: Message) -> bytes:
         return self.random.choice(self._kept)
 
     def _bomb(self, message: Message) -> bytes:

@@ -80,7 +80,7 @@ class Watch:
 
         seconds: time after which they end anyway. times: number of processes of each kind.
         """
-        self.stage.sounding()
+        self.stage.wait_for_sound()
         onlooker = self.stage.onlooker
         mark, start = self.stage.server.log.count, time.perf_counter()
         kinds = list(messages) * times

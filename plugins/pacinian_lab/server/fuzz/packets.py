@@ -30,7 +30,7 @@ HTTP = (
 STOP = encode({"type": "stop", "id": 1})
 
 
-def greeting(mechanism: bytes, major: int = 3, server: bool = False) -> bytes:
+def encode_greeting(mechanism: bytes, major: int = 3, server: bool = False) -> bytes:
     """Return the first 64 bytes of ZMTP 3."""
     return SIGNATURE + bytes([major, 1]) + mechanism.ljust(20, b"\0") + bytes([server]) + b"\0" * 31
 
@@ -58,7 +58,7 @@ def metadata(key: bytes, value: bytes) -> bytes:
 
 
 INITIATE = command(b"INITIATE", metadata(b"Socket-Type", b"DEALER") + metadata(b"Identity", b""))
-PLAIN = greeting(b"PLAIN")
+PLAIN = encode_greeting(b"PLAIN")
 
 
 def packet(random: Random) -> tuple[str, bytes]:
@@ -73,15 +73,15 @@ def packet(random: Random) -> tuple[str, bytes]:
         ("ZMTP 2.0", SIGNATURE + b"\x01\x05\0\0" + frame(STOP)),
         ("ZMTP 2.0", SIGNATURE + b"\x01\x05\0\0\x02" + b"\xff" * 8 + noise),
         ("half a greeting", PLAIN[: random.randrange(64)]),
-        ("NULL", greeting(b"NULL") + command(b"READY", INITIATE[10:]) + frame(STOP)),
-        ("CURVE", greeting(b"CURVE") + command(b"HELLO", noise[:190])),
-        ("unknown mechanism", greeting(noise[:20])),
-        ("future version", greeting(b"PLAIN", 255) + noise),
+        ("NULL", encode_greeting(b"NULL") + command(b"READY", INITIATE[10:]) + frame(STOP)),
+        ("CURVE", encode_greeting(b"CURVE") + command(b"HELLO", noise[:190])),
+        ("unknown mechanism", encode_greeting(noise[:20])),
+        ("future version", encode_greeting(b"PLAIN", 255) + noise),
         ("wrong password", PLAIN + hello(USER, noise[:64].hex()[:200].encode())),
         ("no password", PLAIN + INITIATE + frame(STOP)),
         ("wrong lengths", PLAIN + command(b"HELLO", b"\xff" + noise[:50])),
         ("long command", PLAIN + b"\x06" + struct.pack(">Q", random.choice([2**31, 2**63, 70_000])) + noise),
-        ("server's words", greeting(b"PLAIN", server=True) + command(b"WELCOME")),
+        ("server's words", encode_greeting(b"PLAIN", server=True) + command(b"WELCOME")),
         ("spoiled greeting", _flip(random, PLAIN) + hello(USER, b"x")),
     )  # fmt: skip
     return random.choice(kinds)

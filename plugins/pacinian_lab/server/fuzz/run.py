@@ -67,7 +67,7 @@ def run(
         Server(Path(folder), CONFIGURATION.format(port=port)) as server,
         Stage(server) as stage,
     ):
-        stage.sounding()
+        stage.wait_for_sound()
         watch, end = Watch(stage), time.perf_counter() + seconds
         watch.phase(idle, {}, seed, min(3.0, 0.1 * seconds))
         while (done := flooded.sent.total()) < messages and time.perf_counter() < end:

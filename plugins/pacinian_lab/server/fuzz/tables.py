@@ -46,14 +46,14 @@ def _at(values: np.ndarray, share: float) -> float:
     return float(np.quantile(values, share)) if len(values) else float("nan")
 
 
-def sent(found: Found) -> Table:
+def tabulate_sent(found: Found) -> Table:
     """Return a table of the messages sent, by mutation."""
     rows = [[name, f"{count:,}"] for name, count in found.flooded.sent.most_common()]
     total = f"{found.messages:,} in {found.flooded.seconds:.0f} s"
     return plain_table(f"Sent: {total}; {found.flooded.failed:,} could not be sent", ["", ""], rows)
 
 
-def refused(found: Found) -> Table:
+def tabulate_errors(found: Found) -> Table:
     """Return a table of control's counters and of the errors received. A client gets only a few errors per second."""
     rows = [[name, f"{count:,}"] for name, count in sorted(found.counts.items())]
     rows += [[f"error: {code}", f"{n:,}"] for code, n in found.flooded.codes.most_common()]
@@ -103,7 +103,7 @@ def verdicts(found: Found) -> list[Verdict]:
     ]
 
 
-def judged(found: Found) -> Table:
+def tabulate_verdicts(found: Found) -> Table:
     """Return a table of the verdicts."""
     rows = [[v.aim, v.found, "met" if v.met else "not met"] for v in verdicts(found)]
     return plain_table("Targets", ["", "found", ""], rows)

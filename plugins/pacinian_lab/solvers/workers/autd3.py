@@ -45,7 +45,7 @@ def linear(method: Any, option: Any) -> Callable[[dict[str, Any]], Any]:
     """Prepare a method that writes phases and intensities. The default, `Clamp`, takes the targets [Pa] unscaled."""
 
     def prepare(problem: dict[str, Any]) -> Any:
-        geometry, length, q, t, phases, intensities = given(problem)
+        geometry, length, q, t, phases, intensities = convert_problem(problem)
 
         def solve() -> None:
             method(geometry, foci(q, t), length, option, phases, intensities)
@@ -60,7 +60,7 @@ def linear(method: Any, option: Any) -> Callable[[dict[str, Any]], Any]:
 
 def greedy(problem: dict[str, Any]) -> Any:
     """Prepare the greedy method: phases one by one, 16 levels, in random order, at full drive."""
-    geometry, length, q, t, phases, intensities = given(problem)
+    geometry, length, q, t, phases, intensities = convert_problem(problem)
     option = holo.GreedyOption()
     full = core.Intensity(FULL)
     intensities.copy_from(np.full((geometry_size(problem), UNIT), FULL, np.uint8))
@@ -74,7 +74,7 @@ def greedy(problem: dict[str, Any]) -> Any:
     return solve, read
 
 
-def given(problem: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+def convert_problem(problem: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return geometry [mm], wavelength, points [m], targets [Pa], and buffers for the output."""
     r = np.array(problem["positions"])
     units = geometry_size(problem)

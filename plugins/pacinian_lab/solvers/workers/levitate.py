@@ -59,13 +59,13 @@ def versions() -> dict[str, str]:
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:
     """Return the solver with default tolerances, cold and warm, and with loose tolerances."""
     return {
-        ("levitate", "cold"): optimised(None, False),
-        ("levitate", "warm"): optimised(None, True),
-        ("levitate-loose", "cold"): optimised(LOOSE, False),
+        ("levitate", "cold"): make_optimised(None, False),
+        ("levitate", "warm"): make_optimised(None, True),
+        ("levitate-loose", "cold"): make_optimised(LOOSE, False),
     }
 
 
-def optimised(settings: Any, warm: bool) -> Callable[[dict[str, Any]], Any]:
+def make_optimised(settings: Any, warm: bool) -> Callable[[dict[str, Any]], Any]:
     """Prepare `minimize` with `variable_amplitudes`. warm: start from the last result, with points moved by 1 mm."""
 
     def prepare(problem: dict[str, Any]) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.transducer import Transducer
-from pacinian.plugins.registry import installed
+from pacinian.plugins.registry import discover_plugins
 from pacinian.session import Session, solve
 from pacinian.solving.propagator import Propagator
 from pacinian_lab.solvers.problems import AIR
@@ -32,13 +32,13 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Tas
         ("roofline", "reference"): roofline,
         ("gemm", "reference"): gemm,
     }
-    for offer in installed().list():
+    for offer in discover_plugins().list():
         if offer.kind == "solver":
             found[offer.name, "cold"] = cold(offer.name)
             found[offer.name, "warm"] = warm(offer.name)
             if threads == 1:
-                found[offer.name, "one moved"] = one_moved(offer.name)
-                found[offer.name, "rescaled"] = rescaled(offer.name)
+                found[offer.name, "one moved"] = make_one_moved(offer.name)
+                found[offer.name, "rescaled"] = make_rescaled(offer.name)
     return found
 
 
@@ -46,7 +46,7 @@ def cold(name: str) -> Callable[[dict[str, Any]], Task]:
     """Prepare `pacinian.solve`, which keeps no state."""
 
     def prepare(problem: dict[str, Any]) -> Task:
-        array, frames, t = given(problem)
+        array, frames, t = convert_problem(problem)
         q = frames[0]
         return lambda: solve(array, q, t, solver=name, medium=AIR).gains, lambda gains: (gains, q)
 
@@ -57,34 +57,34 @@ def warm(name: str) -> Callable[[dict[str, Any]], Task]:
     """Prepare one `Session`. Every point has moved by 1 mm since the last solve."""
 
     def prepare(problem: dict[str, Any]) -> Task:
-        array, frames, t = given(problem)
-        return updated(Session(array, AIR, name), [(q, t) for q in frames])
+        array, frames, t = convert_problem(problem)
+        return make_task(Session(array, AIR, name), [(q, t) for q in frames])
 
     return prepare
 
 
-def one_moved(name: str) -> Callable[[dict[str, Any]], Task]:
+def make_one_moved(name: str) -> Callable[[dict[str, Any]], Task]:
     """Prepare one `Session`. Only the first point has moved, by 1 mm, since the last solve."""
 
     def prepare(problem: dict[str, Any]) -> Task:
-        array, frames, t = given(problem)
+        array, frames, t = convert_problem(problem)
         path = [np.concatenate([q[:1], frames[0][1:]]) for q in frames]
-        return updated(Session(array, AIR, name), [(q, t) for q in path])
+        return make_task(Session(array, AIR, name), [(q, t) for q in path])
 
     return prepare
 
 
-def rescaled(name: str) -> Callable[[dict[str, Any]], Task]:
+def make_rescaled(name: str) -> Callable[[dict[str, Any]], Task]:
     """Prepare one `Session`. Only the strength changes, between 0.5 and 0.4 of the targets."""
 
     def prepare(problem: dict[str, Any]) -> Task:
-        array, frames, t = given(problem)
-        return updated(Session(array, AIR, name), [(frames[0], 0.5 * t), (frames[0], 0.4 * t)])
+        array, frames, t = convert_problem(problem)
+        return make_task(Session(array, AIR, name), [(frames[0], 0.5 * t), (frames[0], 0.4 * t)])
 
     return prepare
 
 
-def updated(session: Session, path: list[tuple[Any, Any]]) -> Task:
+def make_task(session: Session, path: list[tuple[Any, Any]]) -> Task:
     """Solve for the (points, targets) of `path` in turn, repeatedly."""
     steps = itertools.cycle(path)
 
@@ -97,7 +97,7 @@ def updated(session: Session, path: list[tuple[Any, Any]]) -> Task:
 
 def roofline(problem: dict[str, Any]) -> Task:
     """Prepare the work that nearly every solver must do: B, its Gram matrix, B^H z and B g, with Pacinian's kernels."""
-    array, frames, t = given(problem)
+    array, frames, t = convert_problem(problem)
     propagator, path = Propagator(array, AIR), itertools.cycle(frames)
     z = t.astype(np.complex64)
 
@@ -117,7 +117,7 @@ def gemm(problem: dict[str, Any]) -> Task:
     return lambda: np.matmul(a, b, out=out), lambda _: None
 
 
-def given(problem: dict[str, Any]) -> tuple[Array, Any, Any]:
+def convert_problem(problem: dict[str, Any]) -> tuple[Array, Any, Any]:
     """Return the array, the points of all frames (6, M, 3) [m] and the targets (M,) [Pa]."""
     array = Array(problem["positions"], transducer=Transducer(pressure=problem["pressure"]))
     return array, np.array(problem["frames"]), np.array(problem["targets"])

@@ -44,9 +44,9 @@ class Packer:
         ):
             raise ValueError(f"levels of {phase.shape[1]} transducers")
         delay = (-phase.astype(np.int16)).astype(np.uint8)  # modulo 256, one turn
-        return self._placed(delay), self._placed(INTENSITY[amplitude])
+        return self._place_levels(delay), self._place_levels(INTENSITY[amplitude])
 
-    def _placed(self, levels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _place_levels(self, levels: NDArray[np.uint8]) -> NDArray[np.uint8]:
         if not self._all:
             made = np.zeros((len(levels), UNIT * self._units), np.uint8)
             made[:, self._places] = levels

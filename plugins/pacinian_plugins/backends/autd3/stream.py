@@ -67,7 +67,7 @@ class Stream:
             row = self._row(phases[spare], intensities[spare])
             commands[spare].append(self._commands.WritePatternBuffer(self._bank, place, *row))
             if cycles.complete:
-                commands[-1] += self._played(cycles.period)
+                commands[-1] += self._make_play_commands(cycles.period)
                 cycles.playing, self._held = True, None
         return [
             (self._encode(self._geometry, these), k) for k, these in enumerate(commands) if these
@@ -84,7 +84,7 @@ class Stream:
         index = cycles.wants(range(first, first + K))
         return None if index is None else index - first
 
-    def _played(self, period: int) -> list[Any]:
+    def _make_play_commands(self, period: int) -> list[Any]:
         """Return the commands that play the spare bank."""
         every = self._value.SamplingConfig(CARRIER // self._rate)
         forever, now = self._value.LoopBehavior.Infinite, self._value.TransitionMode.Immediate

@@ -101,14 +101,14 @@ class UdpTransport:
         """
         gone = self._problem and self._clock() - self._sent > self._watchdog
         if not (gone and self._failsafe):
-            self._ask(self._silenced(), self._timeout + EXTRA_TIME)
+            self._ask(self._send_silence(), self._timeout + EXTRA_TIME)
 
     def close(self) -> None:
         """Silence the units and disconnect. Never raises."""
         if self._loop.is_closed():
             return
         with suppress(Exception):
-            self._ask(self._closed(), self._timeout + EXTRA_TIME)
+            self._ask(self._close_client(), self._timeout + EXTRA_TIME)
         self._client = self.units = None
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(EXTRA_TIME)
@@ -155,7 +155,7 @@ class UdpTransport:
             try:
                 await self._send(told)
             except Exception as error:
-                self._failed(error)
+                self._count_failure(error)
 
     async def _send(self, told: Sequence[Due]) -> None:
         silences, before = self._silences, self._sent
@@ -166,19 +166,19 @@ class UdpTransport:
                     return
                 response = await self._client.send_frame_at(frame, at)
                 self._sent = self._clock()
-                self._begin(self._settled(response))
+                self._begin(self._await_answer(response))
         if self._sent - before > 0.5 * self._watchdog or self._sent - self._looked > CHECK_INTERVAL:
-            await self._released()
+            await self._release_failsafe()
 
-    async def _settled(self, response: Any) -> None:
+    async def _await_answer(self, response: Any) -> None:
         """Await the answer to a frame."""
         try:
             (await response).check()
             self._failing = None
         except self._error as error:
-            self._failed(error)
+            self._count_failure(error)
 
-    async def _released(self) -> None:
+    async def _release_failsafe(self) -> None:
         """Release the units' failsafe if it has silenced them, now that frames are sent again."""
         self._looked = self._clock()
         for _ in range(TRIES):
@@ -188,7 +188,7 @@ class UdpTransport:
             with suppress(self._error):
                 await self._client.send(self._commands.ReleaseFailsafe())
 
-    def _failed(self, error: Exception) -> None:
+    def _count_failure(self, error: Exception) -> None:
         """Count a lost frame. It is a fault if a unit is lost, sending is impossible, or the timeout has passed."""
         self.failures += 1
         now, gone = self._clock(), False
@@ -200,7 +200,7 @@ class UdpTransport:
         if gone or hopeless or now - self._failing > self._timeout:
             self._problem = explain(error, gone)
 
-    async def _silenced(self) -> None:
+    async def _send_silence(self) -> None:
         self._silences += 1
         self._next, due = (), self._clock() + self._timeout
         while True:
@@ -211,7 +211,7 @@ class UdpTransport:
                 if self._clock() >= due:
                     raise
 
-    async def _closed(self) -> None:
+    async def _close_client(self) -> None:
         try:
             if self._client is not None:
                 self._silences += 1

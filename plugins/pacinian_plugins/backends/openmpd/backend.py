@@ -103,10 +103,10 @@ class OpenMpd(pc.Backend):
 
         After an error, only some of the boards may have the frame; call `silence` next.
         """
-        for board, data in zip(self.boards, self.packed(frame), strict=True):
+        for board, data in zip(self.boards, self.pack_frame(frame), strict=True):
             board.send(data)
 
-    def packed(self, frame: pc.Frame) -> list[array[int]]:
+    def pack_frame(self, frame: pc.Frame) -> list[array[int]]:
         """Return the bytes of a frame for each board, in reused buffers. Raises BackendError."""
         if not self.boards:
             raise pc.BackendError(f"{NAME} is not open")

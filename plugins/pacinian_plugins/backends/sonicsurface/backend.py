@@ -67,7 +67,7 @@ class SonicSurface(pc.Backend):
     def open(self, array: pc.Array) -> None:
         """Open the port and silence the array. Raises BackendError, SceneFileError, MissingExtra."""
         self.close()
-        name, wirings = self._wired(len(array))
+        name, wirings = self._find_wirings(len(array))
         feed = WriteScheduler(len(wirings), self.select)
         port = ports.open_port(name, self.timeout)
         self._line = SerialWriter(port, feed, self.timeout, self.clock)
@@ -101,7 +101,7 @@ class SonicSurface(pc.Backend):
         if line is not None:
             line.close()
 
-    def _wired(self, N: int) -> tuple[str, Sequence[pc.Wiring]]:
+    def _find_wirings(self, N: int) -> tuple[str, Sequence[pc.Wiring]]:
         """Return the port and the wirings of its boards. Raises BackendError, SceneFileError."""
         wirings: Sequence[pc.Wiring]
         if self.description:

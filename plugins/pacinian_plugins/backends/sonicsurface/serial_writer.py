@@ -35,9 +35,9 @@ class SerialWriter:
     def show(self, pattern: bytes) -> None:
         """Send a pattern when the line is free, unless a newer one replaces it. Raises BackendError."""
         try:
-            self._held()  # fails if the port has gone
+            self._count_waiting()  # fails if the port has gone
         except Exception as error:
-            self._failed(error)
+            self._record_problem(error)
         with self._changed:
             if self._problem:
                 raise pc.BackendError(self._problem)
@@ -78,14 +78,14 @@ class SerialWriter:
                     return
                 self._port.write(data)
             except Exception as error:
-                self._failed(error)
+                self._record_problem(error)
 
     def _next(self) -> bytes:
         """Wait for the next bytes to write, and return them; empty at the end."""
         with self._changed:
             while True:
                 now, feed = self._clock(), self._feed
-                held = self._held() if feed.newest else 0
+                held = self._count_waiting() if feed.newest else 0
                 if feed.urgent:
                     self._port.reset_output_buffer()  # drop the rest of the message under way
                 elif held and now > feed.free + self._timeout:
@@ -100,11 +100,11 @@ class SerialWriter:
                 due = now + POLL_INTERVAL if held else feed.free if self._closing else feed.due
                 self._changed.wait(min(max(due - now, 0.0), threading.TIMEOUT_MAX))
 
-    def _held(self) -> int:
+    def _count_waiting(self) -> int:
         """Return the number of bytes that the system has not passed to the adapter. Raises OSError."""
         return int(self._port.out_waiting)
 
-    def _failed(self, error: Exception) -> None:
+    def _record_problem(self, error: Exception) -> None:
         with self._changed:
             self._problem = explain(error, self._port.port)
             self._feed.forget()

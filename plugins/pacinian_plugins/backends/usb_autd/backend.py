@@ -81,7 +81,7 @@ class UsbAutd(pc.Backend):
         self.close()
         try:
             if self.description:
-                self._described(pc.DeviceDescription.load(self.description).wiring)
+                self._open_described(pc.DeviceDescription.load(self.description).wiring)
             else:
                 self._in_order(len(array))
             driven = sum(len(board.wiring.indices) for board in self.boards)
@@ -101,14 +101,14 @@ class UsbAutd(pc.Backend):
 
         After an error, only some of the devices may have the frame; call `silence` next.
         """
-        for board, message in zip(self.boards, self.packed(frame), strict=True):
+        for board, message in zip(self.boards, self.pack_frame(frame), strict=True):
             board.send(message)
         self._unchecked += len(frame.phase)
         if self._unchecked >= CHECK:
             self._unchecked, self._next = 0, (self._next + 1) % len(self.boards)
             self.boards[self._next].check()
 
-    def packed(self, frame: pc.Frame) -> list[array[int]]:
+    def pack_frame(self, frame: pc.Frame) -> list[array[int]]:
         """Return the messages of a frame, one for each device, in reused buffers. Raises BackendError."""
         if not self.boards:
             raise pc.BackendError(f"{NAME} is not open")
@@ -144,7 +144,7 @@ class UsbAutd(pc.Backend):
             board.close()
         self.boards = []
 
-    def _described(self, wirings: Sequence[pc.Wiring]) -> None:
+    def _open_described(self, wirings: Sequence[pc.Wiring]) -> None:
         """Open the boards of a description."""
         listed = [] if self.pretend else DEVICES.list_devices(self.library)
         for wiring in wirings:

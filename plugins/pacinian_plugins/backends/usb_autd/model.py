@@ -122,7 +122,7 @@ class Device:
         can = self.can
         phase = np.zeros((can.units, can.transducers), np.uint16)
         amplitude = np.zeros_like(phase)
-        if (playing := self._playing(self._row(at))) is not None:
+        if (playing := self._find_playing(self._row(at))) is not None:
             segment, k = playing
             row = min(k, len(segment.phase) - 1)
             there = [unit for unit in range(can.units) if segment.frame.units >> unit & 1]
@@ -136,7 +136,7 @@ class Device:
         self._advance(now)
         row, state = self._row(now), self._status.state
         if state != State.DISARMED:
-            state = State.SILENT if self._playing(row) is None else State.SOUNDING
+            state = State.SILENT if self._find_playing(row) is None else State.SOUNDING
         waiting = max(0, self._segments[-1].end - row - 1) if self._segments else 0
         heat = -32768 if self.temperature is None else self.temperature
         uptime = int(1e3 * (now - self._begun))
@@ -186,7 +186,7 @@ class Device:
                 segments.pop()
         segments.append(Segment(start, frame, *frame.levels()))
 
-    def _playing(self, row: int) -> tuple[Segment, int] | None:
+    def _find_playing(self, row: int) -> tuple[Segment, int] | None:
         """Return the frame that plays at a row, and the index of its sample; discard earlier frames."""
         segments = self._segments
         while len(segments) > 1 and segments[1].start <= row:

@@ -83,15 +83,15 @@ class Lagrange(pc.Solver):
         if len(targets.amplitudes) > len(out) or (
             strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
-            return self._constrained(propagator, targets, limits, budget, out, mu)
-        result, done = self._polished(propagator, targets, limits, warm, budget, out, mu)
-        broken = self._broken(propagator, targets, limits, out)
+            return self._solve_constrained(propagator, targets, limits, budget, out, mu)
+        result, done = self._solve_gain_limited(propagator, targets, limits, warm, budget, out, mu)
+        broken = self._has_violation(propagator, targets, limits, out)
         if budget.spent or (done and not broken):
             return result
         first = out.copy()
         made = propagator.apply(out).astype(np.complex128)
         phases = None if broken else np.asarray(np.angle(made), np.float64)
-        second = self._constrained(propagator, targets, limits, budget, out, mu, phases)
+        second = self._solve_constrained(propagator, targets, limits, budget, out, mu, phases)
         if strongest and not limits.solver_limits:
             for g in (first, out):
                 enforce_limits(g, limits, targets.scale)  # compare both at full strength
@@ -106,12 +106,12 @@ class Lagrange(pc.Solver):
     ) -> pc.Result:  # fmt: skip
         """Write the gains for targets with regions, whose phases are all given."""
         result = regions.solve(propagator, targets, limits, warm, budget, out, self.mu_regions)
-        if budget.spent or not self._broken(propagator, targets, limits, out):
+        if budget.spent or not self._has_violation(propagator, targets, limits, out):
             return result
         mu = self.mu_regions * propagator.power
-        return self._constrained(propagator, targets, limits, budget, out, mu)
+        return self._solve_constrained(propagator, targets, limits, budget, out, mu)
 
-    def _broken(
+    def _has_violation(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
         """Return whether gains, (N,), break a limit other than the gain limit."""
@@ -125,7 +125,7 @@ class Lagrange(pc.Solver):
             return False
         return bool(measure_violations(propagator, limits, targets, propagator.apply(out), out))
 
-    def _polished(
+    def _solve_gain_limited(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains, mu: float,
     ) -> tuple[pc.Result, bool]:  # fmt: skip
@@ -148,7 +148,7 @@ class Lagrange(pc.Solver):
         end = polish.strongest() if strongest else polish.run()
         bound, objective = end.bound, end.objective
         if not single:
-            fine = polish.refined(propagator.B)
+            fine = polish.refine(propagator.B)
             out[:] = polish.unit * fine.h
             bound, objective = fine.bound, fine.objective
         # no proof for the strongest: bound and objective are for the multiple found, not the targets
@@ -161,7 +161,7 @@ class Lagrange(pc.Solver):
             objective=objective * proven,
             multipliers=None if strongest else room.y * (unit / share),
             mu=mu,
-            note=held(end.held, N),
+            note=describe_held(end.held, N),
         )
         release(key, room, M * N)
         return result, not strongest or end.share > (NEARLY if warm is None else 0.0)
@@ -192,7 +192,7 @@ class Lagrange(pc.Solver):
         room.p[:] *= share / unit
         return share, unit
 
-    def _constrained(
+    def _solve_constrained(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         budget: pc.Budget, out: pc.Gains, mu: float, phases: Floats | None = None,
     ) -> pc.Result:  # fmt: skip
@@ -217,7 +217,7 @@ class Lagrange(pc.Solver):
             bound=problem.unit**2 * found.bound if exact else math.nan,
             objective=problem.unit**2 * found.objective if exact else math.nan,
             mu=mu,
-            note=held(at_limit, len(out)),
+            note=describe_held(at_limit, len(out)),
             unproven=found.unproven,
         )
 
@@ -228,7 +228,7 @@ def _strength(propagator: pc.Propagator, targets: pc.Targets, out: pc.Gains) -> 
     return relative_error(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
-def held(count: int, N: int) -> str:
+def describe_held(count: int, N: int) -> str:
     """Return a note for `count` of N transducers at their limit, or an empty text if there are none."""
     return f"{count / N:.0%} of the transducers at their limit" if count else ""
 

@@ -85,7 +85,7 @@ class Constrained:
                 gram=self.gram, exact=exact, quiet=self._quiet, gain=self.limits.gain is not None,
                 power=self._power, start=start, budget=self.budget,
             )  # fmt: skip
-            found = self._proven(self._found(answer), p, down, exact)
+            found = self._restate_bound(self._found(answer), p, down, exact)
             improved = best is None or found.error < (1.0 - GAIN) * best.error
             better = best is None or (answer.kept, -found.error) > (best.answer.kept, -best.error)
             best = found if better else best
@@ -146,13 +146,15 @@ class Constrained:
                 start=answers[-1].y if answers else None, budget=self.budget,
             )  # fmt: skip
             answers[:] = [answer]
-            return self._made(answer)
+            return self._compute_made(answer)
 
         reach[self.targets.beside] = 0.0
         climb(p, reach, attempt, self.budget)
         return self._found(answers[-1])
 
-    def _proven(self, found: Found, p: Complexes, down: Complexes, exact: Flags | None) -> Found:
+    def _restate_bound(
+        self, found: Found, p: Complexes, down: Complexes, exact: Flags | None
+    ) -> Found:
         """Restate bound and objective for the phases made instead of those of p: the dual is linear in p."""
         answer = found.answer
         soft = ~exact if exact is not None and answer.kept else slice(None)
@@ -161,8 +163,8 @@ class Constrained:
         moved = float(np.vdot(answer.y[: len(down)], turned - down).real)
         before, after = (float(np.linalg.norm((a - found.made)[soft])) ** 2 for a in (p, asked))
         return found._replace(
-            bound=answer.bound + moved + _lost(asked, turned),
-            objective=answer.objective + _lost(p, down) + (after - before) / 2.0,
+            bound=answer.bound + moved + _compute_loss(asked, turned),
+            objective=answer.objective + _compute_loss(p, down) + (after - before) / 2.0,
         )
 
     def _down(self, p: Complexes) -> Complexes:
@@ -180,14 +182,14 @@ class Constrained:
         return None if power is None else power / self.unit**2
 
     def _found(self, answer: Answer) -> Found:
-        made = self._made(answer)
+        made = self._compute_made(answer)
         return Found(answer, made, self.targets.relative_error(made * self.unit))
 
-    def _made(self, answer: Answer) -> Complexes:
+    def _compute_made(self, answer: Answer) -> Complexes:
         M = len(self.targets.amplitudes)
         return answer.made[:M] if self.reduced is None else self.propagator.B @ answer.h
 
 
-def _lost(p: Complexes, down: Complexes) -> float:
+def _compute_loss(p: Complexes, down: Complexes) -> float:
     """Return 1/2 of the squared part of targets p, (M,), that no gains can make [Pa^2]."""
     return max(float(np.vdot(p, p).real - np.vdot(down, down).real), 0.0) / 2.0

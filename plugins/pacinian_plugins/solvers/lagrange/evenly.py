@@ -39,7 +39,7 @@ def climb(
     enough, at, best = 0.0, low, low
     while True:
         multiple = math.exp(at)
-        error = uneven(multiple * size[counts], attempt(multiple * p)[counts])
+        error = compute_unevenness(multiple * size[counts], attempt(multiple * p)[counts])
         enough = enough or max(EVEN, AS_EVEN * error)
         best, high = (at, high) if error <= enough else (best, at)
         if budget.spent or (high - best < CLOSE and best == at):
@@ -47,6 +47,6 @@ def climb(
         at = best if high - best < CLOSE else (best + high) / 2.0
 
 
-def uneven(amplitudes: Floats, made: Complexes) -> float:
+def compute_unevenness(amplitudes: Floats, made: Complexes) -> float:
     """Return || amplitudes - |made| || / ||amplitudes||."""
     return float(np.linalg.norm(amplitudes - np.abs(made)) / np.linalg.norm(amplitudes))

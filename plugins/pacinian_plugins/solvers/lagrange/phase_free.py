@@ -107,7 +107,7 @@ class PhaseFreeSolve:
             self.late = late
         else:
             self.late |= self.budget.spent
-        return self._done(error)
+        return self._make_result(error)
 
     def _prove(self) -> None:
         """Write the current gains, and the bound that the current multipliers prove."""
@@ -115,7 +115,7 @@ class PhaseFreeSolve:
         certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
         deliver(room.h, self.unit, self.out)
 
-    def _done(self, error: float) -> PhaseFreeResult:
+    def _make_result(self, error: float) -> PhaseFreeResult:
         """Return the current result with its bound and objective."""
         bound, objective, held = self.room.found[5:].tolist()
         return PhaseFreeResult(error, self.steps, self.late, int(held), bound, objective)
@@ -140,12 +140,12 @@ class PhaseFreeSolve:
             if error > IN_PROPORTION:
                 strong = share
                 continue
-            weak, best, y = share, self._done(error)._replace(share=share), room.y.copy()
+            weak, best, y = share, self._make_result(error)._replace(share=share), room.y.copy()
             np.copyto(room.spare, room.h)
         self.late |= self.budget.spent
         if best is None:  # no share keeps the proportions: use the last attempt, or full drive
             self._prove()
-            return self._done(error)
+            return self._make_result(error)
         np.copyto(room.h, room.spare)
         deliver(room.h, self.unit, self.out)
         room.y[:] = y
@@ -198,7 +198,7 @@ class PhaseFreeSolve:
         np.copyto(room.other, room.h)
         if self.free.all():
             if error > MAX_PHASE_ERROR or work > LARGE:  # the array cannot resolve the samples
-                first = self._softened(error)
+                first = self._solve_softened(error)
             if not self.budget.spent:
                 second = self._full_drive()
                 if second <= MET:
@@ -265,7 +265,7 @@ class PhaseFreeSolve:
         turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
         return np.asarray(np.abs(self.p) * np.exp(2j * np.pi * turns), np.complex128)
 
-    def _softened(self, error: float) -> float:
+    def _solve_softened(self, error: float) -> float:
         """Take Newton steps with increased regularisation, and reduce it while the error falls; return the least error.
 
         The best gains so far are in `room.spare`. error: theirs on entry.
@@ -347,7 +347,7 @@ class PhaseFreeSolve:
         spent = np.empty_like(room.made)
         room.found[1] = evaluate(self.B, y, self.mu, room.other, spent, room.tile)
 
-    def refined(self, B: Complexes) -> Refined:
+    def refine(self, B: Complexes) -> Refined:
         """Return the solution in double precision, for B in double precision; its multipliers are in `room.y`."""
         room = self.room
         h = room.h[0].astype(np.complex128) + 1j * room.h[1]

@@ -131,11 +131,11 @@ class Descent:
         self.y = self.y * (np.linalg.norm(p) / np.linalg.norm(self.p))
         self.p = p
         self.run()
-        return self._made()
+        return self._copy_made()
 
     def proof(self) -> tuple[float, float]:
         """Return D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
-        rest = self.p - self._made()
+        rest = self.p - self._copy_made()
         dual = float(np.vdot(self.y, self.p).real - np.vdot(self.y, self.D * self.y).real / 2.0)
         power = float((self.space.h[:2].astype(np.float64) ** 2).sum())
         return dual - self.cost, (float(np.vdot(rest, rest / self.D).real) + self.mu * power) / 2.0
@@ -146,7 +146,7 @@ class Descent:
         self.cost = evaluate(self.B, self._planes(y), self.mu, space.h, space.made, space.tile)
         Dy = self.D * y
         value = float(np.vdot(y, self.p).real - np.vdot(y, Dy).real / 2.0) - self.cost
-        return self.p - Dy - self._made(), value
+        return self.p - Dy - self._copy_made(), value
 
     def _direction(self, F: Complexes, enough: float) -> Complexes:
         """Solve (D + B W B^H) d = F for d, with a residual of at most `enough`."""
@@ -159,7 +159,7 @@ class Descent:
         square = float(np.vdot(r, q).real)
         for done in range(PASSES):
             bend(self.B, self._planes(q), space.h, self.mu, space.made, space.tile)
-            Hq = self.D * q + self._made()
+            Hq = self.D * q + self._copy_made()
             a = square / float(np.vdot(q, Hq).real)
             d += a * q
             r -= a * Hq
@@ -177,7 +177,7 @@ class Descent:
         planes[0, : len(y)], planes[1, : len(y)] = y.real, y.imag
         return planes
 
-    def _made(self) -> Complexes:
+    def _copy_made(self) -> Complexes:
         """Return the result of the last kernel, (M,)."""
         return np.asarray(self.space.made[0] + 1j * self.space.made[1])
 

@@ -64,7 +64,7 @@ def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> Non
     away = to_capsules(placed.capsules, placed.points)
     np.testing.assert_allclose(away.min(axis=1)[SHOWN], 0.0, atol=1e-12)
     np.testing.assert_allclose(away[ALL, SKIN.bone], 0.0, atol=1e-12)
-    np.testing.assert_array_equal(SKIN.exposed(placed, ALL), ~SKIN.hidden)
+    np.testing.assert_array_equal(SKIN.find_exposed(placed, ALL), ~SKIN.hidden)
     np.testing.assert_allclose(placed.points, SKIN.surface.points, atol=1e-12)
     assert 6000 < len(SKIN) < 12_000
     out = distance_to_skin(placed.capsules, placed.points + 1e-4 * placed.normals)
@@ -82,7 +82,7 @@ def test_the_area_is_that_of_the_skin(longer: float, thicker: float, off: float)
     points = np.random.default_rng(2).uniform(low, high, (1_500_000, 3))
     near = np.abs(distance_to_skin(placed.capsules, points)) < 5e-4
     area = near.mean() * np.prod(high - low) / 1e-3
-    shown = SKIN.exposed(placed, ALL)
+    shown = SKIN.find_exposed(placed, ALL)
     assert placed.area[shown].sum() == pytest.approx(
         area, rel=off
     )  # other hands have folds elsewhere
@@ -96,7 +96,7 @@ def test_a_bent_joint_has_skin_on_its_back() -> None:
     turns[1:4] = [np.array([-1.2, 0.0, 0.0])] * 3  # of the ring finger
     hand = Hand(bent(REST.joints, turns))  # type: ignore[arg-type]
     placed = SKIN.place(hand)
-    exposed = placed.points[SKIN.exposed(placed, ALL)]
+    exposed = placed.points[SKIN.find_exposed(placed, ALL)]
     out = np.random.default_rng(4).normal(size=(4000, 3))
     out *= 0.03 / np.linalg.norm(out, axis=1, keepdims=True)
     for joint in (17, 18, 19):
@@ -126,9 +126,11 @@ def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
     slack = np.where(SKIN.hidden, 0.0, 5e-4)
     clear = np.abs(away.min(axis=1) + slack) > 1e-9
     shown = away.min(axis=1) > -slack
-    np.testing.assert_array_equal(SKIN.exposed(placed, ALL)[clear], shown[clear])
+    np.testing.assert_array_equal(SKIN.find_exposed(placed, ALL)[clear], shown[clear])
     some = ALL[::7]
-    np.testing.assert_array_equal(SKIN.exposed(placed, some), SKIN.exposed(placed, ALL)[some])
+    np.testing.assert_array_equal(
+        SKIN.find_exposed(placed, some), SKIN.find_exposed(placed, ALL)[some]
+    )
 
 
 @settings(max_examples=40)
@@ -398,7 +400,7 @@ def test_a_mesh_has_a_skin_too(inside_out: bool) -> None:
     on, away, _ = trimesh.proximity.closest_point_naive(mesh, placed.points[::20])
     np.testing.assert_allclose(on, placed.points[::20], atol=1e-9)
     assert away.max() < 1e-9
-    assert skin.exposed(placed, np.arange(5)).all()
+    assert skin.find_exposed(placed, np.arange(5)).all()
     for level in LEVELS:
         nodes = np.arange(skin.counts[level])
         assert least_apart(skin, placed.points, nodes, SPACINGS[level]) >= SPACINGS[level]

@@ -21,7 +21,7 @@ from pacinian.scene.material import DEPTH, Material
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
-from pacinian.scene.sampling.array_resolution import ArrayResolution, grazing
+from pacinian.scene.sampling.array_resolution import ArrayResolution, weigh_incidence
 from pacinian.scene.sampling.pose_prediction import FADE, HOLD
 from pacinian.scene.sampling.posed_skin import PosedSkin
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
@@ -497,7 +497,7 @@ def test_a_scene_that_nobody_updates_goes_on_as_if_it_were_looked_at_anew(what: 
     felt = []
     for i in range(16):
         t, scene = SECOND + 0.013 * i, after if i else before
-        anew.changed()
+        anew.invalidate()
         samples, expected = kept.sample(scene, t), anew.sample(scene, t)
         assert np.array_equal(samples.keys, expected.keys)
         assert np.array_equal(samples.positions, expected.positions)
@@ -532,7 +532,7 @@ def test_skin_near_an_object_is_what_its_sphere_holds_and_what_faces_the_array(
     at = hand.points[rng.integers(len(hand.points))] + radius * away / np.linalg.norm(away)
     pose = pc.Pose(tuple(at.tolist()), random_pose(seed).rotation)
     ends = rng.uniform(-1.0, 1.0, (corners, 3))
-    which, local = hand.near(pose, radius, ends)
+    which, local = hand.find_near(pose, radius, ends)
     d = hand.points - at
     distance = np.linalg.norm(d, axis=1)
     along = np.einsum("kc,kvc->kv", hand.normals, ends - hand.points[:, None])
@@ -577,7 +577,7 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
         found = []
         for some in (everywhere, resolving.some):
             force = np.zeros(len(each))
-            inside, pressed = hand.pressed(each, np.full(len(each), -1.0), 0.0, 1e9, 5.0, some)
+            inside, pressed = hand.find_pressed(each, np.full(len(each), -1.0), 0.0, 1e9, 5.0, some)
             force[inside] = pressed
             found.append(force)
         bare, made = found
@@ -585,7 +585,9 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
         assert bare[free] == pytest.approx(5.0 * hand.area[each][free])
         assert made == pytest.approx(expected * bare, abs=1e-12)
     else:
-        assert grazing(resolving.seen(points, normals)) == pytest.approx(expected, abs=1e-9)
+        assert weigh_incidence(resolving.compute_incidence(points, normals)) == pytest.approx(
+            expected, abs=1e-9
+        )
         rain = Particles(positions=points.tolist(), radiation_pressure=5.0, radius=0.005)
         bare = touched(rain, hands=(hand.hand,))
         assert bare.radiation_pressure == pytest.approx(5.0)

@@ -241,7 +241,7 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
     assert np.diff(shares).min() >= -TICK / FADE - 1e-9
     assert (np.diff(shares) <= 0.0).all()
     assert shares[-1] == 0.0
-    assert not track.moving(1.0)
+    assert not track.can_move(1.0)
 
 
 def test_a_hand_that_stayed_long_before_it_was_lost_stays_as_long() -> None:
@@ -276,7 +276,7 @@ def test_a_hand_whose_updates_stop_coming_fades_too() -> None:
 def test_a_hand_without_a_time_stays_for_ever() -> None:
     track, hand = HandTrack(), moved(0.0)
     assert track.at(hand, 0.0) == track.at(hand, 1e6) == (hand, 1.0)
-    assert not track.moving(1e6)
+    assert not track.can_move(1e6)
 
 
 def test_a_hand_that_comes_back_is_where_it_is() -> None:
@@ -324,8 +324,8 @@ def test_a_hand_that_does_not_move_keeps_its_skin_where_it_is() -> None:
     track, hand = HandTrack(), moved(0.0)
     now, _ = track.at(hand, 0.0)
     assert now is not None
-    first = track.touchable(now)
-    assert track.touchable(now) is first
+    first = track.pose_skin(now)
+    assert track.pose_skin(now) is first
     after, _ = track.at(moved(0.01), TICK)
     assert after is not None
-    assert track.touchable(after).skin is first.skin
+    assert track.pose_skin(after).skin is first.skin

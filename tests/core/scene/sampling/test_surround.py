@@ -13,7 +13,7 @@ from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.surround import INNER, OUTER
 from pacinian.testing import ManualClock
-from pacinian_lab.regions.skin import felt_on_skin
+from pacinian_lab.regions.skin import measure_felt
 
 AIR, ARRAY = pc.Air(), pc.autd(3, 3)
 
@@ -42,7 +42,7 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Sce
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)
     assert len(set(both.keys.tolist())) == len(both)
-    resolved = ArrayResolution(ARRAY, AIR).spacing((0.0, 0.0, 0.205))
+    resolved = ArrayResolution(ARRAY, AIR).compute_spacing((0.0, 0.0, 0.205))
     away, nearest = KDTree(plain.positions).query(both.positions[silent])
     assert away.min() >= INNER * resolved
     assert away.max() < OUTER * resolved
@@ -94,7 +94,7 @@ def test_sound_keeps_off_the_skin_beside_a_ball(radius: float) -> None:
     scene, felt = ball(radius, 0.004), []
     for solver in (Plain(), "auto"):
         renderer = played(scene, solver=solver)
-        found = felt_on_skin(ARRAY, AIR, scene, 0.012, renderer.sounding)
+        found = measure_felt(ARRAY, AIR, scene, 0.012, renderer.sounding)
         assert found is not None
         felt.append(found)
     without, around = felt

@@ -353,7 +353,7 @@ def test_a_batch_that_could_not_be_published_comes_anew() -> None:
     outbox, renderer = felt(room), FakeRenderer()
     done(room, who, put({"a": point()}))
     assert outbox.next() is not None
-    outbox.lost()
+    outbox.resend_scene()
     renderer.drain(outbox)
     assert set(renderer.scene) == {"a"}
     assert renderer.begins == 1

@@ -20,7 +20,7 @@ def test_disarm_is_soft_and_then_silent() -> None:
     desk, game = armed()
     assert game.ask(Disarm) == Ok(id=7)
     assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
-    assert desk.sessions.listed().owned == ""
+    assert desk.sessions.list_sessions().owned == ""
     assert desk.wait(CLOSING) == []
     assert desk.permit[:4] == (0, 0.0, 1, 0)
 
@@ -59,11 +59,11 @@ def test_bye_is_soft_and_a_lost_link_is_not() -> None:
     desk.wait(1.0)
     game = desk.hello()
     game.arm()
-    desk.sessions.lost(b"game", desk.clock.time)
+    desk.sessions.end_peer(b"game", desk.clock.time)
     assert desk.armed == 0
     assert not desk.sessions.all
     assert desk.sessions.lease.owner is None
-    desk.sessions.lost(b"game", desk.clock.time)  # twice is no error
+    desk.sessions.end_peer(b"game", desk.clock.time)  # twice is no error
 
 
 def test_another_client_that_is_lost_changes_nothing() -> None:
@@ -71,7 +71,7 @@ def test_another_client_that_is_lost_changes_nothing() -> None:
     game, _other = desk.hello(), desk.hello(b"other")
     game.arm()
     before = desk.permit
-    desk.sessions.lost(b"other", desk.clock.time)
+    desk.sessions.end_peer(b"other", desk.clock.time)
     assert desk.permit == before
 
 
@@ -80,7 +80,7 @@ def test_when_the_bus_has_gone_all_sessions_end_and_are_told() -> None:
     desk.hello().arm()
     desk.hello(b"other")
     desk.sessions.end_all("gone", desk.clock.time)
-    assert sorted((to, code(reply)) for to, reply in desk.sessions.taken()) == [
+    assert sorted((to, code(reply)) for to, reply in desk.sessions.take_replies()) == [
         (b"game", "session"),
         (b"other", "session"),
     ]
@@ -99,7 +99,7 @@ def test_the_output_is_taken_only_by_asking_and_only_if_allowed() -> None:
         assert code(new.arm()) == "owner"
         if not allowed:
             assert code(new.arm(take=True)) == "owner"
-            assert desk.sessions.listed().owned == "old"
+            assert desk.sessions.list_sessions().owned == "old"
             assert desk.armed == 1
 
 
@@ -108,10 +108,10 @@ def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
     old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
     old.arm()
     new.take()
-    ((peer, told),) = desk.sessions.taken()
+    ((peer, told),) = desk.sessions.take_replies()
     assert (peer, told.id, code(told)) == (b"old", 0, "owner")
     assert desk.permit[:4:2] == (2, 1)
-    assert desk.sessions.listed().owned == "new"
+    assert desk.sessions.list_sessions().owned == "new"
     assert code(old.ask(Disarm)) == "owner"
     assert not old.renew().owner
     assert desk.permit.until == 100.0 + CLOSING, "the old one's renewals do not count"
@@ -125,7 +125,7 @@ def test_of_two_that_take_the_last_one_owns() -> None:
     a.arm()
     for game in (b, c):
         game.take()
-    told = desk.sessions.taken()
+    told = desk.sessions.take_replies()
     assert [(to, reply.id, code(reply)) for to, reply in told] == [
         (b"a", 0, "owner"),
         (b"b", 5, "owner"),
@@ -159,7 +159,7 @@ def test_a_taker_that_is_lost_while_the_old_one_fades_gets_nothing() -> None:
     desk = FakeControl()
     desk.hello(b"a").arm()
     desk.hello(b"b").take()
-    desk.sessions.lost(b"b", desk.clock.time)
+    desk.sessions.end_peer(b"b", desk.clock.time)
     desk.wait(1.0)
     assert desk.permit[:4] == (0, 0.0, 1, 0)
     assert desk.sessions.lease.owner is None
@@ -172,7 +172,7 @@ def test_anyone_can_stop_without_a_session() -> None:
     desk, game = armed()
     desk.sessions.handle(b"anyone", "u", Stop(id=4), desk.clock.time)
     assert desk.permit[:4] == (0, 0.0, 1, 1)
-    told = dict(desk.sessions.taken())
+    told = dict(desk.sessions.take_replies())
     assert told[b"anyone"] == Ok(id=4)
     assert code(told[b"game"]) == "stopped"
     assert code(game.arm()) == "stopped"
@@ -188,9 +188,9 @@ def test_a_stop_while_one_hands_over_holds() -> None:
     desk = FakeControl()
     desk.hello(b"a").arm()
     desk.hello(b"b").take()
-    desk.sessions.taken()
+    desk.sessions.take_replies()
     desk.sessions.handle(b"x", "u", Stop(), desk.clock.time)
-    assert [code(reply) for to, reply in desk.sessions.taken() if to == b"b"] == ["stopped"]
+    assert [code(reply) for to, reply in desk.sessions.take_replies() if to == b"b"] == ["stopped"]
     desk.wait(1.0)
     assert desk.permit[0] == 0
 
@@ -199,7 +199,7 @@ def test_a_fault_holds_until_reset_and_is_told_once() -> None:
     desk, game = armed()
     for fault in ("device: unplugged", "device: unplugged", "another"):
         desk.sessions.lease.fail(fault)
-    ((_, told),) = desk.sessions.taken()
+    ((_, told),) = desk.sessions.take_replies()
     assert (code(told), told.message) == ("fault", "device: unplugged")
     assert desk.armed == 0
     reply = game.arm()
@@ -212,7 +212,7 @@ def test_a_fault_holds_until_reset_and_is_told_once() -> None:
 def test_a_renderer_that_is_started_again_needs_an_arm_but_no_reset() -> None:
     desk, game = armed()
     desk.sessions.lease.interrupt("fault", "the renderer was killed")
-    assert [code(reply) for _, reply in desk.sessions.taken()] == ["fault"]
+    assert [code(reply) for _, reply in desk.sessions.take_replies()] == ["fault"]
     assert desk.armed == 0
     assert game.arm() == Ok(id=7)
     assert desk.permit.epoch == 2
@@ -256,7 +256,7 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
         if what == "hello":
             games[peer] = desk.hello(peer)
         elif what == "lost":
-            desk.sessions.lost(peer, desk.clock.time)
+            desk.sessions.end_peer(peer, desk.clock.time)
         elif what == "stop":
             desk.ask(peer, Stop())
         elif what == "fault":
@@ -282,7 +282,7 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
                 assert after.epoch > before.epoch, "sound only begins with a new permit"
         if after.armed == 2:
             assert after.until <= desk.clock.time + CLOSING
-        assert desk.sessions.listed().owned == (owner.scene if owner else "")
+        assert desk.sessions.list_sessions().owned == (owner.scene if owner else "")
 
 
 def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:

@@ -244,7 +244,7 @@ def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
         for _ in range(1000):
             news.send_multipart([struct.pack("=HI", zmq.EVENT_ACCEPTED, 0), b"somewhere"])
         doors._monitors = [monitor]
-        doors.turned_away()
+        doors.take_refusals()
         assert doors.counts["connections"] == 1000
 
 

@@ -21,7 +21,7 @@ def test_hello_is_answered_with_what_the_client_needs() -> None:
     assert isinstance(reply, Welcome)
     assert (reply.id, len(reply.session), reply.scene) == (3, 16, "kitchen")
     assert (reply.lease, reply.time, reply.protocol) == (LEASE, 100.0, (MAJOR, MINOR))
-    listed = desk.sessions.listed()
+    listed = desk.sessions.list_sessions()
     assert [(s.key, s.name, s.user) for s in listed.sessions] == [(reply.session, "game", "user")]
     assert listed.owned == ""
 
@@ -100,7 +100,7 @@ def test_arm_permits_until_the_lease_ends_and_counts() -> None:
     game = desk.hello(scene="room")
     assert game.arm() == Ok(id=7)
     assert desk.permit[:4] == (1, 100.0 + LEASE, 1, 0)
-    assert desk.sessions.listed().owned == "room"
+    assert desk.sessions.list_sessions().owned == "room"
     assert game.arm() == Ok(id=7), "once more changes nothing"
     assert desk.permit.epoch == 1
 
@@ -213,7 +213,7 @@ def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
             desk.clock.time = until
             desk.sessions.pass_time(desk.clock.time)
         assert desk.armed == 0
-        desk.sessions.taken()
+        desk.sessions.take_replies()
     assert worst <= LEASE + 1e-6
     assert desk.permit.epoch == 10_000
 

@@ -41,11 +41,11 @@ LIMIT = 0.25  # [s]
 def looked(seconds: float, sound: bool, every: float = CHECK_INTERVAL) -> float:
     """How long it takes until a guard that gives no sign of life is missed, looked at for so long [s]."""
     pulse, now = HangDetector(LIMIT), 100.0
-    assert not pulse.missed(now, sound, now)
+    assert not pulse.detect_hang(now, sound, now)
     beat, since = now, now
     while now < since + seconds:
         now += every
-        if pulse.missed(beat, sound, now):
+        if pulse.detect_hang(beat, sound, now):
             return now - since
     return seconds
 
@@ -57,7 +57,9 @@ def test_a_guard_without_a_sign_of_life_is_missed_while_there_may_be_sound() -> 
 
 def test_one_that_lives_is_not_missed() -> None:
     pulse = HangDetector(LIMIT)
-    assert not any(pulse.missed(0.2 * (k // 10), True, CHECK_INTERVAL * k) for k in range(1000))
+    assert not any(
+        pulse.detect_hang(0.2 * (k // 10), True, CHECK_INTERVAL * k) for k in range(1000)
+    )
 
 
 def test_what_was_not_looked_at_proves_nothing() -> None:

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from pacinian.scene.file import Units
 from pacinian.serving.ipc import scheduling
-from pacinian.testing import serving
+from pacinian.testing import run_server
 
 from ....waiting import PATIENCE
 from ..processes import PATIENT
@@ -260,7 +260,7 @@ class Thread(NamedTuple):
 @pytest.fixture(scope="module")
 def threads() -> tuple[list[Thread], bool]:
     """Those of a running server; whether its guard goes first."""
-    with serving(replace(PATIENT, array=Units(1, 1))) as server:
+    with run_server(replace(PATIENT, array=Units(1, 1))) as server:
         found = [
             Thread(
                 name, thread.id == pid, os.getpriority(os.PRIO_PROCESS, thread.id),

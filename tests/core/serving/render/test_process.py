@@ -95,7 +95,7 @@ class Server:
     def tick(self, count: int = 1) -> None:
         for _ in range(count):
             self.loop.renderer.tick()
-            self.loop.between()
+            self.loop.run_between()
             self.clock.advance(0.001)
 
     @property
@@ -114,7 +114,7 @@ class Server:
     @property
     def report(self) -> RendererStatus:
         self.clock.advance(0.1)  # the next one is due
-        self.loop.between()
+        self.loop.run_between()
         found = self.files["report"].read()
         assert found is not None
         return msgspec.msgpack.decode(found[1], type=RendererStatus)
@@ -133,9 +133,9 @@ class Server:
 
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Server]]:
-    registry.installed().load()
+    registry.discover_plugins().load()
     offer = Offer("solver", Moody, "moody", "tests")
-    monkeypatch.setitem(registry.installed().offers, ("solver", "moody"), offer)
+    monkeypatch.setitem(registry.discover_plugins().offers, ("solver", "moody"), offer)
     monkeypatch.setattr(Moody, "mood", staticmethod(lambda: None))
     servers: list[Server] = []
 
@@ -538,7 +538,7 @@ def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
 
     monkeypatch.setattr(server.loop, "_tell", bad)
     server.clock.advance(0.1)
-    server.loop.between()
+    server.loop.run_between()
 
 
 def test_texts_are_told_in_part_whatever_is_in_them(make: Callable[..., Server]) -> None:

@@ -44,7 +44,7 @@ class Manual:
 
     def work(self) -> None:
         while len(self.loader):
-            self.loader._one()
+            self.loader._load_next()
 
 
 def felt(**given: Any) -> SceneReplica:
@@ -311,12 +311,12 @@ def test_the_loader_makes_one_after_the_other_and_goes_on_after_errors() -> None
     loader.ask("a", 1, bad)
     loader.ask("b", 2, lambda: POINT)
     assert len(jobs) == 1  # one thread for all
-    loader._one()
-    loader._one()
-    a, b = loader.done()
+    loader._load_next()
+    loader._load_next()
+    a, b = loader.take_results()
     assert (a.name, a.turn, a.made, a.problem) == ("a", 1, None, "RuntimeError: torn")
     assert b.made is POINT
-    assert not loader.done()
+    assert not loader.take_results()
 
 
 def test_of_each_name_only_the_newest_is_loaded() -> None:

@@ -64,7 +64,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Plugins(importlib.metadata.entry_points(group="pacinian"))
     for cls in (Loud, Raises, Unmade):
         found.offers["solver", cls.name] = Offer("solver", cls, cls.name, "tests")
-    monkeypatch.setattr(registry, "installed", lambda: found)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: found)
 
 
 class Threads:
@@ -210,7 +210,7 @@ def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(
     Odd.__doc__ = "One \ud800."
     for cls in (Odd, Unreadable, Huge):
         offer = Offer("solver", cls, cls.name, "tests")
-        monkeypatch.setitem(registry.installed().offers, ("solver", cls.name), offer)
+        monkeypatch.setitem(registry.discover_plugins().offers, ("solver", cls.name), offer)
     found = {plugin.name: plugin for plugin in list_offers("solver")}
     assert found["unreadable"].options == found["huge"].options == {}
     assert found["loud"].options == {"level": 0.5}

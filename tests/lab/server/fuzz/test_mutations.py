@@ -11,7 +11,7 @@ from pacinian.wire.codec import decode_command, decode_control
 from pacinian.wire.commands import COMMANDS as KINDS
 from pacinian.wire.control import Arm, Bye, Hello, Stop
 from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS, HELLO
-from pacinian_lab.server.fuzz.mutations import Spoiler, encode, places, replaced
+from pacinian_lab.server.fuzz.mutations import Spoiler, encode, places, replace_value
 from pacinian_lab.server.fuzz.packets import packet, within
 
 HEAD = {"session": b"k" * 16, "id": 1, "sequence": 1, "time": 0.0}
@@ -62,7 +62,7 @@ def test_nothing_is_a_good_stop_or_takes_the_output(seed: int) -> None:
 def test_places_and_replacing() -> None:
     value = {"a": [1, {"b": 2}]}
     assert places(value) == [(), ("a",), ("a", 0), ("a", 1), ("a", 1, "b")]
-    assert replaced(value, ("a", 1, "b"), lambda v: v + 1) == {"a": [1, {"b": 3}]}
+    assert replace_value(value, ("a", 1, "b"), lambda v: v + 1) == {"a": [1, {"b": 3}]}
     assert value == {"a": [1, {"b": 2}]}
 
 

@@ -43,7 +43,7 @@ class Constraints:
             np.concatenate([np.where(hard, 0.0, np.inf), (1.0 - MARGIN) * q]),
             np.concatenate([np.where(hard, each, 0.0), np.where(q > 0.0, MARGIN * q, each)]),
         )
-        return rows.smoothed(INERT * float(np.vdot(p, p).real))
+        return rows.smooth(INERT * float(np.vdot(p, p).real))
 
     @functools.cached_property
     def soft(self) -> Flags:
@@ -76,7 +76,7 @@ class Constraints:
         beyond: Floats = np.maximum(np.abs(r) - most, 0.0, dtype=np.float64)
         return beyond
 
-    def smoothed(self, cost: float) -> Constraints:
+    def smooth(self, cost: float) -> Constraints:
         """Return a copy whose quiet rows have smoothing weights that cost at most `cost` [Pa^2] in total."""
         if not self.quiet.any():
             return self
@@ -84,7 +84,7 @@ class Constraints:
         weight[self.quiet] = np.maximum(2.0 * cost / (len(q) * q * q), 1e-200)
         return replace(self, weight=weight)
 
-    def relaxed(self) -> Constraints:
+    def relax(self) -> Constraints:
         """Return a copy whose exact rows are near rows."""
         soft = self.limit == 0.0
         return replace(

@@ -101,12 +101,12 @@ class Dual:
         F = self.rows.p - point.r - made
         return F if self.along is None else F + s * self.along
 
-    def smoothed(self, rows: float, gains: float) -> Dual:
+    def smooth(self, rows: float, gains: float) -> Dual:
         """Return a smoother dual. rows, gains: most that the weights of quiet rows, and of gains, may cost [Pa^2].
 
         The gains are smoothed only when the strength is maximised.
         """
-        smooth = replace(self, rows=self.rows.smoothed(rows))
+        smooth = replace(self, rows=self.rows.smooth(rows))
         if self.along is None:
             return smooth
         return replace(

@@ -94,7 +94,7 @@ def ascend_dual(
         if dual.rows.quiet.any() or c is not None:
             size = abs(point.value)
             smooth = smooth.next(state.promise / max(size, 1e-300), tolerance)
-            dual = dual.smoothed(smooth.rows * size, smooth.gains * size)
+            dual = dual.smooth(smooth.rows * size, smooth.gains * size)
             point = dual.at(point.y, point.x)
             state = state._replace(point=point, made=dual.make(point.h))
         state = newton.step(dual, state)

@@ -57,7 +57,7 @@ def least_squares(
             least_squares, mu=mu, quiet=quiet, gain=gain, power=power, budget=budget,
             tolerance=tolerance, steps=steps,
         )  # fmt: skip
-        return _reduced(solve, A, p, soft, start)
+        return _solve_reduced(solve, A, p, soft, start)
     gram = product(A) if gram is None else gram
     rows = Constraints.of(p, exact, quiet)
     dual = Dual.of(A, rows, mu, gain, power)
@@ -65,7 +65,7 @@ def least_squares(
     answer = ascend_dual(newton, dual, begin(dual, gram, start, budget), budget, tolerance, steps)
     if answer.kept or answer.late or soft.all():
         return answer
-    near = replace(dual, rows=rows.relaxed())
+    near = replace(dual, rows=rows.relax())
     second = ascend_dual(newton, near, begin(near, gram, start, budget), budget, tolerance, steps)
     violation = rows.violation(rows.p - second.made)
     return second._replace(
@@ -74,7 +74,7 @@ def least_squares(
     )  # fmt: skip
 
 
-def _reduced(
+def _solve_reduced(
     solve: Callable[..., Answer], A: Complexes, p: Complexes, soft: Flags, start: Complexes | None
 ) -> Answer:
     """Solve with R in place of the rows A = Q R that have no limit."""

@@ -30,7 +30,7 @@ def begin(
 ) -> State:
     """Return the best start: y, (R,), if given, or an unlimited solution, for several mu while there is time."""
     none = np.zeros(len(gram), np.bool_)
-    best, mu = dual.at(unlimited(dual, gram, dual.mu, none)), dual.mu
+    best, mu = dual.at(solve_unlimited(dual, gram, dual.mu, none)), dual.mu
     promise = np.inf
     if y is not None:
         warm = dual.at(y)
@@ -38,12 +38,12 @@ def begin(
             best, mu, promise = warm, dual.mu + warm.nu, 0.0  # start with the least smoothing
     made = dual.make(best.h)
     loud = dual.rows.quiet & (np.abs(made) > dual.rows.limit)
-    if y is None and (best.nu > 0.0 or _held(dual, best) > LIMITED_SHARE or loud.any()):
+    if y is None and (best.nu > 0.0 or _compute_limited_share(dual, best) > LIMITED_SHARE or loud.any()):
         for near in (none, loud) if loud.any() else (none,):
             for more in MU_FACTORS:
                 if not in_time(budget, len(gram) ** 3):
                     break
-                point = dual.at(unlimited(dual, gram, more * dual.mu, near))
+                point = dual.at(solve_unlimited(dual, gram, more * dual.mu, near))
                 if point.value > best.value:
                     best, mu = point, more * dual.mu
         made = dual.make(best.h)
@@ -64,14 +64,14 @@ def begin_strongest(
     for mu in PLAIN:
         if points and not in_time(budget, len(gram) ** 3):
             break
-        points.append(dual.at(unlimited(dual, gram, mu * scale, none)))
+        points.append(dual.at(solve_unlimited(dual, gram, mu * scale, none)))
     best = max(points, key=lambda point: point.value)
     g = np.empty_like(best.h)
     kernels.clip(best.x, dual.weight, float(np.abs(best.x).mean()), dual.limit, g)
     return State(best, dual.make(best.h), g, best.r)
 
 
-def unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
+def solve_unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
     """Return the multipliers, (R,), of the problem without limits, without quiet rows other than the `near` ones."""
     rows = dual.rows
     own = np.where(rows.soft | near, 1.0, np.where(rows.quiet, 1.0 / rows.weight, 0.0))
@@ -86,5 +86,5 @@ def unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Complexes:
     return np.asarray(y)
 
 
-def _held(dual: Dual, point: Point) -> float:
+def _compute_limited_share(dual: Dual, point: Point) -> float:
     return float(np.mean(np.abs(point.x) > dual.mu * dual.limit))
