@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Floats, Longs
 
-MERGE_DISTANCE = 1e-8  # vertices in one cube of this side are merged [m]
-
 
 def merge_vertices(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
     """Return vertices and faces without duplicates.
@@ -18,25 +16,14 @@ def merge_vertices(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
     Merges vertices within 10 nm, and faces of the same vertices, whichever side they face. Drops faces that have a
     vertex twice, and vertices without a face.
     """
-    vertices, faces = _drop_unused(vertices, faces)
-    _, first, same = np.unique(
-        np.round(vertices / MERGE_DISTANCE), axis=0, return_index=True, return_inverse=True
-    )
-    order = np.argsort(first, kind="stable")  # vertices stay in order
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    vertices, faces = vertices[first[order]], place[same.reshape(-1)][faces]
-    distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    unique = np.zeros(len(faces), dtype=np.bool_)
-    unique[np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1]] = True
-    return _drop_unused(vertices, faces[distinct & unique])
+    from trimesh import Trimesh
 
-
-def _drop_unused(vertices: Floats, faces: Longs) -> tuple[Floats, Longs]:
-    """Return vertices and faces without the vertices that no face has."""
-    used = np.zeros(len(vertices), dtype=np.bool_)
-    used[faces] = True
-    return vertices[used], (np.cumsum(used) - 1)[faces]
+    mesh = Trimesh(vertices, faces, process=False)
+    mesh.merge_vertices()
+    distinct = (mesh.faces != np.roll(mesh.faces, 1, axis=1)).all(axis=1)
+    mesh.update_faces(distinct & mesh.unique_faces())
+    mesh.remove_unreferenced_vertices()
+    return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
 
 
 def orient_outward(vertices: Floats, faces: Longs) -> Longs:
@@ -44,13 +31,16 @@ def orient_outward(vertices: Floats, faces: Longs) -> Longs:
 
     An inside-out body within another body is a cavity, and is not flipped.
     """
+    import igl
+
     if volume(vertices, faces).sum() < 0.0:
         faces = faces[:, ::-1]
-    body = _find_bodies(faces)
+    _, body = igl.facet_components(faces)
     for k in np.flatnonzero(np.bincount(body, volume(vertices, faces)) < 0.0):
         own = np.equal(body, k)
         at = vertices[faces[own][:1, 0]]
-        if not wind(vertices[faces[~own]], at)[0] > 0.5:
+        turns: Floats = np.asarray(igl.winding_number(vertices, faces[~own], at))
+        if not turns[0] > 0.5:
             faces = np.where(own[:, None], faces[:, ::-1], faces)
     return np.ascontiguousarray(faces)
 

@@ -38,7 +38,9 @@ def begin(
             best, mu, promise = warm, dual.mu + warm.nu, 0.0  # start with the least smoothing
     made = dual.make(best.h)
     loud = dual.rows.quiet & (np.abs(made) > dual.rows.limit)
-    if y is None and (best.nu > 0.0 or _compute_limited_share(dual, best) > LIMITED_SHARE or loud.any()):
+    if y is None and (
+        best.nu > 0.0 or _compute_limited_share(dual, best) > LIMITED_SHARE or loud.any()
+    ):
         for near in (none, loud) if loud.any() else (none,):
             for more in MU_FACTORS:
                 if not in_time(budget, len(gram) ** 3):
