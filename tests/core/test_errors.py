@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import inspect
+import json
 import pickle
 import re
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -12,6 +14,7 @@ from pacinian import errors
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 CLASSES = {
     name: kind
@@ -85,7 +88,7 @@ def test_every_error_is_a_pacinian_error_in_the_table_of_contents() -> None:
         ("RecordingError", ["a.rec", "is cut short"]),
         ("Refused", ["$.objects", "too many objects", "remove some"]),
         ("WireError", ["$.objects[0].radius", "must be finite"]),
-        ("MissingExtra", ["matplotlib", "pip install 'pacinian[plot]'"]),
+        ("MissingExtra", ["matplotlib is not installed", "python -m pip install", '[plot]"']),
     ],
 )
 def test_the_message_says_what_is_wrong_and_where(name: str, words: list[str]) -> None:
@@ -103,6 +106,37 @@ def test_a_point_on_a_transducer_carries_every_index_but_shows_five() -> None:
     assert error.argument == "points"
     assert "0, 1, 2, 3, 4, ..." in str(error)
     assert ", ..." not in str(errors.PointOnTransducer(range(5)))
+
+
+@pytest.mark.parametrize(
+    ("origin", "says"),
+    [
+        (
+            {"dir_info": {"editable": True}, "url": "HERE"},
+            'python -m pip install -e "HERE[plot,view]"',
+        ),
+        ({"dir_info": {}, "url": "HERE"}, 'python -m pip install "HERE[plot,view]"'),
+        ({"dir_info": {}, "url": "HERE/moved"}, "in the folder of Pacinian's sources"),
+        ({"archive_info": {}, "url": "HERE/pacinian.whl"}, "in the folder of Pacinian's sources"),
+        (None, "in the folder of Pacinian's sources"),
+    ],
+)
+def test_extras_are_installed_from_where_pacinian_came_from(
+    origin: dict[str, Any] | None, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is on no registry, so that `pip install pacinian` would find nothing, or another package."""
+    from importlib import metadata
+
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    (folder / "pyproject.toml").touch()
+    text = origin and json.dumps(origin).replace("HERE", folder.as_uri())
+    monkeypatch.setattr(
+        metadata, "distribution", lambda _: SimpleNamespace(read_text=lambda _: text)
+    )
+    told = errors.suggest_install("plot,view")
+    assert says.replace("HERE", str(folder)) in told
+    assert '[plot,view]"' in told
 
 
 @pytest.mark.parametrize("name", CLASSES)

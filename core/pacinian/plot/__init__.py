@@ -1,4 +1,4 @@
-"""Pictures. Needs Matplotlib: `pip install "pacinian[plot]"`; works without a display.
+"""Pictures. Needs Matplotlib, of the extra `plot`; works without a display.
 
 `__init__.pyi` beside this file lists the public names; each is imported when it is first used.
 """

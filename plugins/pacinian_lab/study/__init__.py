@@ -1,4 +1,4 @@
-"""Studies: how the arrangement of an array shapes the image. Needs `pip install "pacinian[study]"`.
+"""Studies: how the arrangement of an array shapes the image. Needs the extra `study`.
 
 Definition   file.py      studies and their files          sweep.py    lists that are swept
              layouts.py, arrangements.py                   planes.py, patterns.py

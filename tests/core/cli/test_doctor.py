@@ -25,7 +25,7 @@ OK, WARNING, PROBLEM = "ok", "warning", "problem"
         (doctor_rules.libraries({"zmq": "27", "numpy": "2"}), OK, "zmq 27, numpy 2"),
         (doctor_rules.libraries({"zmq": None, "numpy": "2"}), PROBLEM, "missing: zmq.*pip install"),
         (doctor_rules.extras({}), OK, "all"),
-        (doctor_rules.extras({"plot": "matplotlib"}), OK, r"matplotlib.*pacinian\[plot\]"),
+        (doctor_rules.extras({"plot": "matplotlib"}), OK, r"matplotlib.*python -m pip install.*\[plot\]"),
         (doctor_rules.air("22 °C, 345.1 m/s"), OK, "22 °C.*pacinian serve --temperature"),
         (doctor_rules.curve(True, "4.3.5"), OK, "with CURVE"),
         (doctor_rules.curve(False, "4.3.5"), WARNING, "without CURVE.*pyzmq"),

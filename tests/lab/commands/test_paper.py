@@ -101,5 +101,5 @@ def test_a_missing_matplotlib_is_told_before_the_work_and_not_needed_without_fig
     monkeypatch.setattr(builtins, "__import__", absent)
     result = runner.invoke(paper, ["--out", str(tmp_path)])
     assert isinstance(result.exception, pc.MissingExtra)
-    assert "pacinian[plot]" in str(result.exception)
+    assert '[plot]"' in str(result.exception)
     assert runner.invoke(paper, ["--no-figures"]).exit_code == 0
