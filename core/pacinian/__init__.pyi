@@ -20,6 +20,8 @@ from .acoustics.skin_facing import SkinFacing as SkinFacing
 from .acoustics.transducer import IDEAL as IDEAL
 from .acoustics.transducer import T4010A1 as T4010A1
 from .acoustics.transducer import Transducer as Transducer
+from .batch.solve_many import Solutions as Solutions
+from .batch.solve_many import solve_many as solve_many
 from .client.client import Client as Client
 from .client.emergency import emergency_stop as emergency_stop
 from .devices.description import Board as Board

@@ -1,0 +1,4 @@
+"""Many problems in one call, on all cores.
+
+solve_many.py   the call        task.py   the problems and how one is solved        processes.py   the other processes
+"""
