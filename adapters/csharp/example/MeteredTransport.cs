@@ -16,9 +16,9 @@ namespace Pacinian.Example
         }
 
         /// <inheritdoc/>
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
-            return _inner.Open(connection, all);
+            return _inner.Open(file, all);
         }
 
         /// <inheritdoc/>

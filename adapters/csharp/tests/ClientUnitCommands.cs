@@ -8,7 +8,7 @@ namespace Pacinian.Tests
     {
         private const double Life = 1.0; // [s]
 
-        private readonly Outbox _outbox = new Outbox(new Parts(), Life);
+        private readonly Outbox _outbox = new Outbox(new WriterPool(), Life);
         private readonly Batch _batch = new Batch();
 
         public ClientUnitCommands()

@@ -9,13 +9,13 @@ namespace Pacinian.Tests
     {
         private const double Life = 1.0; // [s]
 
-        private readonly Parts _parts = new Parts();
+        private readonly WriterPool _writers = new WriterPool();
         private readonly Batch _batch = new Batch();
         private readonly Outbox _outbox;
 
         public ClientUnitOutbox()
         {
-            _outbox = new Outbox(_parts, Life);
+            _outbox = new Outbox(_writers, Life);
             _outbox.Open(1);
         }
 
@@ -140,7 +140,7 @@ namespace Pacinian.Tests
                 while (_outbox.Take(_batch, 0.0))
                 {
                     commands.Write(writer, _batch, session, i + 1);
-                    _batch.GiveBack(_parts);
+                    _batch.Return(_writers);
                 }
             }
             ClientUnit.Equal(0L, GC.GetAllocatedBytesForCurrentThread() - begin);
@@ -155,7 +155,7 @@ namespace Pacinian.Tests
 
         private Writer Part()
         {
-            return _parts.Take();
+            return _writers.Rent();
         }
 
         private string Taken(double now)

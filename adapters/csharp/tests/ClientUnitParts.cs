@@ -51,34 +51,34 @@ namespace Pacinian.Tests
 
         public void WhatIsAskedIsAnsweredInTimeOrLate()
         {
-            Asking asking = new Asking();
+            RequestTable table = new RequestTable();
             Writer writer = new Writer();
             long sequence = 0;
-            ClientUnit.Equal("", asking.Late(1e9, 2.0));
-            Asked arm = new Asked("arm", new Arm(), 2.0);
-            long id = asking.Number();
+            ClientUnit.Equal("", table.FindLate(1e9, 2.0));
+            PendingRequest arm = new PendingRequest("arm", new Arm(), 2.0);
+            long id = table.NextId();
             arm.Write(writer, new Bulk(), id, ref sequence, 10.0);
-            asking.Add(id, arm);
-            ClientUnit.Equal("", asking.Late(12.0, 2.0));
-            ClientUnit.Equal("arm", asking.Late(12.1, 2.0));
-            ClientUnit.Holds(asking.Take(id) == arm);
-            ClientUnit.Holds(asking.Take(id) == null);
-            long first = asking.Number(), second = asking.Number();
-            asking.Renew(first, 20.0);
-            asking.Renew(second, 21.0);
-            ClientUnit.Equal("renew", asking.Late(22.1, 2.0));
-            ClientUnit.Equal(20.0, asking.Renewed(first));
-            ClientUnit.Equal("", asking.Late(1e9, 2.0));
-            ClientUnit.Holds(double.IsNaN(asking.Renewed(12345)));
+            table.Add(id, arm);
+            ClientUnit.Equal("", table.FindLate(12.0, 2.0));
+            ClientUnit.Equal("arm", table.FindLate(12.1, 2.0));
+            ClientUnit.Holds(table.Take(id) == arm);
+            ClientUnit.Holds(table.Take(id) == null);
+            long first = table.NextId(), second = table.NextId();
+            table.NoteRenewal(first, 20.0);
+            table.NoteRenewal(second, 21.0);
+            ClientUnit.Equal("renew", table.FindLate(22.1, 2.0));
+            ClientUnit.Equal(20.0, table.TakeRenewal(first));
+            ClientUnit.Equal("", table.FindLate(1e9, 2.0));
+            ClientUnit.Holds(double.IsNaN(table.TakeRenewal(12345)));
         }
 
         public void NumbersGoRoundWithoutZero()
         {
-            Asking asking = new Asking();
+            RequestTable table = new RequestTable();
             long last = 0;
             for (int i = 0; i < 1000; i++)
             {
-                long number = asking.Number();
+                long number = table.NextId();
                 ClientUnit.Holds(number == last + 1);
                 last = number;
             }
@@ -86,62 +86,62 @@ namespace Pacinian.Tests
 
         public void RequestsWaitForTheirSessionOnly()
         {
-            News news = new News();
-            Requests requests = new Requests();
-            Asked asked = new Asked("field", new Field(), 2.0, answer => { });
-            ClientUnit.Holds(!requests.Add(0, asked));
-            requests.Open(1, news);
-            ClientUnit.Holds(!requests.Add(2, asked));
-            ClientUnit.Holds(requests.Add(1, asked));
-            ClientUnit.Holds(requests.Next == asked && requests.Next == asked);
-            requests.Open(2, news);
+            Inbox inbox = new Inbox();
+            RequestQueue requests = new RequestQueue();
+            PendingRequest request = new PendingRequest("field", new Field(), 2.0, answer => { });
+            ClientUnit.Holds(!requests.Add(0, request));
+            requests.Open(1, inbox);
+            ClientUnit.Holds(!requests.Add(2, request));
+            ClientUnit.Holds(requests.Add(1, request));
+            ClientUnit.Holds(requests.Next == request && requests.Next == request);
+            requests.Open(2, inbox);
             ClientUnit.Holds(requests.Next == null);
             Notice notice;
             Standing standing = new Standing();
-            ClientUnit.Holds(news.Take(out notice, ref standing)); // who asked is told
+            ClientUnit.Holds(inbox.Take(out notice, ref standing)); // who asked is told
             ClientUnit.Equal(Happening.Answered, notice.What);
             ClientUnit.Holds(notice.Answer == null);
         }
 
         public void TheNewestStateIsReadUntilTheNextLook()
         {
-            News news = new News();
+            Inbox inbox = new Inbox();
             Standing standing;
             Trips trips;
             double offset;
-            ClientUnit.Holds(news.Read == null);
+            ClientUnit.Holds(inbox.Read == null);
             for (int i = 1; i <= 9; i++)
             {
-                news.Back.Sequence = i;
-                news.Publish();
+                inbox.Back.Sequence = i;
+                inbox.Publish();
                 bool looks = i % 3 == 0;
                 if (looks)
                 {
-                    ClientUnit.Holds(news.Look(out standing, out trips, out offset));
-                    ClientUnit.Holds(!news.Look(out standing, out trips, out offset));
+                    ClientUnit.Holds(inbox.Look(out standing, out trips, out offset));
+                    ClientUnit.Holds(!inbox.Look(out standing, out trips, out offset));
                 }
-                ClientUnit.Equal(i / 3 * 3, news.Read == null ? 0 : (int)news.Read.Sequence);
-                ClientUnit.Holds(news.Read != news.Back);
+                ClientUnit.Equal(i / 3 * 3, inbox.Read == null ? 0 : (int)inbox.Read.Sequence);
+                ClientUnit.Holds(inbox.Read != inbox.Back);
             }
-            news.Publish();
-            news.Stand(new Standing { Session = 2 });
-            ClientUnit.Holds(news.Read != null); // until the next look
-            ClientUnit.Holds(!news.Look(out standing, out trips, out offset));
-            ClientUnit.Holds(news.Read == null); // what was published in another session is not read
+            inbox.Publish();
+            inbox.Stand(new Standing { Session = 2 });
+            ClientUnit.Holds(inbox.Read != null); // until the next look
+            ClientUnit.Holds(!inbox.Look(out standing, out trips, out offset));
+            ClientUnit.Holds(inbox.Read == null); // what was published in another session is not read
         }
 
         public void OfTooManyNoticesTheNewestStay()
         {
-            News news = new News();
+            Inbox inbox = new Inbox();
             for (int i = 0; i < 3000; i++)
             {
-                news.Refuse(new Refusal { Message = i.ToString() });
+                inbox.Refuse(new Refusal { Message = i.ToString() });
             }
             Notice notice;
             Standing standing = new Standing();
             int count = 0;
             string last = "";
-            while (news.Take(out notice, ref standing))
+            while (inbox.Take(out notice, ref standing))
             {
                 last = notice.Why.Message;
                 count++;

@@ -8,16 +8,17 @@ namespace Pacinian.Tests
     internal sealed class ClientUnitSessions
     {
         private readonly Scripted _wire = new Scripted();
-        private readonly Shared _shared = new Shared(new Options());
+        private readonly SharedState _shared = new SharedState(new Options());
         private readonly Sessions _sessions;
         private string _problem = "";
         private double _now = 100.0;
 
         public ClientUnitSessions()
         {
-            _sessions = new Sessions(_shared, _wire, path => new Opening
+            _sessions = new Sessions(_shared, _wire, (string path, out string problem) =>
             {
-                Connection = new Connection { Control = "here" }, Problem = _problem,
+                problem = _problem;
+                return new ConnectionFile { Control = "here" };
             });
         }
 
@@ -28,18 +29,18 @@ namespace Pacinian.Tests
             _problem = "";
             _wire.End = Ending.Nobody;
             Pauses(1.0, 2.0, 2.0);
-            ClientUnit.Equal(ClientStatus.Connecting, _shared.News.Standing.Status);
+            ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.Standing.Status);
             _wire.End = Ending.Denied;
             Pauses(2.0);
-            ClientUnit.Equal(ClientStatus.Refused, _shared.News.Standing.Status);
-            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("token or key"));
+            ClientUnit.Equal(ClientStatus.Refused, _shared.Inbox.Standing.Status);
+            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("token or key"));
             ClientUnit.Equal("", Told());
         }
 
         public void ItIsConnectedWhenTheServerHasSaidWhatItCan()
         {
             Connect();
-            Standing standing = _shared.News.Standing;
+            Standing standing = _shared.Inbox.Standing;
             ClientUnit.Equal("hall", standing.Scene);
             ClientUnit.Equal(1, standing.Session);
             ClientUnit.Holds(!standing.Armed && standing.Abilities != null && standing.Problem == "");
@@ -51,7 +52,7 @@ namespace Pacinian.Tests
         {
             Step(0.0);
             Step(2.01);
-            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("no answer to `hello` within 2 s"));
+            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("no answer to `hello` within 2 s"));
             ClientUnit.Equal("", Told());
         }
 
@@ -62,15 +63,15 @@ namespace Pacinian.Tests
             Step(0.01);
             ClientUnit.Equal("", _wire.Said());
             double ticked = _now;
-            _shared.Beat.Ticked = ticked;
+            _shared.Heartbeat.LastTick = ticked;
             Step(0.005);
             ClientUnit.Near(ticked, ((Renew)_wire.Last).Time); // not when it was sent
             Answer(new Renewed { Id = 3, Owner = true, Armed = true, ServerTime = _now });
             Step(0.001);
-            ClientUnit.Holds(_shared.News.Standing.Armed);
-            _shared.Beat.Ticked = ticked + 0.01; // soon after
+            ClientUnit.Holds(_shared.Inbox.Standing.Armed);
+            _shared.Heartbeat.LastTick = ticked + 0.01; // soon after
             Step(0.01);
-            _shared.Beat.Ticked = ticked + 0.04;
+            _shared.Heartbeat.LastTick = ticked + 0.04;
             Step(0.03);
             ClientUnit.Equal("Renew Renew", _wire.Said());
             for (int i = 0; i < 100; i++)
@@ -89,8 +90,8 @@ namespace Pacinian.Tests
                 Connect();
                 _wire.End = ending;
                 Step(0.001);
-                ClientUnit.Holds(_shared.News.Standing.Problem.Contains("has gone; nothing of this session goes on"));
-                ClientUnit.Equal(ClientStatus.Connecting, _shared.News.Standing.Status);
+                ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("has gone; nothing of this session goes on"));
+                ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.Standing.Status);
             }
         }
 
@@ -98,18 +99,18 @@ namespace Pacinian.Tests
         {
             Connect();
             Movement movement = new Movement();
-            _shared.Requests.Add(1, new Asked("arm", new Arm(), 2.0));
+            _shared.Requests.Add(1, new PendingRequest("arm", new Arm(), 2.0));
             Step(0.001);
             Answer(new Ok { Id = 3 });
             Step(0.001);
-            ClientUnit.Holds(_shared.News.Standing.Armed);
+            ClientUnit.Holds(_shared.Inbox.Standing.Armed);
             _wire.Full = true;
             _shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now);
-            _shared.Requests.Add(1, new Asked("field", new Field(), 2.0, answer => { }));
+            _shared.Requests.Add(1, new PendingRequest("field", new Field(), 2.0, answer => { }));
             _wire.End = Ending.Gone;
             Step(0.001);
-            ClientUnit.Holds(_shared.News.Standing.Problem.Contains("has gone; nothing of this session goes on"));
-            ClientUnit.Holds(!_shared.News.Standing.Armed && _shared.News.Standing.Session == 0);
+            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("has gone; nothing of this session goes on"));
+            ClientUnit.Holds(!_shared.Inbox.Standing.Armed && _shared.Inbox.Standing.Session == 0);
             ClientUnit.Equal("Connected Answered Lost", Told());
             ClientUnit.Holds(!_shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now));
             _wire.End = Ending.None;
@@ -119,8 +120,8 @@ namespace Pacinian.Tests
             Connect();
             Step(0.001);
             ClientUnit.Equal("Hello Capabilities", _wire.Said());
-            ClientUnit.Equal(2, _shared.News.Standing.Session);
-            ClientUnit.Holds(!_shared.News.Standing.Armed);
+            ClientUnit.Equal(2, _shared.Inbox.Standing.Session);
+            ClientUnit.Holds(!_shared.Inbox.Standing.Armed);
         }
 
         public void WhatCameBeforeTheEndIsHeard()
@@ -139,11 +140,11 @@ namespace Pacinian.Tests
         {
             Connect();
             _wire.Said();
-            _shared.Beat.BeginStop();
-            _shared.Requests.Add(1, new Asked("reset", new Reset(), 2.0));
+            _shared.PendingStops.Begin();
+            _shared.Requests.Add(1, new PendingRequest("reset", new Reset(), 2.0));
             Step(0.001);
             ClientUnit.Equal("", _wire.Said());
-            _shared.Beat.EndStop();
+            _shared.PendingStops.End();
             Step(0.001);
             ClientUnit.Equal("Reset", _wire.Said());
         }
@@ -154,7 +155,7 @@ namespace Pacinian.Tests
             Connect();
             _wire.Said();
             ClientUnit.Holds(_sessions.Leave(_now) && !_sessions.Left);
-            _shared.Beat.Ticked = _now;
+            _shared.Heartbeat.LastTick = _now;
             Step(0.001);
             ClientUnit.Equal("Bye", _wire.Said());
             Answer(new Ok { Id = 3 });
@@ -171,7 +172,7 @@ namespace Pacinian.Tests
             Step(0.001);
             Answer(new Abilities { Id = 2 });
             Step(0.001);
-            ClientUnit.Equal(ClientStatus.Connected, _shared.News.Standing.Status);
+            ClientUnit.Equal(ClientStatus.Connected, _shared.Inbox.Standing.Status);
         }
 
         private void Pauses(params double[] wanted)
@@ -190,7 +191,7 @@ namespace Pacinian.Tests
         private void Step(double seconds)
         {
             _now += seconds;
-            _sessions.Step(_now, _shared.Beat.Ticked);
+            _sessions.Step(_now, _shared.Heartbeat.LastTick);
         }
 
         private void Answer(IMessage message)
@@ -203,7 +204,7 @@ namespace Pacinian.Tests
             List<string> all = new List<string>();
             Notice notice;
             Standing standing = new Standing();
-            while (_shared.News.Take(out notice, ref standing))
+            while (_shared.Inbox.Take(out notice, ref standing))
             {
                 all.Add(notice.What.ToString());
             }

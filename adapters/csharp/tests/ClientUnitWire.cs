@@ -21,7 +21,7 @@ namespace Pacinian.Tests
             return said;
         }
 
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
             Opened++;
             Answers.Clear();

@@ -45,11 +45,11 @@ namespace Pacinian
         }
 
         /// <summary>It was sent: its parts are used again.</summary>
-        public void GiveBack(Parts parts)
+        public void Return(WriterPool writers)
         {
             foreach (Writer part in Parts)
             {
-                parts.GiveBack(part);
+                writers.Return(part);
             }
             Clear();
         }

@@ -18,11 +18,11 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
             Close();
             _current = _managed;
-            if (connection.ServerKey.Length > 0)
+            if (file.ServerKey.Length > 0)
             {
                 try
                 {
@@ -34,7 +34,7 @@ namespace Pacinian
                 }
                 _current = _curve;
             }
-            return _current.Open(connection, all);
+            return _current.Open(file, all);
         }
 
         /// <inheritdoc/>

@@ -17,14 +17,14 @@ namespace Pacinian
             int heard = 0;
             for (; heard < Most && Over.Length == 0; heard++)
             {
-                int count = _transport.Receive(channel, _desk.Data);
+                int count = _transport.Receive(channel, _buffers.Data);
                 if (count < 0)
                 {
                     break;
                 }
-                if (Protocol.ReadReply(_desk.Reader, _desk.Data, 0, count, ref _desk.Reply))
+                if (Protocol.ReadReply(_buffers.Reader, _buffers.Data, 0, count, ref _buffers.Reply))
                 {
-                    Note(_desk.Reply, now);
+                    Note(_buffers.Reply, now);
                 }
                 else
                 {
@@ -40,22 +40,22 @@ namespace Pacinian
             int newest = -1;
             for (int i = 0; i < Most; i++)
             {
-                int count = _transport.Receive(Channel.State, _desk.Spare);
+                int count = _transport.Receive(Channel.State, _buffers.Spare);
                 if (count < 0)
                 {
                     break;
                 }
                 newest = count;
-                _desk.Swap();
+                _buffers.Swap();
             }
             if (newest < 0 || !Begun)
             {
                 return;
             }
-            IState state = _shared.News.Back;
-            if (Protocol.ReadState(_desk.Reader, _desk.Data, 0, newest, ref state) && state == _shared.News.Back)
+            IState state = _shared.Inbox.Back;
+            if (Protocol.ReadState(_buffers.Reader, _buffers.Data, 0, newest, ref state) && state == _shared.Inbox.Back)
             {
-                _shared.News.Publish();
+                _shared.Inbox.Publish();
             }
             else
             {
@@ -97,11 +97,11 @@ namespace Pacinian
             _standing.Owner = renewed.Owner;
             if (renewed.Id != 0)
             {
-                double sent = _asking.Renewed(renewed.Id);
+                double sent = _table.TakeRenewal(renewed.Id);
                 if (!double.IsNaN(sent))
                 {
                     _timing.Answered(sent, now, renewed.ServerTime);
-                    _shared.News.Time(_timing.Trips, _timing.Offset);
+                    _shared.Inbox.Time(_timing.Trips, _timing.Offset);
                 }
             }
             Stand();
@@ -109,11 +109,11 @@ namespace Pacinian
 
         private void Note(Ok ok)
         {
-            Asked asked = _asking.Take(ok.Id);
-            Left |= _leaving && asked == null;
-            if (asked != null && (asked.Arms || asked.LetsGo))
+            PendingRequest request = _table.Take(ok.Id);
+            Left |= _leaving && request == null;
+            if (request != null && (request.Arms || request.LetsGo))
             {
-                _standing.Armed = _standing.Owner = asked.Arms;
+                _standing.Armed = _standing.Owner = request.Arms;
                 Stand();
             }
         }
@@ -130,13 +130,13 @@ namespace Pacinian
             _standing.Scene = welcome.Scene;
             _standing.Server = welcome.Server;
             _timing.Clocked(_greetedAt, now, welcome.Time);
-            _shared.News.Time(_timing.Trips, _timing.Offset);
-            Send(new Capabilities { Session = _session, Id = _asking.Number() });
+            _shared.Inbox.Time(_timing.Trips, _timing.Offset);
+            Send(new Capabilities { Session = _session, Id = _table.NextId() });
         }
 
         private void Note(Abilities abilities)
         {
-            _desk.Reply = null; // it is the game's from now on
+            _buffers.Reply = null; // it is the game's from now on
             _standing.Abilities = abilities;
             Begun = true;
             _shared.Begin(_standing);
@@ -144,11 +144,11 @@ namespace Pacinian
 
         private void Note(Pressures pressures)
         {
-            _desk.Reply = null;
-            Asked asked = _asking.Take(pressures.Id);
-            if (asked != null)
+            _buffers.Reply = null;
+            PendingRequest request = _table.Take(pressures.Id);
+            if (request != null)
             {
-                _shared.News.Answer(asked, pressures);
+                _shared.Inbox.Answer(request, pressures);
             }
         }
 
@@ -167,16 +167,16 @@ namespace Pacinian
             {
                 _standing.Armed = false;
                 Stand();
-                _shared.News.Tell(new Notice { What = Happening.Ended, Why = why });
+                _shared.Inbox.Tell(new Notice { What = Happening.Ended, Why = why });
             }
             else
             {
-                Asked asked = _asking.Take(error.Id);
-                if (asked != null)
+                PendingRequest request = _table.Take(error.Id);
+                if (request != null)
                 {
-                    _shared.News.Answer(asked, null);
+                    _shared.Inbox.Answer(request, null);
                 }
-                _shared.News.Refuse(why);
+                _shared.Inbox.Refuse(why);
             }
         }
 
@@ -185,7 +185,7 @@ namespace Pacinian
             if (!_unreadable)
             {
                 _unreadable = true;
-                _shared.News.Refuse(Problems.Unreadable(_desk.Reader.Problem, _desk.Reader.Path));
+                _shared.Inbox.Refuse(Problems.Unreadable(_buffers.Reader.Problem, _buffers.Reader.Path));
             }
         }
 
@@ -193,7 +193,7 @@ namespace Pacinian
         {
             if (Begun)
             {
-                _shared.News.Stand(_standing);
+                _shared.Inbox.Stand(_standing);
             }
         }
     }

@@ -11,10 +11,10 @@ namespace Pacinian
         private const double Share = 0.125; // of the lease between two renewals
         private const int Burst = 100; // commands before it looks again at what has come
 
-        private readonly Shared _shared;
+        private readonly SharedState _shared;
         private readonly ITransport _transport;
-        private readonly Desk _desk;
-        private readonly Asking _asking = new Asking();
+        private readonly MessageBuffers _buffers;
+        private readonly RequestTable _table = new RequestTable();
         private readonly Timing _timing = new Timing();
         private readonly string _at;
         private readonly double _begun;
@@ -24,12 +24,12 @@ namespace Pacinian
         private Bulk _session;
         private long _sequence;
 
-        /// <summary>desk: what it writes and reads with. at: the server's address. session: which it is, from 1 on.</summary>
-        public Dialogue(Shared shared, ITransport transport, Desk desk, string at, int session, double now)
+        /// <summary>buffers: what it writes and reads with. at: the server's address. session: which it is, from 1 on.</summary>
+        public Dialogue(SharedState shared, ITransport transport, MessageBuffers buffers, string at, int session, double now)
         {
             _shared = shared;
             _transport = transport;
-            _desk = desk;
+            _buffers = buffers;
             _at = at;
             _begun = now;
             _standing.Session = session;
@@ -77,7 +77,7 @@ namespace Pacinian
                 return false;
             }
             _leaving = true;
-            return Send(new Bye { Session = _session, Id = _asking.Number() });
+            return Send(new Bye { Session = _session, Id = _table.NextId() });
         }
 
         private void Speak(double now, double ticked)
@@ -98,42 +98,42 @@ namespace Pacinian
             Ask(now);
             for (int i = 0; i < Burst && _transport.Room(Channel.Command); i++)
             {
-                if (!_shared.Outbox.Take(_desk.Batch, now))
+                if (!_shared.Outbox.Take(_buffers.Batch, now))
                 {
                     return;
                 }
-                _desk.Commands.Write(_desk.Writer, _desk.Batch, _session, ++_sequence);
-                _desk.Batch.GiveBack(_shared.Parts);
-                _transport.Send(Channel.Command, _desk.Writer.Data, _desk.Writer.Count);
+                _buffers.Commands.Write(_buffers.Writer, _buffers.Batch, _session, ++_sequence);
+                _buffers.Batch.Return(_shared.Writers);
+                _transport.Send(Channel.Command, _buffers.Writer.Data, _buffers.Writer.Count);
             }
         }
 
         /// <summary>The lease counts from the game's tick, not from when this is sent.</summary>
         private void Renew(double now, double ticked)
         {
-            Renew renew = _desk.Renew;
+            Renew renew = _buffers.Renew;
             renew.Session = _session;
-            renew.Id = _asking.Number();
+            renew.Id = _table.NextId();
             renew.Sequence = ++_sequence;
             renew.Time = _renewed = ticked;
-            _asking.Renew(renew.Id, now);
+            _table.NoteRenewal(renew.Id, now);
             Send(renew);
         }
 
         private void Ask(double now)
         {
-            Asked asked;
-            while ((asked = _shared.Requests.Next) != null && _transport.Room(asked.Channel))
+            PendingRequest request;
+            while ((request = _shared.Requests.Next) != null && _transport.Room(request.Channel))
             {
-                if (asked.Resets && _shared.Beat.Stopping)
+                if (request.Resets && _shared.PendingStops.Any)
                 {
                     return;
                 }
-                _shared.Requests.Done();
-                long id = _asking.Number();
-                asked.Write(_desk.Writer, _session, id, ref _sequence, now);
-                _asking.Add(id, asked);
-                _transport.Send(asked.Channel, _desk.Writer.Data, _desk.Writer.Count);
+                _shared.Requests.RemoveNext();
+                long id = _table.NextId();
+                request.Write(_buffers.Writer, _session, id, ref _sequence, now);
+                _table.Add(id, request);
+                _transport.Send(request.Channel, _buffers.Writer.Data, _buffers.Writer.Count);
             }
         }
 
@@ -145,7 +145,7 @@ namespace Pacinian
                 Lose(Problems.Hangs("hello", timeout), false);
                 return;
             }
-            string late = _asking.Late(now, timeout);
+            string late = _table.FindLate(now, timeout);
             if (late.Length > 0)
             {
                 Lose(Problems.Hangs(late, timeout), false);
@@ -157,7 +157,7 @@ namespace Pacinian
             Options options = _shared.Options;
             return new Hello
             {
-                Id = _asking.Number(),
+                Id = _table.NextId(),
                 Protocol = new Int2(Protocol.Major, Protocol.Minor),
                 Client = options.Name,
                 Version = options.Version,
@@ -168,9 +168,9 @@ namespace Pacinian
 
         private bool Send(IMessage message)
         {
-            _desk.Writer.Clear();
-            message.Write(_desk.Writer);
-            return _transport.Send(Channel.Control, _desk.Writer.Data, _desk.Writer.Count);
+            _buffers.Writer.Clear();
+            message.Write(_buffers.Writer);
+            return _transport.Send(Channel.Control, _buffers.Writer.Data, _buffers.Writer.Count);
         }
 
         private void Lose(string why, bool refused)
@@ -181,7 +181,7 @@ namespace Pacinian
             }
             Over = why + (Begun ? Problems.Nothing : "");
             Refused = refused;
-            _asking.Forget(_shared.News);
+            _table.Forget(_shared.Inbox);
         }
     }
 }

@@ -65,8 +65,8 @@ namespace Pacinian
         private string Try(ITransport transport, double end)
         {
             string problem;
-            Connection connection = Connection.Read(_options.ConnectionPath, out problem);
-            if (connection == null || (problem = transport.Open(connection, false)).Length > 0)
+            ConnectionFile file = ConnectionFile.Read(_options.ConnectionPath, out problem);
+            if (file == null || (problem = transport.Open(file, false)).Length > 0)
             {
                 return problem;
             }
@@ -84,7 +84,7 @@ namespace Pacinian
                 Ending ending = transport.Ended();
                 if (ending != Ending.None)
                 {
-                    return Problems.Of(ending, connection.Control);
+                    return Problems.Of(ending, file.Control);
                 }
                 transport.Wait(end - _options.Clock());
             }

@@ -38,7 +38,7 @@ namespace Pacinian
             {
                 Solver = solver, Backend = backend, Technique = technique, Intensity = intensity,
             };
-            return Add(new Asked("select", select, Change));
+            return Add(new PendingRequest("select", select, Change));
         }
 
         /// <summary>
@@ -49,7 +49,7 @@ namespace Pacinian
         {
             Field field = new Field { Ttl = _shared.Options.Life };
             field.Points.Set(points.Data, 0, points.Count);
-            return Add(new Asked("field", field, _shared.Options.Timeout, answer));
+            return Add(new PendingRequest("field", field, _shared.Options.Timeout, answer));
         }
 
         /// <summary>
@@ -58,7 +58,7 @@ namespace Pacinian
         /// </summary>
         public void Stop()
         {
-            _shared.Beat.BeginStop();
+            _shared.PendingStops.Begin();
             Thread stop = EmergencyStop.Begin(_shared.Options, Stopped);
             lock (_stops)
             {
@@ -71,20 +71,20 @@ namespace Pacinian
         {
             if (problem.Length > 0)
             {
-                _shared.News.Refuse(Problems.Unstopped(problem));
+                _shared.Inbox.Refuse(Problems.Unstopped(problem));
             }
-            _shared.Beat.EndStop();
+            _shared.PendingStops.End();
             _worker.Wake();
         }
 
         private bool Ask(string what, Request request)
         {
-            return Add(new Asked(what, request, _shared.Options.Timeout));
+            return Add(new PendingRequest(what, request, _shared.Options.Timeout));
         }
 
-        private bool Add(Asked asked)
+        private bool Add(PendingRequest request)
         {
-            return Woken(_shared.Requests.Add(_standing.Session, asked));
+            return Woken(_shared.Requests.Add(_standing.Session, request));
         }
     }
 }

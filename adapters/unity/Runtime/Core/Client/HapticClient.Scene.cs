@@ -12,7 +12,7 @@ namespace Pacinian
         /// <summary>An object: new, or in place of the one of that name. It is read now, and can be changed after.</summary>
         public bool Put(string name, Felt item)
         {
-            Writer part = _shared.Parts.Take();
+            Writer part = _shared.Writers.Rent();
             item.Write(part);
             return Fits(part, "$.objects[" + name + "]") && Write(Kind.Put, name, part, new Movement());
         }
@@ -38,7 +38,7 @@ namespace Pacinian
         /// <summary>How strong an object that is there is over time, from now on.</summary>
         public bool Envelope(string name, IEnvelope envelope)
         {
-            Writer part = _shared.Parts.Take();
+            Writer part = _shared.Writers.Rent();
             envelope.Write(part);
             return Fits(part, "$.envelope") && Write(Kind.Envelope, name, part, new Movement());
         }
@@ -55,7 +55,7 @@ namespace Pacinian
         /// <summary>The same, as they were at a time of our clock [s].</summary>
         public bool Hands(IList<HandFrame> hands, double time)
         {
-            Writer part = _shared.Parts.Take();
+            Writer part = _shared.Writers.Rent();
             part.Array(hands.Count);
             for (int i = 0; i < hands.Count; i++)
             {
@@ -67,7 +67,7 @@ namespace Pacinian
         /// <summary>All quiet zones of this client, in place of those before.</summary>
         public bool Quiet(IList<Zone> zones)
         {
-            Writer part = _shared.Parts.Take();
+            Writer part = _shared.Writers.Rent();
             part.Array(zones.Count);
             for (int i = 0; i < zones.Count; i++)
             {
@@ -96,14 +96,14 @@ namespace Pacinian
             {
                 return true;
             }
-            _shared.News.Refuse(new Refusal
+            _shared.Inbox.Refuse(new Refusal
             {
                 Code = "limit",
                 Message = "is " + part.Count + " bytes: keep to " + Largest,
                 Path = path,
                 Advice = "use fewer points, faces or values",
             });
-            _shared.Parts.GiveBack(part);
+            _shared.Writers.Return(part);
             return false;
         }
     }

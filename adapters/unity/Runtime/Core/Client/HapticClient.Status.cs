@@ -74,7 +74,7 @@ namespace Pacinian
         /// <summary>The newest state, good until the next tick; null before the first of this session.</summary>
         public State State
         {
-            get { return _shared.News.Read; }
+            get { return _shared.Inbox.Read; }
         }
 
         /// <summary>What is felt of an object's surface or volume, by its name, in the newest state.</summary>

@@ -17,7 +17,7 @@ namespace Pacinian
     {
         private const double End = 0.5; // [s] that the end may take
 
-        private readonly Shared _shared;
+        private readonly SharedState _shared;
         private readonly Worker _worker;
         private readonly List<Thread> _stops = new List<Thread>();
         private Standing _standing = Standing.None(ClientStatus.Stopped, "");
@@ -28,7 +28,7 @@ namespace Pacinian
         /// <summary>Not started yet.</summary>
         public HapticClient(Options options)
         {
-            _shared = new Shared(options);
+            _shared = new SharedState(options);
             _worker = new Worker(_shared);
         }
 
@@ -60,7 +60,7 @@ namespace Pacinian
             {
                 _started = true;
                 _standing = Standing.None(ClientStatus.Connecting, "");
-                _shared.News.Stand(_standing);
+                _shared.Inbox.Stand(_standing);
                 _worker.Start();
             }
         }
@@ -75,11 +75,11 @@ namespace Pacinian
             {
                 return;
             }
-            _shared.Beat.Ticked = Now;
+            _shared.Heartbeat.LastTick = Now;
             _worker.Wake();
-            bool fresh = _shared.News.Look(out _standing, out _trips, out _offset);
+            bool fresh = _shared.Inbox.Look(out _standing, out _trips, out _offset);
             Notice notice;
-            while (!_ended && _shared.News.Take(out notice, ref _standing))
+            while (!_ended && _shared.Inbox.Take(out notice, ref _standing))
             {
                 Raise(notice);
             }
@@ -108,7 +108,7 @@ namespace Pacinian
                     stop.Join(Left(due));
                 }
             }
-            _standing = Standing.None(ClientStatus.Stopped, _shared.News.Standing.Problem);
+            _standing = Standing.None(ClientStatus.Stopped, _shared.Inbox.Standing.Problem);
         }
 
         private static int Left(double due)

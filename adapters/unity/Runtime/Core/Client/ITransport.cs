@@ -37,7 +37,7 @@ namespace Pacinian
     public interface ITransport : IDisposable
     {
         /// <summary>Begins to connect, to the control socket alone unless all; "" or why it cannot.</summary>
-        string Open(Connection connection, bool all);
+        string Open(ConnectionFile file, bool all);
 
         /// <summary>How the connection has ended.</summary>
         Ending Ended();

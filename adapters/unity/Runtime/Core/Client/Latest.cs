@@ -15,13 +15,13 @@ namespace Pacinian
         private readonly Dictionary<string, Waiting> _waiting = new Dictionary<string, Waiting>();
         private readonly Stack<Waiting> _spare = new Stack<Waiting>();
         private readonly List<string> _done = new List<string>();
-        private readonly Parts _parts;
+        private readonly WriterPool _writers;
         private readonly double _life;
 
-        /// <summary>parts: where bytes come from. life: how long a command may live [s].</summary>
-        public Latest(Parts parts, double life)
+        /// <summary>writers: where bytes come from. life: how long a command may live [s].</summary>
+        public Latest(WriterPool writers, double life)
         {
-            _parts = parts;
+            _writers = writers;
             _life = life;
         }
 
@@ -39,7 +39,7 @@ namespace Pacinian
             {
                 if (all || old == kind)
                 {
-                    _parts.GiveBack(waiting.Part(old));
+                    _writers.Return(waiting.Part(old));
                     waiting.Drop(old);
                 }
             }
@@ -63,7 +63,7 @@ namespace Pacinian
             {
                 foreach (Kind kind in Kinds)
                 {
-                    _parts.GiveBack(pair.Value.Part(kind));
+                    _writers.Return(pair.Value.Part(kind));
                     pair.Value.Drop(kind);
                 }
                 _done.Add(pair.Key);
@@ -85,7 +85,7 @@ namespace Pacinian
                 double time = waiting.Time(kind);
                 if (now - time > _life)
                 {
-                    _parts.GiveBack(part);
+                    _writers.Return(part);
                 }
                 else if (Fits(batch, kind, time, size + (part == null ? 0 : part.Count)))
                 {

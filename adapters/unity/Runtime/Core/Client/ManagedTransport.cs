@@ -19,24 +19,24 @@ namespace Pacinian
         private readonly ZmtpSocket[] _sockets = new ZmtpSocket[3];
 
         /// <inheritdoc/>
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
             Close();
-            int token = Encoding.UTF8.GetByteCount(connection.Token);
+            int token = Encoding.UTF8.GetByteCount(file.Token);
             if (token == 0 || token > MaxToken)
             {
                 return "the connection has no token";
             }
             for (int i = 0; i < (all ? 3 : 1); i++)
             {
-                string address = connection.At((Channel)i);
+                string address = file.AddressOf((Channel)i);
                 IPEndPoint at = Endpoint.Read(address);
                 if (at == null)
                 {
                     Close();
                     return "cannot connect to " + address + ": with a token it must be tcp://ADDRESS:PORT of this machine";
                 }
-                _sockets[i] = Make((Channel)i, at, connection.Token);
+                _sockets[i] = Make((Channel)i, at, file.Token);
             }
             return "";
         }

@@ -32,12 +32,12 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
             Close();
             byte[] server, ours, secret;
-            if (!Z85.Read(connection.ServerKey, out server) || !Z85.Read(connection.PublicKey, out ours)
-                || !Z85.Read(connection.SecretKey, out secret))
+            if (!Z85.Read(file.ServerKey, out server) || !Z85.Read(file.PublicKey, out ours)
+                || !Z85.Read(file.SecretKey, out secret))
             {
                 return "NetMQ knows no tokens (PLAIN), only CURVE keys";
             }
@@ -64,13 +64,13 @@ namespace Pacinian
                         socket.Options.HeartbeatInterval = TimeSpan.FromMilliseconds(i == 0 ? 50.0 : 0.0);
                         socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(1500.0);
                     }
-                    socket.Connect(connection.At((Channel)i));
+                    socket.Connect(file.AddressOf((Channel)i));
                 }
             }
             catch (Exception error) when (error is NetMQException || error is ArgumentException)
             {
                 Close();
-                return "cannot connect to " + connection.Control + ": " + error.Message;
+                return "cannot connect to " + file.Control + ": " + error.Message;
             }
             return "";
         }

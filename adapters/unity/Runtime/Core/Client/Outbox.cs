@@ -9,7 +9,7 @@ namespace Pacinian
     internal sealed class Outbox
     {
         private readonly object _lock = new object();
-        private readonly Parts _parts;
+        private readonly WriterPool _writers;
         private readonly Latest _latest;
         private readonly double _life;
         private Writer _hands, _quiet;
@@ -17,12 +17,12 @@ namespace Pacinian
         private bool _clear;
         private int _session;
 
-        /// <summary>parts: where the bytes that are given come from. life: how long a command may live [s].</summary>
-        public Outbox(Parts parts, double life)
+        /// <summary>writers: where the bytes that are given come from. life: how long a command may live [s].</summary>
+        public Outbox(WriterPool writers, double life)
         {
-            _parts = parts;
+            _writers = writers;
             _life = life;
-            _latest = new Latest(parts, life);
+            _latest = new Latest(writers, life);
         }
 
         /// <summary>Begins a session, with nothing that waits; 0: there is none.</summary>
@@ -60,13 +60,13 @@ namespace Pacinian
                 }
                 if (kind == Kind.Hands)
                 {
-                    _parts.GiveBack(_hands);
+                    _writers.Return(_hands);
                     _hands = part;
                     _handsTime = time;
                 }
                 else
                 {
-                    _parts.GiveBack(_quiet);
+                    _writers.Return(_quiet);
                     _quiet = part;
                     _quietTime = time;
                 }
@@ -90,7 +90,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The next command to be sent, whose parts are to be given back; false if nothing waits.</summary>
+        /// <summary>The next command to be sent, whose parts are to be returned; false if nothing waits.</summary>
         public bool Take(Batch batch, double now)
         {
             batch.Clear();
@@ -121,7 +121,7 @@ namespace Pacinian
             }
             else
             {
-                _parts.GiveBack(part);
+                _writers.Return(part);
             }
             part = null;
         }
@@ -130,7 +130,7 @@ namespace Pacinian
         {
             if (session == 0 || session != _session)
             {
-                _parts.GiveBack(part);
+                _writers.Return(part);
                 return false;
             }
             return true;
@@ -139,8 +139,8 @@ namespace Pacinian
         private void Forget()
         {
             _latest.Forget();
-            _parts.GiveBack(_hands);
-            _parts.GiveBack(_quiet);
+            _writers.Return(_hands);
+            _writers.Return(_quiet);
             _hands = _quiet = null;
             _clear = false;
         }

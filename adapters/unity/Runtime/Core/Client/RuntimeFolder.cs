@@ -7,8 +7,8 @@ namespace Pacinian
     /// <summary>Where the server writes its connection file: the user's folder for what lives as long as programs do.</summary>
     internal static class RuntimeFolder
     {
-        private const string Name = "pacinian";
-        private const string Connection = "connection.json";
+        private const string FolderName = "pacinian";
+        private const string FileName = "connection.json";
 
         /// <summary>The connection file that is there, or the first place where it might be.</summary>
         public static string File()
@@ -16,7 +16,7 @@ namespace Pacinian
             string first = null;
             foreach (string folder in Folders())
             {
-                string path = Path.Combine(folder, Connection);
+                string path = Path.Combine(folder, FileName);
                 first = first ?? path;
                 if (System.IO.File.Exists(path))
                 {
@@ -31,23 +31,23 @@ namespace Pacinian
             if (Environment.OSVersion.Platform == PlatformID.Win32NT)
             {
                 string local = Environment.GetFolderPath(Environment.SpecialFolder.LocalApplicationData);
-                yield return Path.Combine(Path.Combine(Path.Combine(local, "Temp"), Name), Name);
+                yield return Path.Combine(Path.Combine(Path.Combine(local, "Temp"), FolderName), FolderName);
                 yield break;
             }
             string given = Environment.GetEnvironmentVariable("XDG_RUNTIME_DIR");
             if (!string.IsNullOrEmpty(given) && given[0] == '/')
             {
-                yield return Path.Combine(given, Name);
+                yield return Path.Combine(given, FolderName);
             }
             string home = Environment.GetEnvironmentVariable("HOME");
             if (!string.IsNullOrEmpty(home) && Directory.Exists("/System/Library")) // macOS
             {
-                yield return Path.Combine(home, "Library/Caches/TemporaryItems/" + Name);
+                yield return Path.Combine(home, "Library/Caches/TemporaryItems/" + FolderName);
                 yield break;
             }
             uint user = Unix.User();
-            yield return "/run/user/" + user + "/" + Name;
-            yield return Path.Combine(Path.GetTempPath(), "runtime-" + user + "/" + Name);
+            yield return "/run/user/" + user + "/" + FolderName;
+            yield return Path.Combine(Path.GetTempPath(), "runtime-" + user + "/" + FolderName);
         }
     }
 }

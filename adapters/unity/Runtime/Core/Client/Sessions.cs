@@ -12,21 +12,21 @@ namespace Pacinian
         private const double Unasked = 0.5; // [s] of the longest pause if nobody was asked: a look at a file costs little
         private const double Asleep = 0.05; // [s] between two looks at what brings no message
 
-        private readonly Shared _shared;
+        private readonly SharedState _shared;
         private readonly ITransport _transport;
-        private readonly Func<string, Opening> _find;
-        private readonly Desk _desk;
+        private readonly ConnectionReader _read;
+        private readonly MessageBuffers _buffers;
         private Dialogue _dialogue;
         private double _due = double.NegativeInfinity, _pause = Shortest / 2.0;
         private int _count;
 
-        /// <summary>find: reads the connection file.</summary>
-        public Sessions(Shared shared, ITransport transport, Func<string, Opening> find)
+        /// <summary>read: reads the connection file.</summary>
+        public Sessions(SharedState shared, ITransport transport, ConnectionReader read)
         {
             _shared = shared;
             _transport = transport;
-            _find = find;
-            _desk = new Desk(shared.Options.Life);
+            _read = read;
+            _buffers = new MessageBuffers(shared.Options.Life);
         }
 
         /// <summary>Does what is due. ticked: when the game ticked last; both [s].</summary>
@@ -67,18 +67,18 @@ namespace Pacinian
 
         private void Connect(double now)
         {
-            Opening found = _find(_shared.Options.ConnectionPath);
-            string problem = found.Problem;
+            string problem;
+            ConnectionFile file = _read(_shared.Options.ConnectionPath, out problem);
             if (problem.Length == 0)
             {
-                problem = _transport.Open(found.Connection, true);
+                problem = _transport.Open(file, true);
             }
             if (problem.Length > 0)
             {
                 Pause(problem, false, false, Unasked, now);
                 return;
             }
-            _dialogue = new Dialogue(_shared, _transport, _desk, found.Connection.Control, ++_count, now);
+            _dialogue = new Dialogue(_shared, _transport, _buffers, file.Control, ++_count, now);
         }
 
         private void Pause(string problem, bool refused, bool begun, double longest, double now)

@@ -11,12 +11,12 @@ namespace Pacinian
     {
         private const double Farewell = 0.2; // [s] that a goodbye may take
 
-        private readonly Shared _shared;
+        private readonly SharedState _shared;
         private volatile ITransport _transport;
         private volatile bool _end;
         private Thread _thread;
 
-        public Worker(Shared shared)
+        public Worker(SharedState shared)
         {
             _shared = shared;
         }
@@ -58,7 +58,7 @@ namespace Pacinian
                 using (ITransport transport = _shared.Options.Transport())
                 {
                     _transport = transport;
-                    Serve(new Sessions(_shared, transport, Opening.Of), transport);
+                    Serve(new Sessions(_shared, transport, ConnectionFile.Read), transport);
                 }
             }
             catch (Exception error)
@@ -68,7 +68,7 @@ namespace Pacinian
             finally
             {
                 _shared.End(problem, false, false);
-                _shared.News.Stand(Standing.None(ClientStatus.Stopped, problem));
+                _shared.Inbox.Stand(Standing.None(ClientStatus.Stopped, problem));
             }
         }
 
@@ -78,7 +78,7 @@ namespace Pacinian
             while (!_end)
             {
                 double now = clock();
-                sessions.Step(now, _shared.Beat.Ticked);
+                sessions.Step(now, _shared.Heartbeat.LastTick);
                 transport.Wait(sessions.Patience(now));
             }
             double due = clock() + Farewell;

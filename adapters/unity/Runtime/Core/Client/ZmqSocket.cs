@@ -38,7 +38,7 @@ namespace Pacinian
         }
 
         /// <summary>What all sockets to a server have; false if the connection has no keys that will do.</summary>
-        public bool Secure(Connection connection)
+        public bool Secure(ConnectionFile file)
         {
             Set(LibZmq.SendRoom, Waiting);
             Set(LibZmq.ReceiveRoom, Most);
@@ -46,10 +46,10 @@ namespace Pacinian
             Set(LibZmq.ConnectTimeout, 2000);
             long longest = Protocol.MaxReplyBytes;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
-            return connection.ServerKey.Length > 0
-                && Set(LibZmq.CurveServerKey, connection.ServerKey)
-                && Set(LibZmq.CurvePublicKey, connection.PublicKey)
-                && Set(LibZmq.CurveSecretKey, connection.SecretKey);
+            return file.ServerKey.Length > 0
+                && Set(LibZmq.CurveServerKey, file.ServerKey)
+                && Set(LibZmq.CurvePublicKey, file.PublicKey)
+                && Set(LibZmq.CurveSecretKey, file.SecretKey);
         }
 
         /// <summary>It takes messages only while it is connected, and is connected only once; its end is told.</summary>

@@ -38,7 +38,7 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
-        public string Open(Connection connection, bool all)
+        public string Open(ConnectionFile file, bool all)
         {
             Close();
             _ending = Ending.None;
@@ -48,7 +48,7 @@ namespace Pacinian
                 bool state = channel == Channel.State;
                 ZmqSocket socket = new ZmqSocket(_context, state ? LibZmq.Subscriber : LibZmq.Dealer);
                 _sockets[i] = socket;
-                string problem = Begin(socket, channel, connection);
+                string problem = Begin(socket, channel, file);
                 if (problem.Length > 0)
                 {
                     Close();
@@ -154,13 +154,13 @@ namespace Pacinian
             _context = IntPtr.Zero;
         }
 
-        private string Begin(ZmqSocket socket, Channel channel, Connection connection)
+        private string Begin(ZmqSocket socket, Channel channel, ConnectionFile file)
         {
             if (!socket.Valid)
             {
                 return "libzmq gives no more sockets";
             }
-            if (!socket.Secure(connection))
+            if (!socket.Secure(file))
             {
                 return "the connection has no keys of a client";
             }
@@ -173,7 +173,7 @@ namespace Pacinian
                 string monitor = "inproc://monitor" + Interlocked.Increment(ref _counted);
                 socket.Once(_context, monitor, channel == Channel.Control);
             }
-            string at = connection.At(channel);
+            string at = file.AddressOf(channel);
             return socket.Connect(at) ? "" : "cannot connect to " + at;
         }
 

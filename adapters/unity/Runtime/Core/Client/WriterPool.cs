@@ -3,13 +3,13 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Buffers for parts of messages, which are used again. For any thread.</summary>
-    internal sealed class Parts
+    /// <summary>Writers of parts of messages, which are used again. For any thread.</summary>
+    internal sealed class WriterPool
     {
         private readonly Stack<Writer> _spare = new Stack<Writer>();
 
-        /// <summary>An empty one.</summary>
-        public Writer Take()
+        /// <summary>An empty writer.</summary>
+        public Writer Rent()
         {
             lock (_spare)
             {
@@ -24,7 +24,7 @@ namespace Pacinian
         }
 
         /// <summary>It is not needed any more; null will do, too.</summary>
-        public void GiveBack(Writer part)
+        public void Return(Writer part)
         {
             if (part != null)
             {

@@ -8,9 +8,9 @@ namespace Pacinian
     /// What the worker has for the game: how it stands, what has happened, the newest state. Both sides only hold
     /// the lock for a few assignments. States go round in three objects, so that none is made while it runs.
     /// </summary>
-    internal sealed class News
+    internal sealed class Inbox
     {
-        private const int Kept = 1000; // notices that wait; of more, the oldest are forgotten
+        private const int MaxNotices = 1000; // that wait; of more, the oldest are forgotten
 
         private readonly object _lock = new object();
         private readonly Queue<Notice> _notices = new Queue<Notice>(16);
@@ -20,7 +20,7 @@ namespace Pacinian
         private double _offset;
         private bool _fresh, _any, _stale;
 
-        public News()
+        public Inbox()
         {
             Back = new State();
         }
@@ -65,7 +65,7 @@ namespace Pacinian
         {
             lock (_lock)
             {
-                while (_notices.Count >= Kept)
+                while (_notices.Count >= MaxNotices)
                 {
                     _notices.Dequeue();
                 }
@@ -80,11 +80,11 @@ namespace Pacinian
         }
 
         /// <summary>Something was answered; null: it will not be.</summary>
-        public void Answer(Asked asked, Pressures answer)
+        public void Answer(PendingRequest request, Pressures answer)
         {
-            if (asked.Callback != null)
+            if (request.Callback != null)
             {
-                Tell(new Notice { What = Happening.Answered, Callback = asked.Callback, Answer = answer });
+                Tell(new Notice { What = Happening.Answered, Callback = request.Callback, Answer = answer });
             }
         }
 

@@ -3,7 +3,7 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>What the worker writes and reads with, made once.</summary>
-    internal sealed class Desk
+    internal sealed class MessageBuffers
     {
         public readonly Writer Writer = new Writer(1 << 16);
         public readonly Reader Reader = new Reader();
@@ -13,7 +13,7 @@ namespace Pacinian
         public readonly Commands Commands;
 
         /// <summary>life: how long a command may live [s].</summary>
-        public Desk(double life)
+        public MessageBuffers(double life)
         {
             Commands = new Commands(life);
             Data = new byte[Protocol.MaxReplyBytes];

@@ -4,13 +4,13 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>Something that is asked of the server, and answered.</summary>
-    internal sealed class Asked
+    internal sealed class PendingRequest
     {
         private readonly Request _request;
         private readonly Command _command;
 
         /// <summary>To the control socket. what: as it is called on the wire. patience: for the answer [s].</summary>
-        public Asked(string what, Request request, double patience)
+        public PendingRequest(string what, Request request, double patience)
         {
             What = what;
             _request = request;
@@ -18,7 +18,7 @@ namespace Pacinian
         }
 
         /// <summary>To the command socket. callback: is given the answer, or null.</summary>
-        public Asked(string what, Command command, double patience, Action<Pressures> callback)
+        public PendingRequest(string what, Command command, double patience, Action<Pressures> callback)
         {
             What = what;
             _command = command;

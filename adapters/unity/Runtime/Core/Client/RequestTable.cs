@@ -4,63 +4,63 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>What was asked of the server and not answered yet. Pure: times are given, in seconds.</summary>
-    internal sealed class Asking
+    internal sealed class RequestTable
     {
-        private const int Kept = 64; // renewals whose answer is waited for
+        private const int MaxRenewals = 64; // whose answer is waited for
 
-        private readonly Dictionary<long, Asked> _asked = new Dictionary<long, Asked>();
-        private readonly long[] _renewals = new long[Kept];
-        private readonly double[] _sent = new double[Kept];
+        private readonly Dictionary<long, PendingRequest> _pending = new Dictionary<long, PendingRequest>();
+        private readonly long[] _renewals = new long[MaxRenewals];
+        private readonly double[] _sent = new double[MaxRenewals];
         private double _renewed = double.PositiveInfinity; // the first renewal since the last answer to one
         private long _id;
 
         /// <summary>A number for a message that is to be answered.</summary>
-        public long Number()
+        public long NextId()
         {
             _id = _id % uint.MaxValue + 1;
             return _id;
         }
 
         /// <summary>A renewal was sent.</summary>
-        public void Renew(long id, double now)
+        public void NoteRenewal(long id, double now)
         {
-            _renewals[id % Kept] = id;
-            _sent[id % Kept] = now;
+            _renewals[id % MaxRenewals] = id;
+            _sent[id % MaxRenewals] = now;
             _renewed = now < _renewed ? now : _renewed;
         }
 
         /// <summary>A renewal was answered: when it was sent; NaN if that is not known any more.</summary>
-        public double Renewed(long id)
+        public double TakeRenewal(long id)
         {
             _renewed = double.PositiveInfinity;
-            return _renewals[id % Kept] == id ? _sent[id % Kept] : double.NaN;
+            return _renewals[id % MaxRenewals] == id ? _sent[id % MaxRenewals] : double.NaN;
         }
 
         /// <summary>A request was sent.</summary>
-        public void Add(long id, Asked asked)
+        public void Add(long id, PendingRequest request)
         {
-            _asked.Add(id, asked);
+            _pending.Add(id, request);
         }
 
         /// <summary>What the answer of that number is to, which is not waited for any more; null if nothing.</summary>
-        public Asked Take(long id)
+        public PendingRequest Take(long id)
         {
-            Asked asked;
-            if (_asked.TryGetValue(id, out asked))
+            PendingRequest request;
+            if (_pending.TryGetValue(id, out request))
             {
-                _asked.Remove(id);
+                _pending.Remove(id);
             }
-            return asked;
+            return request;
         }
 
         /// <summary>What should have been answered by now, by name; "" if nothing.</summary>
-        public string Late(double now, double timeout)
+        public string FindLate(double now, double timeout)
         {
             if (now - _renewed > timeout)
             {
                 return "renew";
             }
-            foreach (KeyValuePair<long, Asked> pair in _asked)
+            foreach (KeyValuePair<long, PendingRequest> pair in _pending)
             {
                 if (now > pair.Value.Until)
                 {
@@ -71,13 +71,13 @@ namespace Pacinian
         }
 
         /// <summary>All that is still waited for will not be answered.</summary>
-        public void Forget(News news)
+        public void Forget(Inbox inbox)
         {
-            foreach (KeyValuePair<long, Asked> pair in _asked)
+            foreach (KeyValuePair<long, PendingRequest> pair in _pending)
             {
-                news.Answer(pair.Value, null);
+                inbox.Answer(pair.Value, null);
             }
-            _asked.Clear();
+            _pending.Clear();
         }
     }
 }

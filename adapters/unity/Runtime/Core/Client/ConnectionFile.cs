@@ -6,14 +6,17 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
+    /// <summary>Reads a connection file; null, and what is wrong and what to do, if that cannot be. path: "": where it is found.</summary>
+    internal delegate ConnectionFile ConnectionReader(string path, out string problem);
+
     /// <summary>The connection file: how a program finds the server, and shows that it may connect.</summary>
-    public sealed class Connection
+    public sealed class ConnectionFile
     {
         /// <summary>The environment variable that says where the file is.</summary>
         public const string Variable = "PACINIAN_CONNECTION";
 
-        private const string Fix = "is `pacinian serve` running?";
-        private const int Longest = 1 << 16; // [bytes]
+        private const string Advice = "is `pacinian serve` running?";
+        private const int MaxBytes = 1 << 16; // of the file
 
         /// <summary>Addresses of the three sockets.</summary>
         public string Control = "", Command = "", State = "";
@@ -28,7 +31,7 @@ namespace Pacinian
         public long Pid;
 
         /// <summary>The file that is given, or as the environment says, or where the server writes it.</summary>
-        public static string Where(string path)
+        public static string FindPath(string path)
         {
             if (!string.IsNullOrEmpty(path))
             {
@@ -39,9 +42,9 @@ namespace Pacinian
         }
 
         /// <summary>Reads the file of a running server; null, and what is wrong and what to do, if that cannot be.</summary>
-        public static Connection Read(string path, out string problem)
+        public static ConnectionFile Read(string path, out string problem)
         {
-            path = Where(path);
+            path = FindPath(path);
             try
             {
                 problem = "";
@@ -49,22 +52,22 @@ namespace Pacinian
                 FileShare shared = FileShare.ReadWrite | FileShare.Delete;
                 using (FileStream file = new FileStream(path, FileMode.Open, FileAccess.Read, shared))
                 {
-                    byte[] data = new byte[Math.Min(file.Length, Longest)];
+                    byte[] data = new byte[Math.Min(file.Length, MaxBytes)];
                     int count = file.Read(data, 0, data.Length);
                     text = Encoding.UTF8.GetString(data, 0, count);
                 }
                 problem = Unix.Danger(path);
-                Connection made = problem.Length > 0 ? null : Parse(text, out problem);
+                ConnectionFile made = problem.Length > 0 ? null : Parse(text, out problem);
                 if (made != null && made.Pid != 0 && !Runs(made.Pid))
                 {
-                    problem = "the server that wrote it (process " + made.Pid + ") has gone; " + Fix;
+                    problem = "the server that wrote it (process " + made.Pid + ") has gone; " + Advice;
                 }
                 problem = problem.Length > 0 ? path + ": " + problem : "";
                 return problem.Length > 0 ? null : made;
             }
             catch (Exception error) when (error is FileNotFoundException || error is DirectoryNotFoundException)
             {
-                problem = path + ": no connection file; " + Fix;
+                problem = path + ": no connection file; " + Advice;
             }
             catch (Exception error) when (error is IOException || error is UnauthorizedAccessException
                 || error is ArgumentException || error is NotSupportedException)
@@ -75,7 +78,7 @@ namespace Pacinian
         }
 
         /// <summary>Where a socket is.</summary>
-        public string At(Channel channel)
+        public string AddressOf(Channel channel)
         {
             return channel == Channel.Control ? Control : channel == Channel.Command ? Command : State;
         }
@@ -86,7 +89,7 @@ namespace Pacinian
             return "Connection(" + Pid + ", " + Control + ")";
         }
 
-        private static Connection Parse(string text, out string problem)
+        private static ConnectionFile Parse(string text, out string problem)
         {
             FlatJson file = FlatJson.Parse(text);
             problem = "is no connection file";
@@ -100,7 +103,7 @@ namespace Pacinian
                 return null;
             }
             problem = "";
-            return new Connection
+            return new ConnectionFile
             {
                 Pid = file.Number("pid", 0),
                 Control = file.Text("control", ""),
