@@ -6,6 +6,12 @@ from .acoustics.array import lattice as lattice
 from .acoustics.directivity import Piston as Piston
 from .acoustics.directivity import omni as omni
 from .acoustics.directivity import t4010a1 as t4010a1
+from .acoustics.gradients import Gradient as Gradient
+from .acoustics.gradients import differentiate_amplitude as differentiate_amplitude
+from .acoustics.gradients import differentiate_field as differentiate_field
+from .acoustics.gradients import (
+    differentiate_radiation_pressure as differentiate_radiation_pressure,
+)
 from .acoustics.intensity import intensity as intensity
 from .acoustics.intensity import normal_pressure as normal_pressure
 from .acoustics.pose import Pose as Pose

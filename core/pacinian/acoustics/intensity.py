@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.acoustics.directivity import omni
+from pacinian.acoustics.gradients import compute_slope
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
 from pacinian.acoustics.skin_facing import SkinFacing
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Floats
 
 CHUNK = 1 << 16  # elements of B in one chunk
-STEP = 1e-6  # step of cos(theta) for the slope of a directivity
-MIN_DIVISOR = 1e-30  # smallest divisor
 
 
 def intensity(
@@ -49,7 +47,7 @@ def intensity(
     omega = 2.0 * math.pi * array.transducer.frequency  # [rad/s]
     flow = np.empty((len(q), 3))
     for part in _parts(len(q), len(g)):
-        B, slope = _with_slope(array, q[part], medium)
+        B, slope = compute_slope(array, q[part], medium)
         if facing is not None:
             s = facing.only(part).compute_arrival(q[part], array.positions)
             B, slope = s * B, s[:, None] * slope
@@ -95,24 +93,3 @@ def _check_arguments(
 def _parts(M: int, N: int) -> Iterator[slice]:
     rows = max(1, CHUNK // N)
     return (slice(first, first + rows) for first in range(0, M, rows))
-
-
-def _with_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes, Complexes]:
-    """Return B, (M, N) [Pa], and its gradient with respect to the points, (M, 3, N) [Pa/m]."""
-    kind = array.transducer
-    d = (points[:, None, :] - array.positions).transpose(0, 2, 1)  # (M, 3, N) [m]
-    r = np.maximum(np.sqrt((d * d).sum(axis=1)), MIN_DIVISOR)  # (M, N) [m]
-    u = d / r[:, None]
-    fading = medium.beta(kind.frequency) + 1j * medium.wavenumber(kind.frequency)  # [1/m]
-    B: Complexes = kind.pressure * r**-medium.power * np.exp(-fading * r)
-    slope: Complexes = -(B * (fading + medium.power / r))[:, None] * u
-    if kind.directivity is not omni:
-        n = array.normals.T
-        cosine = (u * n).sum(axis=1)  # (M, N)
-        above, below = np.minimum(cosine + STEP, 1.0), np.maximum(cosine - STEP, MIN_DIVISOR)
-        D = np.where(cosine > 0.0, kind.directivity(cosine), 0.0)
-        rise = (kind.directivity(above) - kind.directivity(below)) / (above - below)
-        rise = np.where(cosine > STEP, rise, 0.0)
-        slope = D[:, None] * slope + (B * rise / r)[:, None] * (n - cosine[:, None] * u)
-        B = D * B
-    return B, slope
