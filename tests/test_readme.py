@@ -51,7 +51,7 @@ def test_its_python_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)  # the examples write their files here
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    if "pc.Client(" in block:
+    if "pc.Client(" in block or VARIABLE in block:
         monkeypatch.setenv(VARIABLE, request.getfixturevalue("server"))
     exec(compile(block, "page", "exec"), {"__name__": "readme"})
     if "print" in block:

@@ -14,6 +14,9 @@ import click
 def wire(schema: bool) -> None:
     """Print the protocol by which a program in any language talks to `pacinian serve`."""
     from pacinian.wire.asyncapi import make_asyncapi
-    from pacinian.wire.markdown import make_page
+    from pacinian.wire.markdown import make_guide, make_reference
 
-    click.echo(json.dumps(make_asyncapi(), indent=2) if schema else make_page().rstrip())
+    if schema:
+        click.echo(json.dumps(make_asyncapi(), indent=2))
+    else:
+        click.echo(f"{make_guide()}\n{make_reference()}".rstrip())

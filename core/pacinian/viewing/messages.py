@@ -1,6 +1,6 @@
 """Messages between pages and the viewer's server: MessagePack maps with a key `type`, in both directions.
 
-`State` and `FrameState` of `pacinian.wire` are passed on to the pages unchanged. docs/viewer.md describes all messages.
+`State` and `FrameState` of `pacinian.wire` are passed on to the pages unchanged. docs/viewer-feed.md describes all messages.
 """
 
 from __future__ import annotations

@@ -5,7 +5,8 @@ commands.py       client to command socket        control.py                    
 replies.py        server to client                state.py                         messages that the server publishes
 codec.py          bytes to messages and back      convert.py, convert_*.py         wire to scene objects and back
 binary_arrays.py  numbers in a `bin`              error_path.py                    path of the field that is wrong
-markdown.py       docs/wire.md, with page.md      asyncapi.py                      the AsyncAPI document
+markdown.py       docs/wire*.md, with *.md        asyncapi.py                      the AsyncAPI document
 message_docs.py   field tables from docstrings    connection.py                    the connection file
-emergency.py      a stop without a connection
+emergency.py      a stop without a connection     silence.py                       why an output is silent
+state_summary.py  a state in words
 """

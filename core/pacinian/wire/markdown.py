@@ -1,4 +1,4 @@
-"""The wire protocol as a Markdown page: prose from page.md, tables from the message classes."""
+"""The wire protocol as two Markdown pages: prose from page.md and messages.md, tables from the message classes."""
 
 from __future__ import annotations
 
@@ -19,9 +19,18 @@ if TYPE_CHECKING:
 LEASE = 0.25  # default lease [s]
 
 
-def make_page() -> str:
-    """Return the page in Markdown."""
-    text = (files("pacinian.wire") / "page.md").read_text(encoding="utf-8")
+def make_guide() -> str:
+    """Return the page that says how to talk to the server, in Markdown."""
+    return _fill("page.md")
+
+
+def make_reference() -> str:
+    """Return the page of all messages, in Markdown."""
+    return _fill("messages.md")
+
+
+def _fill(name: str) -> str:
+    text = (files("pacinian.wire") / name).read_text(encoding="utf-8")
     parts = _parts()
     return re.sub(r"\{\{(.+?)\}\}", lambda match: parts[match[1]], text)
 
