@@ -27,7 +27,7 @@ from scipy.spatial import cKDTree
 import pacinian as pc
 from pacinian.plot.style import CYCLIC
 from pacinian.scene.hands.capsules import distance_to_skin
-from pacinian.scene.hands.skin import skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.testing import ManualClock
 
 Floats = NDArray[np.float64]
@@ -95,7 +95,10 @@ def scene(t: float) -> pc.Scene:
     closing = ease(t, 0.9, 1.9) - ease(t, 4.2, 5.2)
     stroke = ease(t, 1.7, 2.3) * (1.0 - ease(t, 3.9, 4.5))
     sway = stroke * math.sin(math.tau * (t - 2.0) / 1.25)
-    yaw, tilt = pc.Pose.turned("z", 9.0 * sway - 75.0), pc.Pose.turned("x", -26.0)
+    yaw, tilt = (
+        pc.Pose().rotate("z", math.radians(9.0 * sway - 75.0)),
+        pc.Pose().rotate("x", math.radians(-26.0)),
+    )
     joints = pc.Hand.open("right").joints
     assert joints is not None
     held = np.array([[-0.006, 0.010, 0.0]])  # [m] the part of the palm that lies on the ball
@@ -170,7 +173,7 @@ class Picture:
     def __init__(self, renderer: pc.Renderer) -> None:
         self.renderer, self.array = renderer, renderer.session.array
         self.hand = renderer.shown.hands[0]
-        self.skin = skin_of(self.hand)
+        self.skin = get_skin(self.hand)
         self.placed = self.skin.place(self.hand)
         self.d = rays(FINER * SIZE[0], FINER * SIZE[1])
         self.out = np.tile(NIGHT, (len(self.d), 1))

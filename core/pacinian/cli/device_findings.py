@@ -11,7 +11,8 @@ from pacinian.cli.doctor_rules import Finding
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
-    from pacinian.devices.description import Board, DeviceDescription
+    from pacinian.devices.board import Board
+    from pacinian.devices.description import DeviceDescription
     from pacinian.plugins.backend import Capability, Found
 
 MIN_SPACING = 0.008  # least plausible distance of transducers [m]

@@ -17,7 +17,7 @@ from pacinian.errors import ArgumentError, SceneFileError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from pacinian.devices.description import Board
+    from pacinian.devices.board import Board
 
 MAX_BYTES = 4 << 20  # size of a file, enough for some 100,000 channels [bytes]
 COLUMNS = ("serial", "channel", "gain", "phase")

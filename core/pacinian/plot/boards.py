@@ -11,7 +11,8 @@ from pacinian.plot.page import figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pacinian.devices.description import Board, DeviceDescription
+    from pacinian.devices.board import Board
+    from pacinian.devices.description import DeviceDescription
 
 ANGLE = 35.0, -60.0  # [deg] elevation and azimuth
 MAP, DEAD = "viridis", "#d62728"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.plot.style import METAL, SKIN, THING
-from pacinian.scene.hands.skin import skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.objects import Body, Surface
 from pacinian.scene.sampling.sample_cache import estimate_samples
 
@@ -78,7 +78,7 @@ def array_of(array: Array) -> Discs:
 
 def skin(hand: Hand, eye: Floats) -> Discs:
     """A hand, which is not lost."""
-    skin = skin_of(hand)
+    skin = get_skin(hand)
     placed, nodes = skin.place(hand), skin.counts[skin.level(DISCS)]
     return Discs.of(placed.points[:nodes], SKIN, 0.0065).lit(placed.normals[:nodes], eye)
 

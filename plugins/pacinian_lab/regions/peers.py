@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.transducer import Transducer
-from pacinian_lab.regions.run import OURS, SPACINGS, Made
+from pacinian_lab.regions.made import OURS, SPACINGS, Made
 from pacinian_lab.solvers.problems import AIR, PRESSURE, WAVENUMBER
 from pacinian_lab.solvers.worker_process import WorkerError
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.session import Session
 from pacinian.solving.solution import AT_LIMIT
+from pacinian_lab.regions.made import FREE, OURS, SPACINGS, SWEPT, Made
 from pacinian_lab.regions.score import evaluate_pressure, score
 from pacinian_lab.regions.shapes import SHAPES
 from pacinian_lab.solvers.problems import AIR
@@ -26,23 +26,6 @@ if TYPE_CHECKING:
     from pacinian_lab.regions.shapes import Shape
 
 STRENGTHS = (0.25, 0.5, 1.0)  # fractions of the strongest even field
-SPACINGS = {"8.5 mm": 0.0085, "4.25 mm": 0.00425}  # [m] between foci
-FREE = {f"foci, {name} apart": spacing for name, spacing in SPACINGS.items()}
-OURS, SWEPT = "regions", "one focus, swept"
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """A shape made in one way.
-
-    gains: (N,), or (F, N) for frames whose mean counts. samples: number of points that the solver was given. status:
-    of a solution by Pacinian. cold_ms: time of one cold solve, NaN if not measured.
-    """
-
-    gains: Complexes
-    samples: int
-    status: str = ""
-    cold_ms: float = math.nan
 
 
 class Row(NamedTuple):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +14,7 @@ from pacinian.acoustics.propagation import KernelData
 from pacinian.acoustics.skin_facing import FAINT, QUARTER, SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.skin import skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 
 ARRAY = pc.autd(2, 1, pc.Transducer(pressure=4.386))
 seeds = st.integers(0, 10_000)
@@ -167,8 +169,8 @@ def test_the_kernel_is_the_reference(seed: int, count: int) -> None:
     q, n = on_skin(rng, hand if count else rods(rng, 2), 6)
     n[rng.uniform(size=6) < 0.2] = 0.0
     axis = str(rng.choice(["x", "y", "z"]))
-    pose = pc.Pose.turned(axis, rng.uniform(-180, 180), rng.uniform(-0.3, 0.3, 3))
-    array = ARRAY.moved(pose)
+    pose = pc.Pose(rng.uniform(-0.3, 0.3, 3)).rotate(axis, math.radians(rng.uniform(-180, 180)))
+    array = ARRAY.transform(pose)
     if np.linalg.norm(q[:, None] - array.positions, axis=2).min() > 0.03:
         agree(array, SkinFacing(n, hand), q)
 
@@ -176,23 +178,25 @@ def test_the_kernel_is_the_reference(seed: int, count: int) -> None:
 @pytest.mark.parametrize(("turn", "away"), [(0.0, 0.0), (70.0, 1000.0), (180.0, 0.0)])
 def test_the_kernel_is_the_reference_on_a_hand(turn: float, away: float) -> None:
     shift = pc.Pose((away, -2.0 * away, 0.0))
-    array = pc.autd(2, 2) + pc.autd().moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.4)))
-    hand = Hand.open(pose=pc.Pose.turned("y", turn, (0.02, 0.0, 0.2))).moved(shift)
-    skin = skin_of(hand).place(hand)
+    array = pc.autd(2, 2) + pc.autd().transform(pc.Pose((0.0, 0.0, 0.4)).rotate("x", math.pi))
+    hand = Hand.open(pose=pc.Pose((0.02, 0.0, 0.2)).rotate("y", math.radians(turn))).transform(
+        shift
+    )
+    skin = get_skin(hand).place(hand)
     q, n = skin.points[:80], skin.normals[:80]
     facing = SkinFacing(n, make_capsules(hand))
-    agree(array.moved(shift), facing, q)
-    r = array.moved(shift).positions
+    agree(array.transform(shift), facing, q)
+    r = array.transform(shift).positions
     assert 0.5 < facing.weights(q, r).sum() / SkinFacing(n).weights(q, r).sum() < 0.999
 
 
 def test_moving_and_turning_everything_changes_nothing() -> None:
-    pose = pc.Pose.turned("x", 37.0, (0.3, -0.2, 0.1))
+    pose = pc.Pose((0.3, -0.2, 0.1)).rotate("x", math.radians(37.0))
     hand = Hand.open(pose=pc.Pose((0.0, 0.0, 0.2)))
-    skin = skin_of(hand).place(hand)
+    skin = get_skin(hand).place(hand)
     q, n = skin.points[:60], skin.normals[:60]
     w = SkinFacing(n, make_capsules(hand)).weights(q, ARRAY.positions)
-    moved = SkinFacing(pose.directions(n), make_capsules(hand.moved(pose)))
+    moved = SkinFacing(pose.directions(n), make_capsules(hand.transform(pose)))
     there = moved.weights(pose.points(q), pose.points(ARRAY.positions))
     np.testing.assert_allclose(there, w, atol=1e-9)
 

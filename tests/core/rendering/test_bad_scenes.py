@@ -11,7 +11,7 @@ from trimesh.creation import icosphere
 
 import pacinian as pc
 from pacinian.rendering.slew_limiter import SlewRateLimiter
-from pacinian.scene.hands.skin import skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.sampling.pose_prediction import HandTrack
 from pacinian.testing import ManualClock
 
@@ -64,10 +64,10 @@ HANDS: dict[str, list[pc.Hand]] = {
     "all at one place": [pc.Hand([(0.0, 0.0, 0.185)] * 26)],
     "nowhere": [OPEN, pc.Hand(J + 1e300)],
     "of absurd speed": [pc.Hand(J, time=0.0, velocities=[1e308] * 3), OPEN],
-    "a teleport": [OPEN, OPEN.moved(pc.Pose((0.0, 0.2, 0.0)))],
+    "a teleport": [OPEN, OPEN.transform(pc.Pose((0.0, 0.2, 0.0)))],
     "of tiny radii": [pc.Hand(J, np.full(26, 1e-12))],
     "of huge radii": [pc.Hand(J, np.full(26, 0.1))],
-    "in the array": [OPEN.moved(pc.Pose((0.0, 0.0, -0.2)))],
+    "in the array": [OPEN.transform(pc.Pose((0.0, 0.0, -0.2)))],
     "of the future": [pc.Hand(J, time=1e6, velocities=[1.0] * 3)],
     "a mesh of other faces": [skin(FINE), skin(COARSE), OPEN, skin(FINE, time=0.0), skin(COARSE)],
     "a mesh that begins as nothing": [skin(icosphere(2, 0.031), 0.0), skin(icosphere(2, 0.031))],
@@ -98,7 +98,7 @@ def test_a_mesh_that_was_nothing_at_first_gets_a_whole_skin() -> None:
     hand, share = track.at(skin(mesh), 0.001)
     assert hand is not None
     assert share == 1.0
-    assert len(skin_of(hand)) > 100
+    assert len(get_skin(hand)) > 100
 
 
 def test_recordings_of_it_render_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

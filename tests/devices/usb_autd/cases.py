@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian_plugins.backends.usb_autd import protocol
+from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.model import Device
-from pacinian_plugins.backends.usb_autd.protocol import FULL, Frame, Request, Verdict
+from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from pacinian_plugins.backends.usb_autd.frames import Frame
 
 FILE = Path(__file__).parent / "vectors.json"
 SMALL = Capability(units=3, transducers=4, queue=8, samples=12, longest=256)
@@ -48,9 +50,9 @@ def message(
         phase[-1, -1], amplitude[-1, -1] = level
     steps = rows if steps is None else steps
     samples = np.array([FULL] * steps if envelope is None else envelope, "<u2")
-    out = bytearray(protocol.size(*shape, len(samples)))
+    out = bytearray(frames.size(*shape, len(samples)))
     head = session, sequence, units, lead, steps
-    protocol.pack(head, samples, phase, amplitude, memoryview(out))
+    frames.pack(head, samples, phase, amplitude, memoryview(out))
     return bytes(out)
 
 

@@ -96,7 +96,7 @@ def test_all_units_change_together_at_a_row() -> None:
 
 
 def _amplitudes(sequence: int, seed: int) -> list[int]:
-    from pacinian_plugins.backends.usb_autd.protocol import unpack
+    from pacinian_plugins.backends.usb_autd.frames import unpack
 
     frame: Any = unpack(message(sequence, units=3, lead=0, level=(10, 100), seed=seed), CAN)
     return [int(a) for a in frame.levels()[1].ravel()]

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pacinian_plugins.backends.usb_autd import protocol
+from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
-from pacinian_plugins.backends.usb_autd.protocol import FULL, Frame, State, Verdict, is_newer
+from pacinian_plugins.backends.usb_autd.frames import Frame, is_newer
+from pacinian_plugins.backends.usb_autd.protocol import FULL, State, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 
 WORDS = st.integers(0, 0xFFFFFFFF)
@@ -38,8 +39,8 @@ def test_a_frame_comes_out_as_it_went_in(
     amplitude = random.integers(0, protocol.AMPLITUDES, shape, np.uint16)
     steps = rows + own
     envelope = random.integers(0, FULL + 1, steps + tail, np.uint16)
-    out = bytearray(protocol.size(*shape, len(envelope)))
-    protocol.pack(
+    out = bytearray(frames.size(*shape, len(envelope)))
+    frames.pack(
         (session, sequence, units, lead, steps), envelope, phase, amplitude, memoryview(out)
     )
     decoder = Decoder(CAN)
@@ -59,9 +60,9 @@ def test_a_frame_comes_out_as_it_went_in(
 def test_the_bytes_of_a_frame() -> None:
     """As the document has them."""
     phase, amplitude = np.array([[0x123, 0x27F]], np.uint16), np.array([[0x0BC, 0x13F]], np.uint16)
-    out = bytearray(protocol.size(1, 2, 2))
+    out = bytearray(frames.size(1, 2, 2))
     envelope = np.array([FULL, 0x1234], np.uint16)
-    protocol.pack((0x11223344, 0x55667788, 1, 4, 1), envelope, phase, amplitude, memoryview(out))
+    frames.pack((0x11223344, 0x55667788, 1, 4, 1), envelope, phase, amplitude, memoryview(out))
     head = "a5554144 01 01 0000 2e000000 44332211 88776655"
     body = "0100 01 04 0100 0200  0080 3412  23c10b 7ff213"
     want = bytes.fromhex(head)

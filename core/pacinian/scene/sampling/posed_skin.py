@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.hands.skin import Skin, skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.sampling.array_resolution import HARDLY, WELL
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose, Vector
     from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.hands.skin import Skin
     from pacinian.types import Flags, Floats, Indices
 
 SHARED = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
@@ -29,7 +30,7 @@ class PosedSkin:
         from pacinian.native import scene as kernels
 
         self.hand = hand
-        self.skin = skin_of(hand) if skin is None else skin
+        self.skin = get_skin(hand) if skin is None else skin
         self.placed = self.skin.place(hand)
         self.points, self.normals, self.area = self.placed[:3]
         self.capsules = self.placed.capsules

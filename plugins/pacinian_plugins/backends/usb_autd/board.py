@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
-from pacinian_plugins.backends.usb_autd import protocol
+from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.link import DEVICES, RESET_ADVICE
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
@@ -86,12 +86,12 @@ class Board:
         phase, amplitude = self._own(phase, amplitude)
         key = len(phase), len(envelope)
         if key not in self._buffers:
-            made = array("B", bytes(protocol.size(len(phase), self.size, len(envelope))))
+            made = array("B", bytes(frames.size(len(phase), self.size, len(envelope))))
             self._buffers[key] = made, memoryview(made)
         message, view = self._buffers[key]
         self._sequence = self._sequence + 1 & 0xFFFFFFFF
         head = self._session, self._sequence, (1 << self.can.units) - 1, lead, steps
-        protocol.pack(head, envelope, phase, amplitude, view)
+        frames.pack(head, envelope, phase, amplitude, view)
         return message
 
     def send(self, message: array[int]) -> None:

@@ -5,16 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from zlib import crc32
 
-from pacinian_plugins.backends.usb_autd.protocol import (
-    CRC,
-    HEAD,
-    HEADER,
-    MAGIC,
-    MAJOR,
-    Frame,
-    Verdict,
-    unpack,
-)
+from pacinian_plugins.backends.usb_autd.frames import CRC, HEAD, HEADER, MAGIC, Frame, unpack
+from pacinian_plugins.backends.usb_autd.protocol import MAJOR, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

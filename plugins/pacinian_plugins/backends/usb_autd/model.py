@@ -12,20 +12,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
-from pacinian_plugins.backends.usb_autd.protocol import (
-    FULL,
-    Request,
-    State,
-    Verdict,
-    is_newer,
-)
+from pacinian_plugins.backends.usb_autd.frames import is_newer
+from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, State, Verdict
 from pacinian_plugins.backends.usb_autd.reports import Capability, Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.types import Levels
-    from pacinian_plugins.backends.usb_autd.protocol import Frame
+    from pacinian_plugins.backends.usb_autd.frames import Frame
 
 ROW_TOLERANCE = 1e-6  # tolerance for a time to count as on a row boundary [rows]
 HOT = 850  # temperature at which it falls silent [0.1 °C]

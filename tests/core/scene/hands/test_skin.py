@@ -15,16 +15,17 @@ import pacinian as pc
 from pacinian.scene.hands.bones import BONES
 from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.skin import Skin, skin_of
+from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.hands.skin_lod import SPACINGS
 
 from ..tools import to_capsules
 
 if TYPE_CHECKING:
+    from pacinian.scene.hands.skin import Skin
     from pacinian.types import Floats
 
 REST = Hand.open()
-SKIN = skin_of(REST)
+SKIN = get_skin(REST)
 ALL = np.arange(len(SKIN))
 SHOWN = np.flatnonzero(
     ~SKIN.hidden
@@ -56,7 +57,7 @@ def hands(draw: st.DrawFn) -> Hand:
         side=draw(st.sampled_from(["left", "right"])),
     )
     turn = tuple(Rotation.random(random_state=rng.integers(2**31)).as_quat().tolist())
-    return hand.moved(pc.Pose(position=tuple(rng.normal(size=3)), rotation=turn))
+    return hand.transform(pc.Pose(position=tuple(rng.normal(size=3)), rotation=turn))
 
 
 def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> None:
@@ -138,7 +139,7 @@ def test_in_any_pose_a_point_stays_on_its_own_capsule(hand: Hand) -> None:
 def test_the_skin_moves_with_the_hand(hand: Hand, seed: int) -> None:
     turn = Rotation.random(random_state=seed)
     pose = pc.Pose(position=(0.3, -0.2, 0.1), rotation=tuple(turn.as_quat().tolist()))
-    before, after = SKIN.place(hand), SKIN.place(hand.moved(pose))
+    before, after = SKIN.place(hand), SKIN.place(hand.transform(pose))
     np.testing.assert_allclose(after.points, pose.points(before.points), atol=1e-9)
     np.testing.assert_allclose(after.normals, pose.directions(before.normals), atol=1e-7)
     np.testing.assert_allclose(after.area, before.area, rtol=1e-9)
@@ -391,7 +392,7 @@ def blob() -> tuple[Floats, Any]:
 def test_a_mesh_has_a_skin_too(inside_out: bool) -> None:
     vertices, faces = blob()
     hand = Hand(vertices=vertices, faces=faces[:, ::-1] if inside_out else faces)
-    skin = skin_of(hand)
+    skin = get_skin(hand)
     placed, mesh = skin.place(hand), trimesh.Trimesh(vertices, faces)
     assert placed.area.sum() == pytest.approx(mesh.area)
     assert (placed.normals * placed.points / np.array([0.04, 0.09, 0.015]) ** 2).sum(
@@ -413,12 +414,12 @@ def test_a_mesh_has_a_skin_too(inside_out: bool) -> None:
 def test_a_mesh_carries_its_skin() -> None:
     vertices, faces = blob()
     hand = Hand(vertices=vertices, faces=faces)
-    skin = skin_of(hand)
-    assert skin_of(Hand(vertices=0.9 * vertices, faces=faces.tolist())) is skin
-    assert skin_of(Hand(vertices=vertices, faces=faces[:-1])) is not skin
+    skin = get_skin(hand)
+    assert get_skin(Hand(vertices=0.9 * vertices, faces=faces.tolist())) is skin
+    assert get_skin(Hand(vertices=vertices, faces=faces[:-1])) is not skin
     before = skin.place(hand)
-    pose = pc.Pose.turned("y", 50.0, (0.1, 0.2, 0.3))
-    after = skin.place(hand.moved(pose))
+    pose = pc.Pose((0.1, 0.2, 0.3)).rotate("y", math.radians(50.0))
+    after = skin.place(hand.transform(pose))
     np.testing.assert_allclose(after.points, pose.points(before.points), atol=1e-12)
     np.testing.assert_allclose(after.normals, pose.directions(before.normals), atol=1e-9)
     smaller = skin.place(Hand(vertices=0.5 * vertices, faces=faces))
@@ -431,7 +432,7 @@ def test_a_mesh_carries_its_skin() -> None:
 def test_the_closest_skin_of_a_mesh() -> None:
     vertices, faces = blob()
     hand = Hand(vertices=vertices, faces=faces)
-    skin = skin_of(hand)
+    skin = get_skin(hand)
     points = np.array([[0.0, 0.0, -0.1], [0.0, 0.0, 0.014], [0.1, 0.0, 0.0]])
     found = skin.closest(hand, points)
     np.testing.assert_allclose(found.distance, [0.085, -0.001, 0.06], atol=1e-4)
@@ -439,7 +440,7 @@ def test_the_closest_skin_of_a_mesh() -> None:
     np.testing.assert_allclose(found.normals[0], [0.0, 0.0, -1.0], atol=0.05)
     assert (found.bone < 24).all()
     inside_out = Hand(vertices=vertices, faces=faces[:, ::-1])
-    turned = skin_of(inside_out).closest(inside_out, points)
+    turned = get_skin(inside_out).closest(inside_out, points)
     np.testing.assert_allclose(turned.distance, found.distance, atol=1e-12)
     np.testing.assert_allclose(turned.normals, found.normals, atol=1e-9)
 
@@ -450,16 +451,16 @@ def test_hands_of_other_kinds_are_refused() -> None:
     with pytest.raises(pc.ArgumentError, match="joints"):
         SKIN.place(mesh)
     with pytest.raises(pc.ArgumentError, match="vertices"):
-        skin_of(mesh).place(REST)
+        get_skin(mesh).place(REST)
     lost = Hand(vertices=np.full_like(vertices, math.nan), faces=faces[1:])
     with pytest.raises(pc.ArgumentError, match="lost"):
-        skin_of(lost)
+        get_skin(lost)
     with pytest.raises(pc.ArgumentError, match="area"):
-        skin_of(Hand(vertices=[[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]], faces=[[0, 1, 2]]))
+        get_skin(Hand(vertices=[[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]], faces=[[0, 1, 2]]))
 
 
 def test_all_hands_of_joints_share_one_skin() -> None:
-    assert skin_of(Hand.open("left")) is SKIN
+    assert get_skin(Hand.open("left")) is SKIN
     assert SKIN.closest(REST, np.zeros((1, 3))).distance[0] == pytest.approx(
         distance_to_skin(make_capsules(REST), np.zeros((1, 3)))[0]
     )
