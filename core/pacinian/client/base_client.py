@@ -105,6 +105,15 @@ class BaseClient:
                 self.close()
             warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=2)
 
+    def __repr__(self) -> str:
+        if "_dialogue" not in self.__dict__:
+            return "<Client, never connected>"
+        live = self._dialogue
+        what = (
+            f"not connected: {live.lost}" if live.lost else "armed" if self.armed else "not armed"
+        )
+        return f"<Client {self._hello['client']!r} of {self.server}, scene {self.scene!r}, {what}>"
+
     def __enter__(self) -> Self:
         return self
 

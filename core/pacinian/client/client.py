@@ -7,12 +7,15 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec.structs import replace
 
+from pacinian.acoustics.pose import Pose
 from pacinian.checks import check_number
 from pacinian.client import messages
 from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
-from pacinian.errors import ServerError, WireError
+from pacinian.errors import ConnectionLost, ServerError, WireError
+from pacinian.scene.objects import Point
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
@@ -22,7 +25,6 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from pacinian.acoustics.pose import Pose
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.modulation.envelope import Envelope
     from pacinian.scene.modulation.technique import Technique
@@ -31,8 +33,10 @@ if TYPE_CHECKING:
     from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
+    from pacinian.wire.silence import Silence
 
 CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
+MAX_SHOW_REPLIES = 16  # replies that are read to learn a scene's objects
 
 
 class Client(BaseClient):
@@ -231,6 +235,23 @@ class Client(BaseClient):
         """Request the current state and return it."""
         return self._live().ask(control.Status, State)
 
+    def explain_silence(self, state: State | None = None) -> Silence | None:
+        """Return why the output is silent now, and what to do about it; None if it sounds.
+
+        state: the newest one, if it is known already; by default, it is requested. If a hand is seen but touches
+        nothing, the scene is requested, too, to name the nearest object. A lost connection is an answer, not an error.
+        """
+        from pacinian.wire.silence import explain_silence
+
+        try:
+            state = self.status() if state is None else state
+            found = explain_silence(state)
+            if found is not None and found.cause == "nothing in reach":
+                found = explain_silence(state, self._fetch_objects())
+            return found
+        except ConnectionLost:
+            return explain_silence(None)
+
     def look(self) -> State | None:
         """Return the newest state published since the last call, or None. Does not wait."""
         return self._live().newest(0.0)
@@ -263,6 +284,26 @@ class Client(BaseClient):
     def age(self, state: State) -> float:
         """Return the age of a state [s], accurate to half of the shortest round trip."""
         return self._live(again=False).timing.age(state.time, self._clock())
+
+    def _fetch_objects(self) -> list[Object]:
+        """Return the objects of the rendered scene, where they are now. Objects that cannot be read are left out."""
+        from pacinian.wire.convert import to_scene
+
+        seen, sent = self.show(), dict[str, Any]()
+        for _ in range(MAX_SHOW_REPLIES):
+            sent |= seen.objects
+            if not seen.objects:
+                break
+            seen = self.show(seen.scene, seen.version)
+        found: list[Object] = []
+        for name, row in zip(seen.names, unpack(seen.poses, 7).tolist(), strict=True):
+            with suppress(KeyError, ValueError):
+                item = to_scene(name, sent[name])
+                if isinstance(item, Point):
+                    found.append(replace(item, position=tuple(row[:3])))
+                else:
+                    found.append(replace(item, pose=Pose(tuple(row[:3]), tuple(row[3:]))))
+        return found
 
     def _make_object(
         self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any

@@ -10,6 +10,7 @@ from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import MAX_SHOWN, Id, Name, Seconds, Session, Text
 
+MAX_LISTED_NAMES = 8  # names of objects in the text of a `Shown`
 Code = Literal[
     "malformed",
     "version",
@@ -159,6 +160,15 @@ class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
     limits: dict[str, float]
     sound: Sound | None = None
 
+    def __repr__(self) -> str:
+        solvers, backends = (
+            ", ".join(p.name for p in some) for some in (self.solvers, self.backends)
+        )
+        return (
+            f"<Abilities: {len(self.positions) // 12} transducers, {self.rate:g} Hz; solvers {solvers or 'none yet'}; "
+            f"backends {backends or 'none yet'}>"
+        )
+
 
 class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
     """Answer to `field`. pressures: complex sound pressure, real and imaginary part, (K, 2) float32 [Pa].
@@ -168,6 +178,9 @@ class Pressures(Reply, frozen=True, kw_only=True, tag="pressures"):
 
     pressures: bytes
     time: Seconds
+
+    def __repr__(self) -> str:
+        return f"<Pressures at {len(self.pressures) // 8} points, time {self.time:.3f} s>"
 
 
 class Shown(Reply, frozen=True, kw_only=True, tag="shown"):
@@ -189,6 +202,14 @@ class Shown(Reply, frozen=True, kw_only=True, tag="shown"):
 
     def __post_init__(self) -> None:
         check_arrays(self)
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.names[:MAX_LISTED_NAMES])
+        more = ", ..." if len(self.names) > MAX_LISTED_NAMES else ""
+        return (
+            f"<Shown: scene {self.scene!r}, version {self.version}, {len(self.names)} objects ({names}{more}), "
+            f"{len(self.objects)} of them new>"
+        )
 
 
 REPLIES = Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown

@@ -6,6 +6,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from pacinian.notebook import Card, card
 from pacinian.wire.protocol import Id, Name, Seconds, Text
 
 STATE, FRAME = b"state", b"frame"
@@ -107,6 +108,17 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     clients: tuple[ClientState, ...] = ()
     tick_counts: bytes = b""
 
+    def __repr__(self) -> str:
+        from pacinian.wire.state_summary import describe_state
+
+        return f"<State {self.sequence}: {describe_state(self)}>"
+
+    @card
+    def _repr_html_(self) -> Card:
+        from pacinian.wire.state_summary import summarise_state
+
+        return Card(f"State {self.sequence}", summarise_state(self))
+
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):
     """The emitted levels of one row of a frame, another row each time; empty in silence.
@@ -122,6 +134,10 @@ class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame
     amplitudes: int
     phase: bytes
     amplitude: bytes
+
+    def __repr__(self) -> str:
+        row = f"a row of {len(self.phase) // 2} levels" if self.phase else "silent"
+        return f"<FrameState {self.sequence}: {row}>"
 
 
 STATES = State, FrameState

@@ -265,7 +265,7 @@ class Sampler:
                 whole = of(item, i, name, pose, self._covers, objects)
                 sources.append((whole, self._compute_spacing(item, pose.position)))
                 continue
-            least = lowest_threshold(_vibration(item)) if self.perception else 0.0
+            least = lowest_threshold(find_vibration(item)) if self.perception else 0.0
             for hand, share in hands:
                 own = (name + hand.salt) % NAMES
                 source: Source | None
@@ -382,7 +382,7 @@ def _voices(items: list[Object]) -> list[int]:
     return numbers
 
 
-def _vibration(item: Object) -> object:
+def find_vibration(item: Object) -> object:
     """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
     if not item.technique.still:
         return None

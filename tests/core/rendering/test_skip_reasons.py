@@ -1,0 +1,33 @@
+"""Work that is saved is told apart from problems, as the viewer's page does."""
+
+import re
+from pathlib import Path
+
+from pacinian.rendering.skip_reasons import SAVED, split_skips
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_problems_are_listed_and_saved_work_is_folded() -> None:
+    skipped = {
+        "solve, nothing moved": 900, "missed ticks": 7, "drive, nothing changed": 300, "halted": 0, "other": 8,
+    }  # fmt: skip
+    found = split_skips(skipped)
+    assert list(found.problems.items()) == [("other", 8), ("missed ticks", 7)]
+    assert list(found.saved) == ["solve, nothing moved", "drive, nothing changed"]
+    assert str(found) == "8 other; 7 missed ticks; work saved 1,200 times"
+    assert str(split_skips({})) == "nothing"
+
+
+def test_the_page_calls_the_same_reasons_saved() -> None:
+    text = (ROOT / "viewer/src/panels/reasons.ts").read_text()
+    saved, _, problems = text.partition("const PROBLEMS")
+    quoted = re.compile(r'^  "?([^":]+)"?:', re.MULTILINE)
+    assert set(quoted.findall(saved)) == SAVED
+    assert not set(quoted.findall(problems.partition("};")[0])) & SAVED
+
+
+def test_every_reason_exists_in_the_sources() -> None:
+    sources = "".join(path.read_text() for path in (ROOT / "core/pacinian").rglob("*.py"))
+    for reason in SAVED:
+        assert sources.count(f'"{reason}"') > 1, reason

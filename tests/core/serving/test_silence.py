@@ -1,0 +1,120 @@
+"""Why a real server is silent, as a client asks it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.scene.file import Units
+from pacinian.testing import run_server
+
+from ...waiting import eventually
+from ..client.patience import wait_long
+from .processes import PATIENT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from pacinian.wire.silence import Cause, Silence
+
+HIGH = pc.Pose((0.0, 0.0, 0.2))
+
+
+@pytest.fixture(scope="module")
+def connection() -> Iterator[Path]:
+    with run_server(replace(PATIENT, array=Units(1, 1))) as server:
+        yield server.connection
+
+
+@pytest.fixture
+def game(connection: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[pc.Client]:
+    wait_long(monkeypatch)
+    with pc.Client(connection, name="game") as client:
+        yield client
+
+
+def ball(height: float, pressure: float = 3.0) -> pc.Volume:
+    return pc.Volume(
+        shape=pc.Sphere(0.02),
+        pose=pc.Pose((0.0, 0.0, height)),
+        radiation_pressure=pressure,
+        name="ball",
+    )
+
+
+def becomes(client: pc.Client, cause: Cause | None) -> Silence | None:
+    """Wait until the answer is this cause; return it. A changed scene takes some ticks to be published."""
+
+    def told() -> tuple[Silence | None] | None:
+        client.renew()
+        found = client.explain_silence()
+        return (found,) if (found.cause if found else None) == cause else None
+
+    return eventually(told)[0]
+
+
+def test_from_nothing_to_sound(game: pc.Client) -> None:
+    """A game that forgets one thing after the other is told each in turn, until it sounds."""
+    assert "call arm()" in str(becomes(game, "not armed"))
+    game.arm()
+    assert "call put()" in str(becomes(game, "no objects"))
+    game.put(ball(0.1))
+    assert becomes(game, None) is None  # without a hand, the whole ball
+    game.hands()
+    assert "no hand is seen" in str(becomes(game, "hand not seen"))
+    game.hands(pc.Hand.open(pose=HIGH))
+    found = str(becomes(game, "nothing in reach"))
+    gap = re.search(r'"ball" is nearest, (\d+) mm away', found)
+    assert gap, found
+    assert 50 < int(gap[1]) < 75  # from 120 mm to the skin of a palm at 200 mm
+    game.move("ball", HIGH)
+    assert becomes(game, None) is None
+    game.select(intensity=0.0)
+    assert "select(intensity=1.0)" in str(becomes(game, "no pressure"))
+    game.select(intensity=1.0)
+    assert becomes(game, None) is None
+
+
+def test_a_touch_below_the_threshold(game: pc.Client) -> None:
+    game.put(ball(0.2, pressure=1e-6))
+    game.hands(pc.Hand.open(pose=HIGH))
+    game.arm()
+    assert "below the 0.22 Pa" in str(becomes(game, "too faint"))
+
+
+def test_a_touch_that_the_array_does_not_see(game: pc.Client) -> None:
+    """The ball lies on the back of the hand, in the hand's own shadow."""
+    game.put(ball(0.228))
+    game.hands(pc.Hand.open(pose=HIGH))
+    game.arm()
+    assert "turn the palm" in str(becomes(game, "out of the array's reach"))
+
+
+def test_a_lost_lease_and_an_emergency_stop(game: pc.Client, connection: Path) -> None:
+    with pc.Client(connection, name="frozen", lease=0.05) as frozen:
+        frozen.arm()
+
+        def lost() -> str | None:  # asked by another, because the frozen game only stands
+            found = game.explain_silence()
+            return found.text if found and found.cause == "lease lost" else None
+
+        assert '"frozen" lost its lease' in eventually(lost)
+    game.stop()
+    found = becomes(game, "stopped")
+    assert found is not None
+    assert "call reset(), then arm()" in found.text
+    game.reset()
+    becomes(game, "not armed")
+
+
+def test_a_client_without_a_connection_is_told(connection: Path) -> None:
+    with pc.Client(connection) as client:
+        client.explain_silence()
+    found = client.explain_silence()
+    assert found is not None
+    assert found.cause == "not connected"
