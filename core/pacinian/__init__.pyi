@@ -26,6 +26,11 @@ from .acoustics.skin_facing import SkinFacing as SkinFacing
 from .acoustics.transducer import IDEAL as IDEAL
 from .acoustics.transducer import T4010A1 as T4010A1
 from .acoustics.transducer import Transducer as Transducer
+from .acoustics.uncertainty import Band as Band
+from .acoustics.uncertainty import Uncertainty as Uncertainty
+from .acoustics.uncertainty import predict_force as predict_force
+from .acoustics.uncertainty import predict_radiation_pressure as predict_radiation_pressure
+from .acoustics.uncertainty import predict_sound_pressure as predict_sound_pressure
 from .batch.solve_many import Solutions as Solutions
 from .batch.solve_many import solve_many as solve_many
 from .client.client import Client as Client

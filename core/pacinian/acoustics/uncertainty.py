@@ -1,0 +1,258 @@
+"""How sure a predicted pressure or force is, if the strength, the air and the transducers are not known exactly.
+
+The uncertain quantities are independent. With z standard normal and eps the standard deviations of `Uncertainty`,
+
+    P0      ->  P0 exp(eps_pressure z)                                         the same for all transducers
+    T       ->  T + eps_temperature z                                          speed of sound, density, absorption
+    g_n     ->  g_n (1 + eps_gain z_n) exp(j eps_phase z'_n)                   independent transducers
+
+If only the phases and gains of transducers scatter, the mean square pressure is known exactly,
+
+    E|p_m|^2 = s |p_m|^2 + (1 + eps_gain^2 - s) sum_n |B_mn g_n|^2,    s = exp(-eps_phase^2),
+
+as for the gain of an antenna with surface errors (J. Ruze, Proc. IEEE 54, 633, 1966). If only P0 is uncertain, all
+quantities of a band are exact, because |p| is proportional to P0. All other quantities are sampled with a seed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.air import Air
+from pacinian.acoustics.pressure import SKIN, radiation_pressure
+from pacinian.acoustics.propagation import field, matrix
+from pacinian.checks import check_integer, check_kind, check_near, check_number, check_numbers
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.types import ArrayLike, Complexes, Floats
+
+MAX_PRESSURE, MAX_TEMPERATURE = 2.0, 10.0  # largest standard deviations: a factor of 7; [K]
+MAX_PHASE, MAX_GAIN = 4.0, 1.0  # largest standard deviations [rad]; relative
+MIN_SAMPLES = 100  # below, the ends of a band are guesses
+MAX_VALUES = 1 << 27  # pressures of all samples together: 1 GiB
+CHUNK = 1 << 18  # elements of B in one chunk
+
+
+@dataclass(frozen=True, kw_only=True)
+class Uncertainty:
+    """Standard deviations of what a prediction depends on; 0 for what is known.
+
+    pressure: of ln P0, that is, about the relative one of P0 (0.3 for published values of one transducer type).
+    temperature: of the air [K]. phase: of each transducer [rad]. gain: of each transducer's strength, relative.
+    Raises ArgumentError.
+    """
+
+    pressure: float = 0.0
+    temperature: float = 0.0
+    phase: float = 0.0
+    gain: float = 0.0
+
+    def __post_init__(self) -> None:
+        most = (MAX_PRESSURE, MAX_TEMPERATURE, MAX_PHASE, MAX_GAIN)
+        for one, high in zip(fields(self), most, strict=True):
+            checked = check_number(one.name, getattr(self, one.name), low=0.0, high=high)
+            object.__setattr__(self, one.name, checked)
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A predicted quantity and how sure it is. All have the same shape: (M,) for points, () for a force.
+
+    nominal: without uncertainty. mean, deviation: mean and standard deviation. low, high: ends of the interval in which
+    the quantity lies with probability `confidence`, as far outside below as above. The unit is that of the quantity.
+    exact: whether nothing was sampled. samples: number of samples otherwise.
+    """
+
+    nominal: Floats
+    mean: Floats
+    deviation: Floats
+    low: Floats
+    high: Floats
+    confidence: float
+    exact: bool
+    samples: int
+
+    def __repr__(self) -> str:
+        if not self.nominal.size:
+            return "<Band of no points>"
+        first = f"{self.nominal.flat[0]:.3g} ({self.low.flat[0]:.3g} to {self.high.flat[0]:.3g})"
+        rest = f", and of {self.nominal.size - 1} more" if self.nominal.size > 1 else ""
+        return f"<Band of {self.confidence:.0%}: {first}{rest}>"
+
+
+def predict_sound_pressure(
+    array: Array,
+    gains: ArrayLike,
+    points: ArrayLike,
+    uncertainty: Uncertainty,
+    medium: Air | None = None,
+    *,
+    confidence: float = 0.95,
+    samples: int = 2000,
+    seed: int = 0,
+) -> Band:
+    """Return a band of the peak sound pressure |p| at M points, (M,) [Pa].
+
+    array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
+    medium: `Air()` by default. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands.
+    Raises ArgumentError, PointOnTransducer.
+    """
+    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    return problem.predict(1.0, lambda p, air: np.abs(p).astype(np.float64))
+
+
+def predict_radiation_pressure(
+    array: Array,
+    gains: ArrayLike,
+    points: ArrayLike,
+    uncertainty: Uncertainty,
+    medium: Air | None = None,
+    *,
+    alpha: float = SKIN,
+    confidence: float = 0.95,
+    samples: int = 2000,
+    seed: int = 0,
+) -> Band:
+    """Return a band of the radiation pressure at M points, (M,) [Pa].
+
+    alpha: about 2 on skin. The other arguments and errors are those of `predict_sound_pressure`: gains (N,), points
+    (M, 3) [m]. The mean is exact unless the temperature is uncertain.
+    """
+    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    return problem.predict(2.0, lambda p, air: radiation_pressure(p, air, alpha))
+
+
+def predict_force(
+    array: Array,
+    gains: ArrayLike,
+    points: ArrayLike,
+    areas: ArrayLike,
+    uncertainty: Uncertainty,
+    medium: Air | None = None,
+    *,
+    alpha: float = SKIN,
+    confidence: float = 0.95,
+    samples: int = 2000,
+    seed: int = 0,
+) -> Band:
+    """Return a band of the force of the radiation pressure on a surface, () [N]: the sum of P_m areas_m.
+
+    points: (M, 3) [m], at most half a wavelength apart. areas: of the parts of the surface that they stand for, (M,)
+    [m^2], or one for all. Errors at different points are not independent, and this counts. alpha: about 2 on skin. The
+    other arguments and errors are those of `predict_sound_pressure`: gains (N,). The mean is exact unless the
+    temperature is uncertain.
+    """
+    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    try:
+        spread = np.broadcast_to(np.asarray(areas, dtype=np.float64), (len(problem.q),))
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            "areas", f"must be one area [m^2] or {len(problem.q)}, one for each point"
+        ) from None
+    if not (spread >= 0.0).all() or not np.isfinite(spread).all():
+        raise ArgumentError("areas", "must be finite, and 0 or more [m^2]")
+    return problem.predict(2.0, lambda p, air: radiation_pressure(p, air, alpha) @ spread)
+
+
+class _Problem:
+    """Checked arguments, and the predictions from them."""
+
+    def __init__(
+        self, array: Array, gains: ArrayLike, points: ArrayLike, uncertainty: Uncertainty,
+        medium: Air | None, confidence: float, samples: int, seed: int,
+    ) -> None:  # fmt: skip
+        self.array, self.air = array, medium or Air()
+        check_kind("uncertainty", uncertainty, Uncertainty)
+        self.given = uncertainty
+        self.q = check_numbers("points", points, (None, 3))
+        check_near("points", self.q, array.centre)
+        self.nominal: Complexes = field(array, gains, self.q, self.air, "double")
+        self.g: Complexes = np.asarray(gains, dtype=np.complex128)
+        self.confidence = check_number("confidence", confidence, low=0.5, high=0.999)
+        self.count = check_integer("samples", samples, low=MIN_SAMPLES)
+        if self.count * max(len(self.q), len(self.g)) > MAX_VALUES:
+            raise ArgumentError("samples", f"must be fewer: {self.count} of them fill the memory")
+        self.chance = np.random.default_rng(check_integer("seed", seed, low=0))
+
+    def predict(self, power: float, quantity: Callable[[Complexes, Air], Floats]) -> Band:
+        """Return a band of a quantity that is proportional to P0^power. quantity: of p, (..., M) [Pa], and the air."""
+        nominal, s = np.asarray(quantity(self.nominal, self.air)), power * self.given.pressure
+        ends = (1.0 - self.confidence) / 2.0, (1.0 + self.confidence) / 2.0
+        scattered = self.given.phase > 0.0 or self.given.gain > 0.0
+        if not (scattered or self.given.temperature):
+            low, high = (nominal * math.exp(s * NormalDist().inv_cdf(end)) for end in ends)
+            mean = nominal * math.exp(s * s / 2.0)
+            spread = mean * math.sqrt(math.expm1(s * s))
+            return Band(nominal, mean, spread, low, high, self.confidence, True, 0)
+        found = self._sample(quantity)
+        mean, variance = found.mean(axis=0), found.var(axis=0)
+        if power == 2.0 and not self.given.temperature:
+            mean = np.asarray(quantity(self._mean_square(), self.air))
+        deviation = np.sqrt(math.exp(s * s) * variance + math.expm1(s * s) * mean * mean)
+        strength = np.exp(s * self._spread_normal())
+        found *= strength.reshape(-1, *[1] * nominal.ndim)
+        low, high = np.quantile(found, ends, axis=0)
+        grows = math.exp(s * s / 2.0)
+        return Band(
+            nominal, mean * grows, deviation * grows, np.asarray(low), np.asarray(high),
+            self.confidence, False, self.count,
+        )  # fmt: skip
+
+    def _sample(self, quantity: Callable[[Complexes, Air], Floats]) -> Floats:
+        """Return the quantity for random air and transducers, (samples, ...), at the nominal P0."""
+        warmer = self.given.temperature * self._spread_normal()
+        found: list[Floats] = []
+        for k in range(self.count):
+            scatter = self.chance.standard_normal((2, len(self.g)))
+            g = self.g * (1.0 + self.given.gain * scatter[0])
+            g *= np.exp(1j * self.given.phase * scatter[1])
+            air = warm(self.air, warmer[k]) if self.given.temperature else self.air
+            found.append(quantity(field(self.array, g, self.q, air), air))
+        return np.array(found, dtype=np.float64)
+
+    def _spread_normal(self) -> Floats:
+        """Return standard normal numbers, one of each equally probable interval, in random order, (samples,)."""
+        from scipy.special import ndtri
+
+        return np.asarray(ndtri((self.chance.permutation(self.count) + 0.5) / self.count))
+
+    def _mean_square(self) -> Complexes:
+        """Return the root of E|p|^2 if transducers scatter, (M,) [Pa]."""
+        kept = math.exp(-(self.given.phase**2))
+        apart = np.empty(len(self.q))
+        rows = max(1, CHUNK // len(self.g))
+        for first in range(0, len(self.q), rows):
+            part = slice(first, first + rows)
+            B = matrix(self.array, self.q[part], self.air)
+            apart[part] = (np.abs(B * self.g) ** 2).sum(axis=1)
+        together = np.abs(self.nominal) ** 2
+        square = kept * together + (1.0 + self.given.gain**2 - kept) * apart
+        return np.sqrt(square).astype(np.complex128)
+
+
+def warm(air: Air, by: float) -> Air:
+    """Return air that is `by` [K] warmer. A given speed of sound or density changes in the ratio of an ideal gas."""
+    at = Air().temperature if air.temperature is None else air.temperature
+    assert at is not None  # the default is a number
+    before, after = (
+        Air(temperature=t, humidity=air.humidity, ambient_pressure=air.ambient_pressure)
+        for t in (at, at + by)
+    )
+    return Air(
+        temperature=at + by,
+        humidity=air.humidity,
+        ambient_pressure=air.ambient_pressure,
+        speed_of_sound=air.speed_of_sound * after.speed_of_sound / before.speed_of_sound,
+        density=air.density * after.density / before.density,
+        attenuation=air.attenuation,
+        absorption=air.absorption,
+    )
