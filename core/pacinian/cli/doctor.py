@@ -40,7 +40,7 @@ def tell(findings: list[Finding]) -> None:
     from rich.console import Console
     from rich.markup import escape
 
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(highlight=False, soft_wrap=True)  # remedies are copied: no line may be broken
     for f in findings:
         level = f"[{COLOURS[f.level]}]{f.level:<8}[/]"
         console.print(f"{level} {escape(f.name)}: {escape(f.told)}")

@@ -191,7 +191,9 @@ def server(given: str | None) -> Finding:
 
     try:
         with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
-            return doctor_rules.server("", client.status().output, client.server)
+            state = client.status()
+            why = client.explain_silence(state)
+            return doctor_rules.server("", state.output, client.server, str(why or ""))
     except PacinianError as error:
         return doctor_rules.server(str(error), "", "")
 

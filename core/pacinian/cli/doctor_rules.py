@@ -114,17 +114,15 @@ def connection(path: str, there: bool, error: str) -> Finding:
     return Finding("connection file", "ok", path)
 
 
-def server(error: str, output: str, version: str) -> Finding:
-    """Check that the server of the connection file answers. error: why not, or ""."""
+def server(error: str, output: str, version: str, why: str = "") -> Finding:
+    """Check that the server of the connection file answers. error: why not, or "". why: why it is silent, or ""."""
     if error:
         return Finding("server", "problem", error, "see its log; start `pacinian serve` again")
-    told = (
-        f"a server runs ({version}), its output is {output}; another one needs its own --connection"
-    )
+    told = f"a server runs ({version}), its output is {output}{why and ': '}{why}"
     if output in ("faulted", "stopped"):
-        fix = "fix the faults that `pacinian status` lists; then call `reset()` from a client"
+        fix = "`pacinian status` lists the faults; then call `reset()` and `arm()` from a client"
         return Finding("server", "warning", told, fix)
-    return Finding("server", "ok", told)
+    return Finding("server", "ok", f"{told}; another server needs its own --connection")
 
 
 def air(told: str) -> Finding:

@@ -13,8 +13,17 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from pacinian.wire.replies import Sound
+    from pacinian.wire.silence import Silence
     from pacinian.wire.state import State
 
+OUTPUT_COLOURS = {
+    "sounding": "bold green",
+    "silent": "bold yellow",
+    "stale": "bold yellow",
+    "stopped": "bold red",
+    "faulted": "bold red",
+}
+MAX_LATE_SHARE = 0.05  # share of late ticks above which they are coloured
 BULK = {  # type and width of the rows
     "points": ("<f4", 3),
     "normals": ("<f4", 3),
@@ -30,7 +39,7 @@ BULK = {  # type and width of the rows
 @CONNECTION
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def status(connection: str | None, as_json: bool) -> None:
-    """Print what a running server emits, and its health.
+    """Print what a running server emits, why it is silent, and its health.
 
     Exit code 1 after a fault, 2 if no server answers.
     """
@@ -38,14 +47,15 @@ def status(connection: str | None, as_json: bool) -> None:
 
     with Client(connection, name="pacinian status") as client:
         state, sound = client.status(), client.capabilities().sound
+        silence = client.explain_silence(state)
     if as_json:
-        click.echo(json.dumps({**plain(state), **air(sound)}))
+        click.echo(json.dumps({**plain(state, silence), **air(sound)}))
     else:
-        from rich.console import Console
+        from pacinian.cli.console import make_console
 
-        made = make_table(state)
+        made = make_table(state, silence)
         made.add_row("air", describe_air(sound))
-        Console().print(made)
+        make_console().print(made)
     if state.output == "faulted":
         raise SystemExit(1)
 
@@ -65,8 +75,11 @@ def describe_air(sound: Sound | None) -> str:
     return f"{told}{sound.speed_of_sound:.1f} m/s"
 
 
-def plain(state: State) -> dict[str, Any]:
-    """Convert a state for JSON. Bulk numbers become lists, or lists of rows if a row has several numbers."""
+def plain(state: State, silence: Silence | None) -> dict[str, Any]:
+    """Convert a state for JSON. Bulk numbers become lists, or lists of rows if a row has several numbers.
+
+    silence: cause and text, or null; see `Client.explain_silence`.
+    """
     import msgspec
     import numpy as np
 
@@ -75,61 +88,28 @@ def plain(state: State) -> dict[str, Any]:
         rows = np.frombuffer(getattr(state, name), kind).reshape(-1, width)
         told[name] = (rows[:, 0] if width == 1 else rows).tolist()
     del told["id"], told["type"]
+    told["silence"] = silence and silence._asdict()
     return told
 
 
-def make_table(state: State) -> Table:
-    """Return a state as a table."""
-    from rich.markup import escape
+def make_table(state: State, silence: Silence | None) -> Table:
+    """Return a state as a table: what is wrong is coloured."""
     from rich.table import Table
+    from rich.text import Text
+
+    from pacinian.rendering.skip_reasons import split_skips
+    from pacinian.wire.state_summary import summarise_state
 
     made = Table(box=None, show_header=False, pad_edge=False)
-    samples, median, p99, longest = len(state.asked) // 4, *state.tick_ms
-    rows = {
-        "output": f"[bold]{state.output}[/bold]" + (", armed" if state.armed else ""),
-        "owner": escape(f"{state.owner}, scene {state.scene}") if state.owner else "nobody",
-        "solver, backend": escape(f"{state.solver}, {state.backend}"),
-        "technique, strength": escape(
-            f"{state.technique or 'of each object'}, {state.intensity:.0%}"
-        ),
-        "rendered": f"{samples} samples of {len(state.objects)} objects, {len(state.hands) // 312} hands",
-        "at the samples, as emitted": f"{state.error:.3%} off the target sound pressures",
-        **_format_felt(state),
-        "ticks": f"{state.ticks} at {state.rate:g} Hz, {state.late} late",
-        "tick time": f"p50 {median:.3f} ms, p99 {p99:.3f} ms, max {longest:.3f} ms",
-        "frames": f"{state.frames}, longest gap {1e3 * state.longest_gap:.1f} ms",
-        "skipped": _counts(state.skipped),
-        "restarts": _counts(state.restarts),
-        "faults": f"{state.fault_count}",
-    }
-    for i, fault in enumerate(reversed(state.faults[-3:])):
-        rows[f"  {i + 1} from the end" if i else "  the last"] = escape(fault)
-    for client in state.clients:
-        what = "owner, " if client.owner else ""
-        rows[escape(f"client {client.name}")] = escape(
-            f"{what}scene {client.scene}, {client.objects} objects, {client.commands} commands, "
-            f"{client.errors} errors, {client.dropped} dropped, age {1e3 * client.age:.1f} ms"
-        )
-    for name, value in rows.items():
-        made.add_row(name, value)
+    made.add_column(style="dim", no_wrap=True)
+    made.add_column(overflow="fold")
+    colours = {"output": OUTPUT_COLOURS[state.output], "why": OUTPUT_COLOURS[state.output]}
+    if state.late > MAX_LATE_SHARE * state.ticks:
+        colours["ticks"] = "yellow"
+    if split_skips(state.skipped).problems:
+        colours["left out"] = "yellow"
+    faulty = {"faults", "restarts", *(f"  {i + 1}" for i in range(len(state.faults)))}
+    colours |= dict.fromkeys(faulty, "red")
+    for name, value in summarise_state(state, silence).items():
+        made.add_row(Text(name), Text(value, style=colours.get(name, "")))
     return made
-
-
-def _format_felt(state: State) -> dict[str, str]:
-    """Return the felt quality of objects that have regions, between their samples."""
-    import numpy as np
-    from rich.markup import escape
-
-    from pacinian.solving.felt_regions import FeltRegion
-
-    figures = np.frombuffer(state.felt, "<f4").reshape(-1, 4).tolist()
-    told = zip(state.objects, figures, strict=False)
-    return {
-        escape(f"felt of {name}"): str(FeltRegion(*four))
-        for name, four in told
-        if four[0] == four[0]
-    }
-
-
-def _counts(counts: dict[str, int]) -> str:
-    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"

@@ -17,9 +17,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pacinian.client.client import Client
+    from pacinian.wire.silence import Silence
     from pacinian.wire.state import State
 
 REFRESH = 0.1  # period of redraws [s]
+EXPLAIN_PERIOD = 0.5  # shortest time between two requests of the scene, to explain silence [s]
 
 
 @click.command()
@@ -32,36 +34,45 @@ REFRESH = 0.1  # period of redraws [s]
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object per state, one per line.")
 def watch(connection: str | None, seconds: float, as_json: bool) -> None:
-    """Show the state of a running server, always the newest."""
+    """Show what a running server emits and why it is silent, always the newest."""
     from pacinian.client.client import Client
 
     with Client(connection, name="pacinian watch") as client:
         states = _states(client, seconds)
         if as_json:
-            for state in states:
-                click.echo(json.dumps(plain(state)))
+            for state, silence in states:
+                click.echo(json.dumps(plain(state, silence)))
         else:
             _show(states)
 
 
-def _states(client: Client, seconds: float) -> Iterator[State]:
+def _states(client: Client, seconds: float) -> Iterator[tuple[State, Silence | None]]:
+    """Yield the newest states, each with the reason why it is silent."""
     from pacinian.errors import Refused
+    from pacinian.wire.silence import explain_silence
 
-    end = time.perf_counter() + seconds
+    end, explained, last = time.perf_counter() + seconds, -math.inf, None
     for state in client.watch():
         with suppress(Refused):  # the state shows what happened to the output
             client.renew()  # keeps the session alive
-        yield state
+        silence, now = explain_silence(state), time.perf_counter()
+        if silence is not None and silence.cause == "nothing in reach":
+            if now >= explained + EXPLAIN_PERIOD:
+                explained, last = now, client.explain_silence(state)
+            silence = last or silence
+        yield state, silence
         if time.perf_counter() >= end:
             return
 
 
-def _show(states: Iterator[State]) -> None:
+def _show(states: Iterator[tuple[State, Silence | None]]) -> None:
     from rich.live import Live
 
+    from pacinian.cli.console import make_console
+
     drawn = -math.inf
-    with Live(auto_refresh=False) as live:
-        for state in states:
+    with Live(console=make_console(), auto_refresh=False) as live:
+        for state, silence in states:
             if (now := time.perf_counter()) >= drawn + REFRESH:
                 drawn = now
-                live.update(make_table(state), refresh=True)
+                live.update(make_table(state, silence), refresh=True)

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 import pacinian as pc
-from pacinian.cli.status import status
+from pacinian.cli.console import make_console
+from pacinian.cli.status import make_table, status
 from pacinian.cli.stop import stop
 from pacinian.cli.watch import watch
 from pacinian.client import server_session
@@ -67,17 +69,55 @@ def test_status_tells_all(server: Fake, path: str) -> None:
     assert seen["asked"] == [5.0, 6.0]
     assert np.shape(seen["points"]) == (2, 3)
     assert seen["inputs"] == [[0, 1, 2, 3]]
-    assert set(seen) == set(State.__struct_fields__) - {"id"}
+    assert set(seen) == {"silence"} | set(State.__struct_fields__) - {"id"}
+    assert seen["silence"] is None
     text = run(status, "--connection", path)
     for word in (
         "sounding",
         "game [1]",
-        "2 samples of 1 objects, 1 hands",
+        "2 samples of 1 object, 1 hand",
         "late [x]",
         "7 nothing",
     ):
         assert word in text
     assert isinstance(server.seen[-1], control.Bye)
+
+
+@pytest.mark.parametrize("command", [status, watch])
+def test_silence_is_explained(command: click.Command, server: Fake, path: str) -> None:
+    answer(server)
+    server.stream = state
+    options = ("--seconds", "0") if command is watch else ()
+    text = run(command, "--connection", path, *options)
+    assert re.search(r"output\s+silent", text)
+    assert re.search(r"why\s+not armed: call arm\(\)", text)
+    seen = json.loads(run(command, "--connection", path, "--json", *options).splitlines()[0])
+    assert seen["silence"] == {"cause": "not armed", "text": "not armed: call arm()"}
+
+
+@pytest.mark.parametrize("no_color", [False, True])
+def test_a_terminal_has_colours_unless_they_are_refused(
+    no_color: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pipe has none: `CliRunner` is no terminal."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    if no_color:
+        monkeypatch.setenv("NO_COLOR", "1")
+    console = make_console()
+    with console.capture() as shown:
+        console.print(make_table(state(**FULL), None))
+    green = re.search(r"\x1b\[[\d;]*32m", shown.get())
+    assert bool(green) is not no_color
+
+
+def test_a_pipe_has_neither_colours_nor_broken_sentences(server: Fake, path: str) -> None:
+    fault = "the device went away " * 6
+    answer(server, output="faulted", faults=(fault,), fault_count=1)
+    text = run(status, "--connection", path, code=1)
+    assert "\x1b" not in text
+    assert f"fault: {fault}".rstrip() in text.replace("\n", "")
 
 
 def test_status_of_a_fault_is_exit_code_1(server: Fake, path: str) -> None:

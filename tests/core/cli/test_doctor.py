@@ -25,7 +25,11 @@ OK, WARNING, PROBLEM = "ok", "warning", "problem"
         (doctor_rules.libraries({"zmq": "27", "numpy": "2"}), OK, "zmq 27, numpy 2"),
         (doctor_rules.libraries({"zmq": None, "numpy": "2"}), PROBLEM, "missing: zmq.*pip install"),
         (doctor_rules.extras({}), OK, "all"),
-        (doctor_rules.extras({"plot": "matplotlib"}), OK, r"matplotlib.*python -m pip install.*\[plot\]"),
+        (
+            doctor_rules.extras({"plot": "matplotlib"}),
+            OK,
+            r"matplotlib.*python -m pip install.*\[plot\]",
+        ),
         (doctor_rules.air("22 °C, 345.1 m/s"), OK, "22 °C.*pacinian serve --temperature"),
         (doctor_rules.curve(True, "4.3.5"), OK, "with CURVE"),
         (doctor_rules.curve(False, "4.3.5"), WARNING, "without CURVE.*pyzmq"),
@@ -44,6 +48,11 @@ OK, WARNING, PROBLEM = "ok", "warning", "problem"
         (doctor_rules.connection("/c", True, ""), OK, "/c"),
         (doctor_rules.server("no answer", "", ""), PROBLEM, "no answer.*log"),
         (doctor_rules.server("", "silent", "1.0"), OK, "silent.*--connection"),
+        (
+            doctor_rules.server("", "silent", "1.0", "not armed"),
+            OK,
+            "is silent: not armed; another",
+        ),
         (doctor_rules.server("", "faulted", "1.0"), WARNING, "reset"),
         (doctor_rules.memory("/dev/shm", True, 2**30, 2**25), OK, "1024 MiB free, 32 MiB"),
         (doctor_rules.memory("/dev/shm", True, 2**20, 2**25), PROBLEM, "--shm-size"),
@@ -93,7 +102,9 @@ def test_here_all_that_is_needed_is_there(tmp_path: Path) -> None:
 def test_it_sees_a_server_and_why_one_does_not_answer(server: Fake, tmp_path: Path) -> None:
     path = server.connection.write(tmp_path / "connection.json")
     assert doctor_probes.file(str(path)).level == OK
-    assert "fake" in doctor_probes.server(str(path)).told
+    told_of = doctor_probes.server(str(path)).told
+    assert "fake" in told_of
+    assert "its output is silent: not armed: call arm()" in told_of
     path.chmod(0o644)
     assert "chmod 600" in doctor_probes.file(str(path)).told
     path.chmod(0o600)

@@ -55,7 +55,9 @@ def becomes(client: pc.Client, cause: Cause | None) -> Silence | None:
         found = client.explain_silence()
         return (found,) if (found.cause if found else None) == cause else None
 
-    return eventually(told)[0]
+    found = eventually(told)
+    assert found is not None
+    return found[0]
 
 
 def test_from_nothing_to_sound(game: pc.Client) -> None:
@@ -99,9 +101,9 @@ def test_a_lost_lease_and_an_emergency_stop(game: pc.Client, connection: Path) -
     with pc.Client(connection, name="frozen", lease=0.05) as frozen:
         frozen.arm()
 
-        def lost() -> str | None:  # asked by another, because the frozen game only stands
+        def lost() -> str:  # asked by another, because the frozen game only stands
             found = game.explain_silence()
-            return found.text if found and found.cause == "lease lost" else None
+            return found.text if found and found.cause == "lease lost" else ""
 
         assert '"frozen" lost its lease' in eventually(lost)
     game.stop()
