@@ -27,7 +27,7 @@ pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
 __all__ = ["bind"]  # a fixture
 
-PURE = "zmtp_vectors", "zmtp_limits"
+PURE = "zmtp_vectors", "zmtp_limits", "zmtp_standstill"
 FUZZED = 1000  # conversations for each seed
 OTHER = {  # of C#'s, which subscribes as it goes, has threads that wait, and a fuzzer of its own
     "test_subscriptions", "test_a_peer_of_3_0_is_subscribed_to_by_messages", "test_one_that_goes",

@@ -99,6 +99,20 @@ void how_a_connection_is_closed() {
   EXPECT(made.messages.size() == 1 && made.messages[0] == "a");  // what has come is still read
 }
 
+void after_an_error_nothing_is_read() {
+  Ready made;
+  feed::give_some(made, "\0\1a\4\x0b\5ERROR\4over\0\1b", 19, 0.0);
+  made.note_closed();
+  feed::read_all(made, made.messages);
+  EXPECT(made.messages.size() == 1 && made.messages[0] == "a");
+}
+
+void what_a_peer_says_is_printable() {
+  Ready made;
+  made.give(std::string("\4\xa\5ERROR\3\n\x1b\xff", 12));
+  EXPECT(made.ending() == Ending::gone && made.problem() == "the peer ends it: ???");
+}
+
 void addresses() {
   const auto found = read_endpoint("tcp://127.0.0.1:5555");
   EXPECT(found && !found->is_v6 && found->port == 5555 && found->address[0] == 127 && found->address[3] == 1);
@@ -122,6 +136,8 @@ int main() {
   messages_are_taken_up_to_a_limit();
   a_flood_of_heartbeats_is_answered_up_to_a_limit();
   how_a_connection_is_closed();
+  after_an_error_nothing_is_read();
+  what_a_peer_says_is_printable();
   addresses();
   return check::result();
 }

@@ -34,7 +34,7 @@ void FrameWriter::write_head(std::uint8_t flags, std::size_t size) {
     data_.push_back(static_cast<std::uint8_t>(size));
     return;
   }
-  data_.push_back(flags | frame::has_long_size);
+  data_.push_back(static_cast<std::uint8_t>(flags | frame::has_long_size));
   for (int shift = 56; shift >= 0; shift -= 8)
     data_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(size) >> shift));
 }

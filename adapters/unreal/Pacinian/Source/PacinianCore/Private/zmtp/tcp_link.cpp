@@ -14,9 +14,9 @@ TcpLink::~TcpLink() {
 
 void TcpLink::try_connect() {
   if (is_connected_ || is_closed_) return;
-  native::Watch watch = this->watch(false);
-  native::wait(&watch, 1, 0.0);
-  if (!watch.is_ready) return;
+  native::Watch watched = watch(false);
+  native::wait(&watched, 1, 0.0);
+  if (!watched.is_ready) return;
   is_connected_ = native::is_connected(handle_);
   is_closed_ = !is_connected_;
 }

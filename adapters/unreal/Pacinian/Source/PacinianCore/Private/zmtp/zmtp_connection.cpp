@@ -37,7 +37,14 @@ ZmtpConnection::ZmtpConnection(const Settings& settings, double now)
 
 void ZmtpConnection::note_arrival(double now) {
   heard_ = now;
-  unanswered_ = never;
+  unanswered_ = peer_deadline_ = never;
+}
+
+/// Reads a frame. What the peer says after a heartbeat fulfils its time to live, also if both have come together.
+bool ZmtpConnection::has_frame() {
+  if (!is_established_ || is_cut_off_ || !input_.read()) return false;
+  peer_deadline_ = never;
+  return true;
 }
 
 void ZmtpConnection::advance() {
@@ -60,7 +67,7 @@ void ZmtpConnection::subscribe() {
 
 bool ZmtpConnection::read(std::vector<std::uint8_t>& into) {
   advance();
-  while (is_established_ && input_.read()) {
+  while (has_frame()) {
     if (input_.is_command()) {
       handle_command();
       continue;
@@ -87,32 +94,37 @@ void ZmtpConnection::check_time(double now) {
     if (now - begun_ > settings_.handshake_timeout) end(Ending::foreign, "the handshake takes too long");
     return;
   }
-  if (settings_.ping_interval > 0.0 && now - pinged_ >= settings_.ping_interval) {
+  if (pings() && now - pinged_ >= settings_.ping_interval) {
     pinged_ = now;
     unanswered_ = std::min(unanswered_, now);
     if (output_.size() == 0) output_.write_command(command::ping, ping_);  // else it would be one more that waits
   }
-  if (now - unanswered_ > settings_.ping_timeout || now - heard_ > peer_timeout_)
+  if (now - unanswered_ > settings_.ping_timeout || now > peer_deadline_)
     end(Ending::gone, "the peer is silent");
 }
 
 double ZmtpConnection::due() const {
   if (!is_established_) return begun_ + settings_.handshake_timeout;
-  const double ping = settings_.ping_interval > 0.0 ? pinged_ + settings_.ping_interval : never;
-  return std::min({ping, unanswered_ + settings_.ping_timeout, heard_ + peer_timeout_});
+  const double ping = pings() ? pinged_ + settings_.ping_interval : never;
+  return std::min({ping, unanswered_ + settings_.ping_timeout, peer_deadline_});
 }
 
 void ZmtpConnection::handle_command() {
   if (const command::Data ping = command::match(input_, command::ping)) answer_ping(*ping);
   if (const command::Data error = command::match(input_, command::error))
-    end(Ending::gone, "the peer ends it: " + command::make_printable(command::read_text(*error).value_or("")));
+    cut_off(Ending::gone, "the peer ends it: " + command::make_printable(command::read_text(*error).value_or("")));
+}
+
+void ZmtpConnection::cut_off(Ending ending, std::string problem) {
+  is_cut_off_ = true;
+  end(ending, std::move(problem));
 }
 
 void ZmtpConnection::answer_ping(std::string_view data) {
   if (data.size() < ttl_bytes || data.size() > ttl_bytes + max_context_bytes)
-    return end(Ending::foreign, "a heartbeat of " + std::to_string(data.size()) + " bytes");
+    return cut_off(Ending::foreign, "a heartbeat of " + std::to_string(data.size()) + " bytes");
   const double ttl = read_ttl(data);
-  peer_timeout_ = ttl > 0.0 ? ttl : never;
+  peer_deadline_ = ttl > 0.0 ? heard_ + ttl : never;
   if (output_.frames() < max_waiting_frames) output_.write_command(command::pong, data.substr(ttl_bytes));
 }
 

@@ -51,7 +51,8 @@ class ZmtpConnection {
   /// Goes on with the handshake; to be called when bytes have come.
   void advance();
 
-  /// Reads the last part of the next message; false if none has come whole. Parts before it are not kept.
+  /// Reads the last part of the next message, also after the peer has closed the connection; false if none has come whole.
+  /// Parts before it are not kept.
   bool read(std::vector<std::uint8_t>& into);
 
   /// Takes a message of one part; false if there is no room for it.
@@ -67,9 +68,12 @@ class ZmtpConnection {
   static constexpr double never = std::numeric_limits<double>::infinity();
 
   void subscribe();
+  bool has_frame();
+  bool pings() const { return settings_.ping_interval > 0.0 && handshake_.minor() >= 1; }
   void handle_command();
   void answer_ping(std::string_view data);
   void end(Ending ending, std::string problem);
+  void cut_off(Ending ending, std::string problem);
 
   const Settings& settings_;
   Handshake handshake_;
@@ -77,8 +81,11 @@ class ZmtpConnection {
   FrameWriter output_;
   const std::string ping_;  // its data
   const double begun_;
-  double heard_, pinged_, unanswered_ = never, peer_timeout_ = never;
+  double heard_, pinged_;
+  double unanswered_ = never;     // the first of our heartbeats since the peer was heard
+  double peer_deadline_ = never;  // by the peer's last heartbeat, if nothing has come since
   bool is_established_ = false, is_in_message_ = false, is_wanted_ = false;
+  bool is_cut_off_ = false;  // what comes after a fatal command is not read
   Ending ending_ = Ending::none;
   std::string problem_;
 };

@@ -22,7 +22,8 @@ void ZmtpSocket::work() {
   if (is_over()) return;
   if (!connection_) {
     link_->try_connect();
-    if (link_->is_closed() || now - begun_ > settings_.connect_timeout) return end(Ending::nobody, now);
+    const bool is_late = now - begun_ > settings_.connect_timeout;
+    if (link_->is_closed() || (is_late && !link_->is_connected())) return end(Ending::nobody, now);
     if (!link_->is_connected()) return;
     connection_ = std::make_unique<ZmtpConnection>(settings_, now);
   }
