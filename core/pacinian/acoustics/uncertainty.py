@@ -124,8 +124,9 @@ def predict_radiation_pressure(
 ) -> Band:
     """Return a band of the radiation pressure at M points, (M,) [Pa].
 
-    alpha: about 2 on skin. The other arguments and errors are those of `predict_sound_pressure`: gains (N,), points
-    (M, 3) [m]. The mean is exact unless the temperature is uncertain.
+    array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
+    medium: `Air()` by default. alpha: about 2 on skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds
+    give equal bands. The mean is exact unless the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
     """
     problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
     return problem.predict(2.0, lambda p, air: radiation_pressure(p, air, alpha))
@@ -146,10 +147,11 @@ def predict_force(
 ) -> Band:
     """Return a band of the force of the radiation pressure on a surface, () [N]: the sum of P_m areas_m.
 
-    points: (M, 3) [m], at most half a wavelength apart. areas: of the parts of the surface that they stand for, (M,)
-    [m^2], or one for all. Errors at different points are not independent, and this counts. alpha: about 2 on skin. The
-    other arguments and errors are those of `predict_sound_pressure`: gains (N,). The mean is exact unless the
-    temperature is uncertain.
+    array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m], at most half a wavelength apart.
+    areas: of the parts of the surface that they stand for, (M,) [m^2], or one for all. Errors at different points are
+    not independent, and this counts. uncertainty: what is not known. medium: `Air()` by default. alpha: about 2 on
+    skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands. The mean is exact unless
+    the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
     """
     problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
     try:
