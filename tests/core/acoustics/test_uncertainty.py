@@ -57,7 +57,7 @@ def test_monte_carlo_by_other_code_agrees(name: str) -> None:
         (pc.predict_force(ARRAY, G, Q, AREAS, u, AIR, samples=4000), P @ AREAS),
     ):
         deviation = thrown.std(axis=0)
-        np.testing.assert_allclose(band.mean, thrown.mean(axis=0), atol=0.04 * deviation.max())
+        np.testing.assert_allclose(band.mean, thrown.mean(axis=0), atol=0.06 * deviation.max())
         np.testing.assert_allclose(band.deviation, deviation, rtol=0.05)
         low, high = np.quantile(thrown, [0.025, 0.975], axis=0)
         np.testing.assert_allclose(band.low, low, atol=0.2 * deviation.max())
