@@ -23,7 +23,7 @@ ONLY_UNITY = {
     (
         "Options",
         "Transport",
-    ): "C# has sockets of its own, and libzmq or NetMQ for CURVE; C++ has libzmq",
+    ): "both have sockets of their own; for CURVE, C# has libzmq or NetMQ, and C++ libzmq",
 }
 ONLY_UNREAL = {
     (

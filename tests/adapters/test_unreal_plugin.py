@@ -63,6 +63,39 @@ def test_build_rules_name_modules_that_there_are(rules: Path) -> None:
     assert text.count("{") == text.count("}")
 
 
+def test_libzmq_is_used_only_where_it_is() -> None:
+    text = (unreal.SOURCE / "PacinianCore" / "PacinianCore.Build.cs").read_text(encoding="utf-8")
+    always, found, there = text.partition("if (File.Exists(Header))")
+    assert found
+    assert '"ZeroMQ"' not in re.findall(r"new string\[\] \{.*?\}", always)[0]
+    assert "PACINIAN_LIBZMQ" not in always
+    assert '"ZeroMQ"' in there
+    assert "PACINIAN_LIBZMQ=1" in there
+
+
+@pytest.mark.deep("cmake")
+@pytest.mark.parametrize("asked", [False, True])
+def test_the_recipe_builds_libzmq_only_if_asked(tmp_path: Path, asked: bool) -> None:
+    """It is configured, and places stand-ins for what it would have built: it fetches nothing."""
+    recipe, word = unreal.SOURCE / "ThirdParty", "ON" if asked else "OFF"
+    tools.run("cmake", "-S", recipe, "-B", tmp_path / "build", f"-DPACINIAN_LIBZMQ={word}")
+    said = tools.run("cmake", "--build", tmp_path / "build", "--target", "help")
+    assert "msgpack" in said
+    assert ("zeromq" in said) == asked
+    here, stage = tmp_path / "plugin" / "Source" / "ThirdParty", tmp_path / "stage"
+    for name in ("msgpack/include/msgpack.h", "msgpack/lib/libmsgpack-c.a", "zeromq/include/zmq.h",
+                 "zeromq/lib/libzmq.so.5"):  # fmt: skip
+        (stage / name).parent.mkdir(parents=True, exist_ok=True)
+        (stage / name).touch()
+    given = f"-DHERE={here}", f"-DSTAGE={stage}", f"-DWITH_LIBZMQ={word}"
+    tools.run("cmake", *given, "-P", recipe / "place.cmake")
+    assert (here / "MsgPack" / "Include" / "msgpack.h").exists()
+    assert (here / "MsgPack" / "Lib" / "Linux" / "libmsgpackc.a").exists()
+    library = tmp_path / "plugin" / "Binaries" / "ThirdParty" / "ZeroMQ" / "Linux" / "libzmq.so.5"
+    assert (here / "ZeroMQ" / "Include" / "zmq.h").exists() == asked
+    assert library.exists() == asked
+
+
 def test_nothing_but_text_is_kept() -> None:
     listed = tools.run("git", "ls-files", "-co", "--exclude-standard", folder=unreal.PLUGIN)
     for name in listed.splitlines():
