@@ -42,10 +42,10 @@ from pacinian.cli.run_output import check_picture_path
 def demo(
     seconds: float, units: int, rate: float, solver: str, out: str, dummy: bool, as_json: bool
 ) -> None:
-    """Feel a circling ball: the built-in scene on the simulated array, no hardware needed.
+    """Render a moving ball on a simulated array, and draw it.
 
-    Renders a ball that circles around a button at 1 kHz on 9 AUTD units, then prints a summary and draws the field of
-    the last tick.
+    A ball circles around a button at 1 kHz above 9 AUTD units. Afterwards, prints how well that went, and draws the
+    field of the last tick.
     """
     from pacinian.acoustics.array import autd
     from pacinian.cli.run_output import picture, progress, summary, tell

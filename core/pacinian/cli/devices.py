@@ -34,11 +34,11 @@ ADVICE = {
 @JSON
 @click.pass_context
 def devices(context: click.Context, backend: str, as_json: bool) -> None:
-    """List the connected devices, or check, draw or calibrate the description of one.
+    """List, check, draw or calibrate devices.
 
-    Opens no device and changes nothing. Exit code 1 if a connected device cannot be used, or if the backend given with
-    --backend cannot search; 2 if that backend does not exist or does not load; otherwise 0, even if no device is
-    connected.
+    Without a subcommand, lists the connected devices. The subcommands work on the description of a device. Opens no
+    device and changes nothing. Exit code 1 if a connected device cannot be used, or if the backend given with --backend
+    cannot search; 2 if that backend does not exist or does not load; otherwise 0, even if no device is connected.
     """
     if context.invoked_subcommand:
         return

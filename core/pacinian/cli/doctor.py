@@ -20,9 +20,9 @@ COLOURS = {"ok": "green", "warning": "yellow", "problem": "bold red"}
 @CONNECTION
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of lines.")
 def doctor(connection: str | None, as_json: bool) -> None:
-    """Find problems of this machine and its server, and print how to fix them.
+    """Find what is wrong here, and how to fix it.
 
-    Changes nothing. Exit code 1 if there is a problem; warnings do not count.
+    Examines this machine and its server. Changes nothing. Exit code 1 if there is a problem; warnings do not count.
     """
     from pacinian.cli.doctor_probes import examine
 

@@ -28,15 +28,33 @@ from pacinian.errors import PacinianError
 if TYPE_CHECKING:
     from types import FrameType
 
+    from pacinian.plugins.hookspecs import CommandGroup
+
 EPILOG = """
-Start with `pacinian demo`: it needs no hardware.
+`pacinian COMMAND --help` explains a command.
 
 Exit codes: 0 done; 1 the run met a fault; 2 a bad argument, file or plug-in; 130 interrupted.
 """
 
 
+GROUPS: dict[CommandGroup, str] = {
+    "start": "Start (no hardware needed)",
+    "run": "Run",
+    "inspect": "Inspect",
+    "develop": "Develop",
+}
+"""The groups of commands in the order of help, and their headings."""
+COMMANDS: dict[CommandGroup, tuple[click.Command, ...]] = {
+    "start": (demo, doctor),
+    "run": (serve, stop, render, replay, keys),
+    "inspect": (status, watch, view, devices, plugins),
+    "develop": (schema, wire),
+}
+"""The commands of the core."""
+
+
 class Commands(click.Group):
-    """The commands of the core and of plug-ins.
+    """The commands of the core and of plug-ins, which help lists in groups.
 
     Plug-ins are imported only for help, and for a name that the core does not have. A plug-in cannot replace a command
     of the core.
@@ -48,6 +66,23 @@ class Commands(click.Group):
 
         discover_plugins().load(kind="command")
         return [*self.commands, *sorted(set(discover_plugins().commands) - set(self.commands))]
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands of each group under its heading."""
+        from pacinian.plugins.registry import discover_plugins
+
+        names = self.list_commands(ctx)
+        groups = {command.name: group for group, several in COMMANDS.items() for command in several}
+        for name in names:
+            if name not in groups:
+                groups[name] = discover_plugins().commands[name].group
+        room = formatter.width - 6 - max(map(len, names))
+        for group, heading in GROUPS.items():
+            found = [(name, self.get_command(ctx, name)) for name in names if groups[name] == group]
+            with formatter.section(heading):
+                formatter.write_dl(
+                    [(name, c.get_short_help_str(room)) for name, c in found if c and not c.hidden]
+                )
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of that name. Raises UsageError if there is none and a plug-in did not load."""
@@ -67,16 +102,12 @@ class Commands(click.Group):
 @click.group(cls=Commands, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="pacinian")
 def cli() -> None:
-    """Mid-air haptics: a scene goes in, gains for an ultrasound transducer array come out."""
+    """Let a bare hand feel virtual objects in mid-air, with an array of ultrasound transducers."""
 
 
-COMMANDS = (
-    *(demo, render, replay, schema),
-    *(serve, status, watch, view, stop, keys, doctor),
-    *(devices, plugins, wire),
-)
-for command in COMMANDS:
-    cli.add_command(command)
+for several in COMMANDS.values():
+    for command in several:
+        cli.add_command(command)
 
 
 def main() -> NoReturn:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def plugins(as_json: bool) -> None:
-    """List solvers, backends and commands, with their settings and origin.
+    """List solvers, backends and commands.
 
-    Names plug-ins that do not load, with the reason. The exit code is then 1.
+    Also prints their settings and origin. Names plug-ins that do not load, with the reason. The exit code is then 1.
     """
     from pacinian.plugins.registry import discover_plugins
 

@@ -40,7 +40,10 @@ def render(
     out: str,
     as_json: bool,
 ) -> None:
-    """Render a scene file (TOML or JSON; `pacinian schema` prints its schema)."""
+    """Render a scene file on an array.
+
+    It is TOML or JSON; `pacinian schema` prints its schema.
+    """
     from msgspec.structs import replace
 
     from pacinian.cli.run_output import picture, progress, summary, tell

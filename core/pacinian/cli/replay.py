@@ -15,7 +15,9 @@ import click
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
 def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> None:
-    """Play the frames of a recording on a backend, with their original timing.
+    """Play a recording again.
+
+    Sends its frames to a backend, with their original timing.
 
     With --again, render its scenes again as fast as possible, with the recorded decisions. On the same machine the
     frames are identical, bit for bit. Exit code 1 if any frame differs.

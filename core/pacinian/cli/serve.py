@@ -45,10 +45,10 @@ VIEWER = "starlette", "uvicorn", "websockets"
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
 @click.option("--view", is_flag=True, help="Open the viewer beside it: see `pacinian view`.")
 def serve(config: Path | None, view: bool, **given: Any) -> None:
-    """Run the server that games connect to, until Ctrl-C.
+    """Run the server that games connect to.
 
-    CONFIG is a TOML or JSON file, which options override. Prints the path of the connection file as soon as clients
-    can connect.
+    Runs until Ctrl-C. CONFIG is a TOML or JSON file, which options override. Prints the path of the connection file as
+    soon as clients can connect.
     """
     from pacinian.serving.server import serve as run
     from pacinian.serving.settings import Settings, load

@@ -39,7 +39,9 @@ BULK = {  # type and width of the rows
 @CONNECTION
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def status(connection: str | None, as_json: bool) -> None:
-    """Print what a running server emits, why it is silent, and its health.
+    """Print what a server emits, or why it is silent.
+
+    Also prints its health.
 
     Exit code 1 after a fault, 2 if no server answers.
     """

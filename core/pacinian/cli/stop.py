@@ -22,7 +22,9 @@ STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Clie
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
 def stop(connection: str | None, timeout: float, as_json: bool) -> None:
-    """Emergency stop: silence the output at once, whoever owns it, until a client resets it.
+    """Emergency stop: silence the array at once.
+
+    Stops the output, whoever owns it, until a client resets it.
 
     Exit code 0 only if the server has confirmed the stop. Otherwise switch the array off.
     """

@@ -36,7 +36,9 @@ def view(
     samples: bool,
     beside: bool,
 ) -> None:
-    """Show what a running server emits, live in the browser, until Ctrl-C.
+    """Show a server live in the browser.
+
+    Runs until Ctrl-C.
 
     FILE is a recording to replay instead, from this page or from `pacinian render --record`.
     """

@@ -34,7 +34,7 @@ EXPLAIN_PERIOD = 0.5  # shortest time between two requests of the scene, to expl
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object per state, one per line.")
 def watch(connection: str | None, seconds: float, as_json: bool) -> None:
-    """Show what a running server emits and why it is silent, always the newest."""
+    """Show the status of a server continuously."""
     from pacinian.client.client import Client
 
     with Client(connection, name="pacinian watch") as client:

@@ -12,7 +12,10 @@ import click
     "--schema", is_flag=True, help="Print an AsyncAPI document with JSON Schemas instead."
 )
 def wire(schema: bool) -> None:
-    """Print the protocol by which a program in any language talks to `pacinian serve`."""
+    """Print the protocol of `pacinian serve`.
+
+    By this, a program in any language can talk to it.
+    """
     from pacinian.wire.asyncapi import make_asyncapi
     from pacinian.wire.markdown import make_guide, make_reference
 

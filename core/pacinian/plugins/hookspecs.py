@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import pluggy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     import click
 
     from pacinian.plugins.backend import Backend
     from pacinian.plugins.solver import Solver
+
+CommandGroup = Literal["start", "run", "inspect", "develop"]
+"""The groups of commands in `pacinian --help`."""
 
 hookspec = pluggy.HookspecMarker("pacinian")
 hookimpl = pluggy.HookimplMarker("pacinian")
@@ -31,8 +34,11 @@ def register_backends() -> Iterable[type[Backend]]:
 
 
 @hookspec
-def register_commands() -> Iterable[click.Command]:
+def register_commands() -> Iterable[click.Command] | Mapping[CommandGroup, Iterable[click.Command]]:
     """Return the subcommands of `pacinian` that this plug-in offers.
+
+    `pacinian --help` lists them under "develop". To choose another group, return a mapping from groups to commands, as
+    in `{"run": [play]}`; the groups are "start", "run", "inspect" and "develop".
 
     Pacinian imports them when a user calls a subcommand that the core lacks, or asks for help. Therefore import heavy
     libraries in the bodies of the commands.

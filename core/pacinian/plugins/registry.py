@@ -7,9 +7,10 @@ import importlib.metadata
 import importlib.util
 import inspect
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.abc import InspectLoader
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
 import pluggy
 
@@ -24,6 +25,7 @@ from pacinian.errors import (
 from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.plugins import hookspecs
 from pacinian.plugins.backend import Backend
+from pacinian.plugins.hookspecs import CommandGroup
 from pacinian.plugins.solver import Solver
 
 if TYPE_CHECKING:
@@ -66,13 +68,15 @@ class Offer:
 class CommandOffer:
     """One subcommand of `pacinian` that a plug-in offers.
 
-    plugin: name of the entry point. distribution: module and distribution that ship it.
+    plugin: name of the entry point. distribution: module and distribution that ship it. group: where `pacinian --help`
+    lists it.
     """
 
     name: str
     command: click.Command
     plugin: str
     distribution: str
+    group: CommandGroup = "develop"
 
 
 class Plugins:
@@ -159,8 +163,9 @@ class Plugins:
                     raise TypeError(f"the name of {cls.__name__} {problem}: {shorten(repr(name))}")
                 offers.append(Offer(kind, cls, point.name, _origin(point)))
         commands = [
-            CommandOffer(_check_command(command), command, point.name, _origin(point))
-            for several in manager.hook.register_commands()
+            CommandOffer(_check_command(command), command, point.name, _origin(point), group)
+            for given in manager.hook.register_commands()
+            for group, several in _group_commands(given)
             for command in several
         ]
         if not (offers or commands):
@@ -204,6 +209,19 @@ class Plugins:
             raise
         except Exception as error:
             raise PluginError(f"{kind} {name!r} cannot be made: {describe_error(error)}") from error
+
+
+def _group_commands(given: Any) -> Iterable[tuple[CommandGroup, Iterable[object]]]:
+    """Return the commands of a plug-in by group. Raises TypeError for an unknown group."""
+    if not isinstance(given, Mapping):
+        return [("develop", given)]
+    known = get_args(CommandGroup)
+    if unknown := [group for group in given if group not in known]:
+        told = ", ".join(known)
+        raise TypeError(
+            f"register_commands: no group is called {unknown[0]!r}; the groups are {told}"
+        )
+    return list(given.items())
 
 
 def _check_command(command: object) -> str:

@@ -106,10 +106,11 @@ def bench(
     as_json: bool,
     **chosen: Any,
 ) -> None:
-    """Measure run time against error for every installed solver, cold and warm, on random problems.
+    """Measure run time against error of every solver.
 
-    Each contestant runs in its own process, with one thread and with all threads. The same plain NumPy code evaluates
-    all of them in double precision. Rows are written as they are measured, so Ctrl-C keeps them.
+    Solves random problems, cold and warm, with every installed solver. Each contestant runs in its own process, with
+    one thread and with all threads. The same plain NumPy code evaluates all of them in double precision. Rows are
+    written as they are measured, so Ctrl-C keeps them.
     """
     if context.invoked_subcommand is not None:
         _alone(context)

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, in SI units.")
 @click.option("--no-figures", is_flag=True, help="Draw nothing.")
 def paper(out: Path, as_json: bool, no_figures: bool) -> None:
-    """Reproduce the paper that Pacinian grew from: its experiment, baseline, focus and forces."""
+    """Reproduce the paper that Pacinian grew from.
+
+    Repeats its experiment, baseline, focus and forces.
+    """
     import json
 
     from pacinian_lab.paper.report import plain

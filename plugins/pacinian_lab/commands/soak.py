@@ -36,10 +36,11 @@ SHORT = 10.0  # [s]
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
 def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: bool) -> None:
-    """Play with a server for a long time: nothing may grow, drift or become late.
+    """Play with a server for a long time.
 
-    A hand moves, objects come and go, solvers change, clients join, leave and are killed, malformed messages arrive,
-    and the output is disarmed, stopped and armed again. Exit code 1 if the server misses a target.
+    Nothing may grow, drift or become late. A hand moves, objects come and go, solvers change, clients join, leave and
+    are killed, malformed messages arrive, and the output is disarmed, stopped and armed again. Exit code 1 if the
+    server misses a target.
     """
     from pacinian_lab.server import drift, report
 

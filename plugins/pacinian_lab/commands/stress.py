@@ -29,12 +29,12 @@ NOTE = (
 @click.option("--quick", is_flag=True, help="Every fifth problem, without the slow ones.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def stress(solvers: str, quick: bool, as_json: bool) -> None:
-    """Run every solver on hard problems, check its promises and show the worst evidence.
+    """Check every solver on hard problems.
 
-    The problems have coincident points, points on and behind transducers, arrays of low rank, condition numbers up to
-    1e16, targets from 1e-30 to 1e30 Pa, limits of every kind, and endless moves. docs/stability.md lists the
-    promises. Every solver, also of other plug-ins, must return finite gains within the limits. Exit code 1 if a
-    promise is broken.
+    Checks its promises and shows the worst evidence. The problems have coincident points, points on and behind
+    transducers, arrays of low rank, condition numbers up to 1e16, targets from 1e-30 to 1e30 Pa, limits of every kind,
+    and endless moves. docs/stability.md lists the promises. Every solver, also of other plug-ins, must return finite
+    gains within the limits. Exit code 1 if a promise is broken.
     """
     from pacinian_lab.stress.run import rows
 

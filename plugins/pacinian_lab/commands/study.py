@@ -50,10 +50,11 @@ def study(
     as_json: bool,
     schema: bool,
 ) -> None:
-    """Sweep layouts, planes, patterns, solvers and levels, to see how an arrangement shapes the image.
+    """Sweep array layouts over patterns and solvers.
 
-    Results are kept as they are computed. After Ctrl-C, a crash or a change of FILE, the same command runs only the
-    missing tasks. docs/studies.md describes the format and the measures. Exit code 1 if a task failed.
+    Shows how the arrangement of an array shapes the image. Results are kept as they are computed. After Ctrl-C, a crash
+    or a change of FILE, the same command runs only the missing tasks. docs/studies.md describes the format and the
+    measures. Exit code 1 if a task failed.
     """
     if schema:
         from pacinian_lab.study.file import schema as schema_of

@@ -1,13 +1,16 @@
 """The command, as a process and through click."""
 
+from __future__ import annotations
+
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import msgpack
@@ -16,9 +19,12 @@ import pytest
 from click.testing import CliRunner
 
 import pacinian as pc
-from pacinian.cli.main import cli, main
+from pacinian.cli.main import GROUPS, cli, main
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
+
+if TYPE_CHECKING:
+    from pacinian.plugins.hookspecs import CommandGroup
 
 LIMIT = 200.0  # [s] ends a test that hangs
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ball.toml"
@@ -309,6 +315,35 @@ def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
     assert f"no {kind} is called 'nonsense'" in str(result.exception)
 
 
+def sections(text: str) -> dict[str, list[str]]:
+    """The names of the commands under each heading of help."""
+    found: dict[str, list[str]] = {}
+    heading = ""
+    for line in text.splitlines():
+        if line and not line.startswith(" "):
+            heading = line.partition(" ")[0].rstrip(":").lower()
+        elif heading and (name := re.match(r"  ([\w-]+)  ", line)):
+            found.setdefault(heading, []).append(name[1])
+    return found
+
+
+def test_help_lists_the_commands_in_groups() -> None:
+    found = sections(run("--help").stdout)
+    assert found["start"] == ["demo", "doctor"]
+    assert {"serve", "render"} <= set(found["run"])
+    assert {"status", "watch", "view"} <= set(found["inspect"])
+    assert {"bench", "soak"} <= set(found["develop"])  # those of the laboratory
+    listed = [name for group in GROUPS for name in found[group]]
+    assert sorted(listed) == sorted(cli.list_commands(click.Context(cli)))
+
+
+def test_help_cuts_no_line_short() -> None:
+    """Each command is explained by a whole sentence in 80 columns."""
+    result = CliRunner().invoke(cli, ["--help"], terminal_width=80)
+    lines = result.stdout.partition("Start")[2].splitlines()
+    assert not [line for line in lines if line.endswith("...")]
+
+
 def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are imported for help and for unknown names alone, and replace no command of the core."""
     import click
@@ -317,9 +352,11 @@ def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
 
     class Fakes(registry.Plugins):
         def load(self, name: str | None = None, kind: Any = None) -> None:
-            for called in ("tune", "serve"):
+            groups: dict[str, CommandGroup] = {"tune": "develop", "play": "run", "serve": "start"}
+            for called, group in groups.items():
                 command = click.Command(called, callback=lambda: click.echo("tuned"), help="Tune.")
-                self.commands[called] = registry.CommandOffer(called, command, "tuner", "tuner 1")
+                offer = registry.CommandOffer(called, command, "tuner", "tuner 1", group)
+                self.commands[called] = offer
 
     fakes = Fakes([])
     monkeypatch.setattr(registry, "discover_plugins", lambda: fakes)
@@ -327,8 +364,11 @@ def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not fakes.commands
     assert CliRunner().invoke(cli, ["tune"]).stdout == "tuned\n"
     shown = CliRunner().invoke(cli, ["--help"]).stdout
-    assert "  tune " in shown
-    assert shown.count("  serve ") == 1
+    found = sections(shown)
+    assert "tune" in found["develop"]
+    assert "play" in found["run"]
+    assert "serve" in found["run"]
+    assert "serve" not in found["start"]
     assert "Tune." not in CliRunner().invoke(cli, ["serve", "--help"]).stdout
 
 

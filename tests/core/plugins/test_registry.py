@@ -191,7 +191,21 @@ def test_a_plugin_offers_commands(write: Any) -> None:
     plugins.load(kind="command")
     (offer,) = plugins.commands.values()
     assert (offer.name, offer.plugin, offer.command.help) == ("tune", "tuner", "Tune.")
+    assert offer.group == "develop"
     assert not plugins.list()
+
+
+def test_a_plugin_chooses_the_group_of_its_commands(write: Any) -> None:
+    source = COMMAND.format(name="tune", offer="tune").replace("[tune]", '{"run": [tune]}')
+    plugins = pc.Plugins([write("tuner", source)])
+    plugins.load(kind="command")
+    assert plugins.commands["tune"].group == "run"
+    plugins = pc.Plugins([write("other", source.replace('"run"', '"play"'))])
+    plugins.load(kind="command")
+    assert not plugins.commands
+    assert "no group is called 'play'; the groups are start, run, inspect, develop" in str(
+        plugins.failed["other"]
+    )
 
 
 @pytest.mark.parametrize(
