@@ -7,97 +7,85 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import logging
+import functools
 import queue
 import sys
 import threading
 import time
-import traceback
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-import structlog
-
-from pacinian.errors import describe_error, shorten
 from pacinian.serving.ipc.clocks import TokenBucket
+from pacinian.serving.ipc.log_lines import format_coloured_text, format_json, format_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from structlog.typing import ExcInfo, FilteringBoundLogger, Processor
-
+    from pacinian.serving.ipc.log_lines import Formatter
     from pacinian.serving.settings import Log
 
 OFTEN = 5.0  # maximum rate of one event [1/s]
 MAX_FLUSH_TIME = 0.5  # time limit to write the last lines at the end [s]
-LINKS, CALLS = 4, 20  # logged exceptions of a chain, and calls of each
-THREAD = "log"
+LEVELS = "debug", "info", "warning", "error"  # mildest first
 _waiting: queue.Queue[str] = queue.Queue(1000)
+
+
+class EventLog:
+    """Writes events of at least a level, each with its values and the name of the process."""
+
+    def __init__(
+        self, process: str = "", level: str = "info", form: Formatter = format_text
+    ) -> None:
+        self._process, self._least, self._form = process, LEVELS.index(level), form
+
+    def debug(self, event: str, **values: Any) -> None:
+        """Log what only helps to find faults."""
+        self._add("debug", event, values)
+
+    def info(self, event: str, **values: Any) -> None:
+        """Log information."""
+        self._add("info", event, values)
+
+    def warning(self, event: str, **values: Any) -> None:
+        """Log a warning."""
+        self._add("warning", event, values)
+
+    def error(self, event: str, **values: Any) -> None:
+        """Log an error."""
+        self._add("error", event, values)
+
+    def exception(self, event: str, **values: Any) -> None:
+        """Log an error with the current exception."""
+        self._add("error", event, values, sys.exception())
+
+    def _add(
+        self, level: str, event: str, values: dict[str, Any], error: BaseException | None = None
+    ) -> None:
+        if LEVELS.index(level) >= self._least:
+            _start_writer()
+            line = self._form(level, event, {**values, "process": self._process}, error)
+            with contextlib.suppress(queue.Full):
+                _waiting.put_nowait(line)
+
+
+_logs = [EventLog()]  # the current one
 
 
 def configure(settings: Log, process: str) -> None:
     """Log as the settings say. Each line names the process."""
-    if not any(thread.name == THREAD for thread in threading.enumerate()):
-        threading.Thread(target=_write, name=THREAD, daemon=True).start()
-        atexit.register(flush)
-
-    def named(_log: object, _method: str, event: Any) -> Any:
-        event["process"] = process
-        return event
-
-    def printable(_log: object, _method: str, event: Any) -> Any:
-        for name, value in event.items():
-            if isinstance(value, str):  # for example, a client's name
-                event[name] = "".join(c if c.isprintable() else "?" for c in shorten(value))
-        return event
-
-    last: Processor = structlog.processors.JSONRenderer()
-    if settings.format != "json":
-        formatter = structlog.dev.plain_traceback  # the default one warns of rendered text
-        last = structlog.dev.ConsoleRenderer(
-            colors=sys.stderr.isatty(), exception_formatter=formatter
-        )
-    structlog.configure(
-        processors=[
-            named,
-            printable,
-            structlog.processors.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso", utc=True),
-            structlog.processors.ExceptionRenderer(_trace),
-            last,
-        ],
-        wrapper_class=structlog.make_filtering_bound_logger(
-            logging.getLevelNamesMapping()[settings.level.upper()]
-        ),
-        logger_factory=_Lines,
-        cache_logger_on_first_use=False,
-    )
+    form = format_coloured_text if sys.stderr.isatty() else format_text
+    _logs[0] = EventLog(process, settings.level, format_json if settings.format == "json" else form)
 
 
-def _trace(exc_info: ExcInfo) -> str:
-    """Return the last calls of an exception and its causes.
-
-    Local variables are left out, because they may be secret.
-    """
-    error: BaseException | None = exc_info[1]
-    links: list[str] = []
-    while error is not None and len(links) < LINKS:
-        calls = traceback.format_tb(error.__traceback__, -CALLS)
-        links.append("".join([*calls, describe_error(error)]))
-        error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
-    return "\n".join(reversed(links))
+def log() -> EventLog:
+    """Return the log."""
+    return _logs[0]
 
 
-class _Lines:
-    """The logger that structlog calls with each line."""
-
-    def __init__(self, *_: object) -> None:
-        pass
-
-    def msg(self, line: str) -> None:
-        with contextlib.suppress(queue.Full):
-            _waiting.put_nowait(line)
-
-    debug = info = warning = error = exception = critical = msg
+@functools.cache
+def _start_writer() -> None:
+    """Start the thread that writes, once."""
+    threading.Thread(target=_write, name="log", daemon=True).start()
+    atexit.register(flush)
 
 
 def _write() -> None:
@@ -115,11 +103,6 @@ def flush() -> None:
     due = time.monotonic() + MAX_FLUSH_TIME
     while _waiting.unfinished_tasks and time.monotonic() < due:
         time.sleep(0.001)
-
-
-def log() -> FilteringBoundLogger:
-    """Return the log."""
-    return cast("FilteringBoundLogger", structlog.get_logger())
 
 
 class RateLimitedLog:
