@@ -1,11 +1,13 @@
 // The core's kernels as a Python module, compiled once for each set of instructions (-DMODULE=_v4, ...).
 #include "pacinian/acoustics/kernels.hpp"
 #include "pacinian/native/processor.hpp"
+#include "pacinian/neighbours.hpp"
 #include "pacinian/scene/hands/skin_lod.hpp"
 #include "pacinian/scene/hands/skin.hpp"
 #include "pacinian/scene/sampling/broad_phase.hpp"
 #include "pacinian/scene/sampling/contact.hpp"
 #include "pacinian/scene/modulation/visit_order.hpp"
+#include "pacinian/scene/shapes/cells.hpp"
 #include "pacinian/solving/kernels.hpp"
 #include "pacinian/solving/matvec.hpp"
 #include "pacinian/solving/regions.hpp"
@@ -36,6 +38,7 @@ static void define(nb::module_& m) {
     define_contact(m);
     define_broad(m);
     define_tour(m);
+    define_cells(m);
     define_unbounded(m);
 }
 
@@ -53,6 +56,7 @@ NB_MODULE(MODULE, m) {
     using namespace pacinian;
     start_numpy();
     m.def("level", &level, "The level of x86-64 that this processor has: 1, 3 or 4; 0 of another processor.");
+    group(m, "neighbours", neighbours::define);
     group(m, "acoustics", acoustics::define);
     group(m, "solving", solving::define);
     group(m, "scene", scene::define);

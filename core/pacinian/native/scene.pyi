@@ -86,7 +86,7 @@ def press(d: Floats, which: Longs, reach: float, stiffness: float, most: float, 
     d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.
     points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper
     than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3); none for any. hardly,
-    well: as in `resolving.grazing`. inside: indices into `which`, (I,). force: of each [N], (I,).
+    well: as in `array_resolution.weigh_incidence`. inside: indices into `which`, (I,). force: of each [N], (I,).
     """
 
 def stale(which: Longs, local: Floats, places: Floats, known: Floats, beyond: float, deep: float, d: Floats, ask: Longs) -> int:
@@ -134,6 +134,38 @@ def visit_around(q: Floats, order: Longs, corners: Longs) -> int:
 
     order: of the points by x, then y, (M,). corners: room for 2 M + 1. Andrew's monotone chain: the lower side, then the
     upper. Returns how many.
+    """
+
+def measure_cells(marked: Flags, squared: Floats) -> None:
+    """
+    Write the squared distance of each cell, (X, Y, Z), from the nearest marked one [cells^2]; 1e12 if none is marked.
+    """
+
+def label_cells(free: Flags, part: Longs) -> int:
+    """
+    Write the number of the part of each free cell, (X, Y, Z), from 1 on; 0 for the others. Cells that share a face are
+    of the same part. Returns the number of parts.
+    """
+
+def build_boxes(vertices: Floats, faces: Longs, order: Longs, boxes: Floats, right: Longs) -> int:
+    """
+    Write the tree of boxes of triangles: vertices, (V, 3) [m], faces, (F, 3), F > 0. Returns the number of nodes.
+
+    order: of the triangles, (F,). boxes: lower and upper corner of each node, (F, 6) [m]. right: its second node, (F,).
+    """
+
+def find_closest(vertices: Floats, faces: Longs, order: Longs, boxes: Floats, right: Longs, points: Floats, squared: Floats, face: Longs, nearest: Floats) -> None:
+    """
+    Write the squared distance of points, (K, 3), from triangles [m^2], the nearest triangle and the nearest point [m].
+
+    order, boxes, right: from `build_boxes`. From a point that is not finite, the distance is infinite.
+    """
+
+def label_bodies(edges: Longs, first: Longs, body: Longs) -> int:
+    """
+    Write the number of each triangle's body, (F,): bodies are parts that edges connect. Returns the number of bodies.
+
+    edges: of the triangles, (F, 3). first: room for the first triangle of each edge, (E,).
     """
 
 def near(bounds: Floats, t: float, boxes: Floats, found: Longs) -> int:

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pacinian/native/math.hpp"
+#include "pacinian/scene/shapes/closest.hpp"
 
 namespace pacinian::scene {
 
@@ -86,6 +87,7 @@ inline void sign(View<const f8, 2> points, View<const f8, 1> squared, View<const
 }
 
 void define_unbounded(nb::module_& m) {
+    define_closest(m);
     kernel(m, "near", &near,
            "Write the indices of the objects whose bounding spheres touch any of the boxes at time t [s]; return how many.\n\n"
            "bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners, (boxes, 6) [m]. found: (objects,).",

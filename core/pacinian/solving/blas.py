@@ -52,5 +52,5 @@ NOTHING, ONE = nullcontext(), _One()
 @functools.cache
 def _controller() -> ThreadpoolController:
     """Find the BLAS libraries, once, because that takes milliseconds; imports those that solvers use first."""
-    import_module("scipy.linalg.lapack")
+    import_module("pacinian.solving.linalg")
     return ThreadpoolController()

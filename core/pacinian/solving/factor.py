@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from scipy.linalg import lapack
+
+from pacinian.solving.linalg import lapack
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes

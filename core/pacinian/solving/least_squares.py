@@ -15,10 +15,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from scipy import linalg
-from scipy.linalg import blas, lapack
 
 from pacinian.solving.column_groups import ColumnGroups
+from pacinian.solving.linalg import blas, lapack
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes
@@ -70,8 +69,8 @@ class LeastSquares:
         how = "Cholesky"
         if g is None:
             B = self.B.astype(np.complex128)
-            h, _, rank, _ = linalg.lstsq(B, q, cond=self.rcond, lapack_driver="gelsd")
-            g, how = cast("Complexes", h), "singular values"
+            h, _, rank, _ = np.linalg.lstsq(B, q, rcond=self.rcond)
+            g, how = h, "singular values"
         return self.columns.spread(g) * (size * 2.0**self.shift), f"{how}: rank {rank} of {full}"
 
     def _refine_gains(self, p: Complexes) -> Complexes | None:
@@ -116,7 +115,7 @@ class Reduced:
             normal = Normal.of(basis)
             if normal.reciprocal_condition > TRUSTED[B.dtype]:
                 return cls(columns.spread(normal.upper.conj()), basis, normal.upper)
-        Q, R = cast("tuple[Complexes, Complexes]", linalg.qr(basis, mode="economic"))
+        Q, R = cast("tuple[Complexes, Complexes]", np.linalg.qr(basis))
         return cls(columns.spread(R), Q, None)
 
     def down(self, p: Complexes) -> Complexes:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
-from scipy.linalg import blas
 
 from pacinian.acoustics.propagation import KernelData, Precision
 from pacinian.errors import ArgumentError
 from pacinian.native import solving as kernels
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.factor import Factor
+from pacinian.solving.linalg import blas
 from pacinian.types import Complexes, Floats, Gains, Indices
 
 if TYPE_CHECKING:

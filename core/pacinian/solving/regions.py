@@ -12,12 +12,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
+from pacinian.neighbours import find_nearest
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
 from pacinian.solving.problem import BESIDE, ISOLATED
@@ -200,8 +200,8 @@ def carry_phases(
     ):
         here, there = np.flatnonzero(kind_now), np.flatnonzero(kind_then)
         if len(here) and len(there):
-            away, which = KDTree(before[there]).query(q[here])
-            known[here], nearest[here] = np.asarray(away) < CARRY_DISTANCE, there[np.asarray(which)]
+            away, which = find_nearest(before[there], q[here])
+            known[here], nearest[here] = away < CARRY_DISTANCE, there[which]
     p = propagator.apply(warm.gains)
     phases = np.where(known, asked[nearest], np.angle(p))
     return replace(warm, sound_pressure=p, asked_phases=phases, multipliers=None)

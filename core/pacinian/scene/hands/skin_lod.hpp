@@ -4,7 +4,9 @@
 // different fingers. Points keep their distance from, and share forces with, only points on the same side.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "pacinian/native/math.hpp"
 
@@ -34,11 +36,56 @@ struct Surface {
     }
 };
 
+// Points of a surface in a cube of space: those from `begin` to `end` of an order. most: the largest `away`, of the first
+// point that has it. low, high: corners of their box [m].
+struct Cube {
+    Index begin, end, first;
+    f8 most, low[3], high[3];
+
+    f8 squared(View<const f8, 2> points, Index i) const {  // distance of point i from the box
+        f8 sum = 0.0;
+        for (int k = 0; k < 3; ++k) sum += square(std::max({low[k] - points(i, k), points(i, k) - high[k], 0.0}));
+        return sum;
+    }
+};
+
+constexpr f8 CUBE = 4.0;           // side of a cube, in spacings
+constexpr f8 BARELY = 1.0 - 1e-9;  // leaves room for rounding in distances from boxes
+
+inline std::vector<Cube> sort_into_cubes(View<const f8, 2> points, f8 side, std::vector<Index>& sorted) {
+    const Index N = points.shape[0];
+    std::vector<std::array<i8, 3>> cell(N);
+    for (Index i = 0; i < N; ++i) {
+        for (int k = 0; k < 3; ++k) cell[i][k] = static_cast<i8>(std::floor(points(i, k) / side));
+    }
+    sorted.resize(N);
+    std::iota(sorted.begin(), sorted.end(), Index{0});
+    std::sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return cell[a] != cell[b] ? cell[a] < cell[b] : a < b; });
+    std::vector<Cube> cubes;
+    for (Index n = 0; n < N; ++n) {
+        const Index i = sorted[n];
+        if (!n || cell[i] != cell[sorted[n - 1]]) {
+            cubes.push_back({n, n, i, ENDLESS, {}, {}});
+            for (int k = 0; k < 3; ++k) cubes.back().low[k] = cubes.back().high[k] = points(i, k);
+        }
+        Cube& cube = cubes.back();
+        cube.end = n + 1;
+        for (int k = 0; k < 3; ++k) {
+            cube.low[k] = std::min(cube.low[k], points(i, k));
+            cube.high[k] = std::max(cube.high[k], points(i, k));
+        }
+    }
+    return cubes;
+}
+
+// Only cubes that have a point farther from all chosen ones than from the new one are visited.
 inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, f8 spacing,
                     View<i8, 1> order, View<f8, 1> apart, View<i8, 1> nearest) {
     const Surface surface{points, normals, fingers};
     const Index N = surface.size();
     require(order.size() == N && apart.size() == N && nearest.size() == N, "spread: the shapes differ");
+    std::vector<Index> sorted;
+    std::vector<Cube> cubes = sort_into_cubes(points, CUBE * spacing, sorted);
     std::vector<f8> away(N, ENDLESS);
     Index chosen = 0, K = 0;
     while (K < N && away[chosen] >= spacing * spacing) {
@@ -46,15 +93,25 @@ inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<co
         apart[K] = std::sqrt(away[chosen]);
         f8 best = -1.0;
         Index following = 0;
-        for (Index i = 0; i < N; ++i) {
-            const f8 d = surface.squared(i, chosen);
-            if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
-                away[i] = d;
-                nearest[i] = K;
+        for (Cube& cube : cubes) {
+            if (BARELY * cube.squared(points, chosen) < cube.most) {
+                cube.most = -1.0;
+                for (Index n = cube.begin; n < cube.end; ++n) {
+                    const Index i = sorted[n];
+                    const f8 d = surface.squared(i, chosen);
+                    if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
+                        away[i] = d;
+                        nearest[i] = K;
+                    }
+                    if (away[i] > cube.most) {
+                        cube.most = away[i];
+                        cube.first = i;
+                    }
+                }
             }
-            if (away[i] > best) {
-                best = away[i];
-                following = i;
+            if (cube.most > best || (cube.most == best && cube.first < following)) {
+                best = cube.most;
+                following = cube.first;
             }
         }
         chosen = following;

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import KDTree
 
+from pacinian.neighbours import find_nearest
 from pacinian.scene.sampling.samples import Samples, join_samples, no_samples
 
 if TYPE_CHECKING:
@@ -137,9 +137,9 @@ def _under(samples: Samples, others: Samples) -> Indices:
     for region in np.unique(samples.regions).tolist():
         own, there = (np.flatnonzero(s.regions == region) for s in (samples, others))
         if len(there):
-            away, which = KDTree(others.positions[there]).query(samples.positions[own])
-            nearest = there[np.asarray(which)]
-            on = np.asarray(away) ** 2 <= others.area[nearest]
+            away, which = find_nearest(others.positions[there], samples.positions[own])
+            nearest = there[which]
+            on = away**2 <= others.area[nearest]
             found[own] = np.where(on, nearest, -1)
     return found
 

@@ -14,6 +14,7 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
+from pacinian.neighbours import find_nearest
 from pacinian.scene.shapes.local_samples import LocalSamples, sample_grid
 from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
 from pacinian.types import Floats
@@ -170,11 +171,9 @@ def normalise(directions: Floats) -> Floats:
 
 def share_area(points: Floats, area: Floats, kept: Indices) -> Floats:
     """Return the area of each kept point, to which the other points add theirs if it is the nearest kept one."""
-    from scipy.spatial import KDTree
-
     if not len(kept):
         return np.empty(0)
-    nearest = KDTree(points[kept]).query(points)[1]
+    nearest = find_nearest(points[kept], points)[1]
     return np.bincount(nearest, area, len(kept)).astype(np.float64)
 
 

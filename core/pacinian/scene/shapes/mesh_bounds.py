@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.native.scene import rough
+from pacinian.native.scene import label_cells, measure_cells, rough
+from pacinian.scene.shapes.winding import winding_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.scene.shapes.triangles import Triangles
-    from pacinian.types import Floats, Indices, Longs
+    from pacinian.types import Flags, Floats, Indices, Longs
 
 CELL = 0.0015  # smallest size of a cell [m]
 CELLS = 1 << 18  # largest number of cells
@@ -56,8 +57,6 @@ class Bounds:
 
         Near the surface it follows from exact distances, and elsewhere from a distance transform of the cells.
         """
-        from scipy import ndimage
-
         size, half = self.size, math.sqrt(3.0) / 2.0 * self.size
         cells = np.argwhere(np.ones(number // COARSE)) * COARSE
         side = COARSE
@@ -70,40 +69,34 @@ class Bounds:
         crossed = np.zeros(number, dtype=np.bool_)
         crossed[tuple(cells[d <= half].T)] = True
         # Measure to the nearest cell that touches a crossed one, because distances between cells, not centres, count.
-        touching = ndimage.binary_dilation(crossed, np.ones((3, 3, 3), dtype=np.bool_))
-        gap = size * ndimage.distance_transform_edt(~touching)
+        squared = np.empty(number)
+        measure_cells(_spread(crossed), squared)
+        gap = size * np.sqrt(squared)
         at = tuple(cells.T)
         gap[at] = np.maximum(gap[at], d - half)
         return np.asarray(gap)
 
     def _sign(self, t: Triangles) -> None:
         """Make the bounds inside negative. Each connected component of cells away from the surface has one sign."""
-        from scipy import ndimage
-
-        part = np.asarray(ndimage.label(self.gap > 0.0)[0])
+        part = np.empty(self.gap.shape, dtype=np.int64)
+        label_cells(self.gap > 0.0, part)
         first = np.unique(part, return_index=True)[1]
         cells = np.stack(np.unravel_index(first, part.shape), axis=1)
-        turns = winding_number(t, self.low + (cells + 0.5) * self.size)
+        turns = winding_number(t.vertices[t.faces], self.low + (cells + 0.5) * self.size)
         sign = np.where(turns > 0.5, -1.0, 1.0)
         sign[0] = 1.0  # the cells near the surface
         self.gap *= sign[part]
 
 
-def winding_number(t: Triangles, points: Floats) -> Floats:
-    """Return the winding number of the triangles around each of a few points, (K, 3) [m]: (K,), 1 inside, 0 outside.
-
-    Sums the solid angles by A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed.
-    Eng. 30 (1983) 125. libigl's function is not used, because it holds the interpreter lock too long to build a tree.
-    """
-    corners = t.vertices[t.faces]  # (F, 3, 3) [m]
-    turns = np.zeros(len(points))
-    for k, point in enumerate(points):
-        a, b, c = np.moveaxis(corners - point, 1, 0)
-        x, y, z = (np.sqrt((v * v).sum(axis=1)) for v in (a, b, c))
-        volume = (a * np.cross(b, c)).sum(axis=1)
-        below = x * y * z + (a * b).sum(1) * z + (b * c).sum(1) * x + (c * a).sum(1) * y
-        turns[k] = np.arctan2(volume, below).sum() / (2.0 * math.pi)
-    return turns
+def _spread(marked: Flags) -> Flags:
+    """Mark also the cells that touch a marked one, be it at a corner."""
+    for axis in range(3):
+        inner = np.moveaxis(marked, axis, 0)
+        wider = inner.copy()
+        wider[1:] |= inner[:-1]
+        wider[:-1] |= inner[1:]
+        marked = np.moveaxis(wider, 0, axis)
+    return np.ascontiguousarray(marked)
 
 
 def _cells(extent: Floats, size: float) -> Indices:

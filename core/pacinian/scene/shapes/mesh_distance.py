@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import weakref
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.native import scene as kernels
 from pacinian.scene.shapes.mesh_bounds import Bounds
+from pacinian.scene.shapes.triangle_tree import TriangleTree
 
 if TYPE_CHECKING:
     from pacinian.scene.shapes.triangles import Triangles
@@ -29,13 +29,9 @@ class MeshDistance:
     """
 
     def __init__(self, t: Triangles) -> None:
-        import igl
-
         wide = t.areas > 0.0
         self.triangles, self.vertices, self.faces = t, t.vertices, t.faces[wide]
-        self.tree: Any = igl.AABB()
-        weakref.finalize(self, self.__dict__.pop, "tree", None)  # free the tree before exit
-        self.tree.init(self.vertices, self.faces)
+        self.tree = TriangleTree(self.vertices, self.faces)
         self.normals, features = pseudo_normals(t)
         self.features = features[wide]
         first, last = (self.vertices[np.roll(self.faces, -k, axis=1)] for k in (1, 2))
@@ -61,7 +57,7 @@ class MeshDistance:
             points = points[near]
         else:
             near = np.arange(len(points))
-        squared, face, nearest = self.tree.squared_distance(self.vertices, self.faces, points)
+        squared, face, nearest = self.tree.find_closest(points)
         kernels.sign(
             points, squared, face, nearest,
             self.inward, self.offset, self.normals, self.features, near, d,
@@ -70,7 +66,7 @@ class MeshDistance:
 
     def compute_unsigned(self, points: Floats) -> Floats:
         """Return the unsigned distance of points, (K, 3): (K,) [m]."""
-        squared: Floats = self.tree.squared_distance(self.vertices, self.faces, points)[0]
+        squared = self.tree.find_closest(points)[0]
         return np.sqrt(squared)
 
 
@@ -80,9 +76,6 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
     The index, (F, 8), gives for each face the normal of a point on it. Its second axis is a bit mask of the edges on
     which the point lies: bit i is the edge opposite corner i.
     """
-    import igl
-    from scipy import sparse
-
     F, E, V = len(t.faces), len(t.sharing), len(t.vertices)
     corner, edge, three = t.faces.ravel(), t.edges.ravel(), np.repeat(np.arange(F), 3)
     first, last = (t.vertices[np.roll(t.faces, -k, axis=1)] for k in (1, 2))
@@ -90,13 +83,11 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
     # A face without area counts as an edge, which joins its neighbours on either side.
     normals, thin = t.normals.copy(), t.areas == 0.0
     x, y, z = t.edges[thin].T
-    joins = np.concatenate([x, y]), np.concatenate([y, z])
-    graph = sparse.coo_array((np.ones(len(joins[0])), joins), shape=(E, E))
-    line = sparse.csgraph.connected_components(graph, directed=False)[1].astype(np.intp)
+    line = _join(np.concatenate([x, y]), np.concatenate([y, z]), E)
     of_edges = _sums(line[edge], lengths * normals[three], E)[line]
     normals[thin] = of_edges[x]
     normals[thin] /= np.maximum(np.sqrt((normals[thin] ** 2).sum(axis=1, keepdims=True)), 1e-30)
-    angles = np.nan_to_num(igl.internal_angles(t.vertices, t.faces)).reshape(-1, 1)
+    angles = _angles(t.vertices[t.faces]).reshape(-1, 1)
     of_vertices = _sums(corner, angles * normals[three], V)
     rim = np.isin(line, line[t.sharing == 1])
     of_edges[rim] = 0.0
@@ -106,6 +97,24 @@ def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:
     (e0, e1, e2), (v0, v1, v2) = F + t.edges.T, F + E + t.faces.T
     features = np.stack([face, e0, e1, v2, e2, v1, v0, face], axis=1)
     return np.concatenate([normals, of_edges, of_vertices]), features
+
+
+def _join(first: Indices, second: Indices, size: int) -> Indices:
+    """Return the smallest index, (size,), that each index is joined with by pairs `first`, `second`, (K,)."""
+    joined = np.arange(size)
+    while (joined[first] != joined[second]).any():
+        least = np.minimum(joined[first], joined[second])
+        for ends in (first, second):
+            np.minimum.at(joined, ends, least)
+        joined = joined[joined]
+    return joined
+
+
+def _angles(corners: Floats) -> Floats:
+    """Return the angle at each corner of triangles, (F, 3, 3): (F, 3) [rad]; 0 at an edge without length."""
+    a, b = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    across = np.sqrt((np.cross(a, b) ** 2).sum(axis=2))
+    return np.asarray(np.arctan2(across, (a * b).sum(axis=2)), dtype=np.float64)
 
 
 def _sums(index: Indices, values: Floats, size: int) -> Floats:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.native.neighbours import thin
+
 if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
@@ -17,13 +19,8 @@ def thin_out(points: Floats, radius: float, first: int = 0) -> Indices:
 
     The first `first` points are tried first, in order. The others are tried in a reproducible random order.
     """
-    from scipy.spatial import KDTree
-
-    tree, left = KDTree(points), np.ones(len(points), dtype=np.bool_)
-    kept: list[int] = []
     others = first + np.random.default_rng(0).permutation(len(points) - first)
-    for i in np.concatenate([np.arange(first), others]).tolist():
-        if left[i]:
-            kept.append(i)
-            left[tree.query_ball_point(points[i], radius)] = False
-    return np.array(sorted(kept), dtype=np.intp)
+    order = np.concatenate([np.arange(first), others]).astype(np.int64)
+    kept = np.empty(len(points), dtype=np.bool_)
+    thin(np.ascontiguousarray(points, dtype=np.float64), order, radius, kept)
+    return np.flatnonzero(kept)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
-import weakref
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from pacinian.scene.shapes.triangle_tree import TriangleTree
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -39,18 +40,10 @@ class Polyline3D:
 
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points, (K, 3), from the polyline: (K,) [m]."""
-        tree, pairs = self._tree
-        squared = tree.squared_distance(self.points, pairs, np.ascontiguousarray(points))[0]
-        return np.asarray(np.sqrt(squared))
+        return np.sqrt(self._tree.find_closest(points)[0])
 
     @functools.cached_property
-    def _tree(self) -> tuple[Any, Any]:
-        """The tree of boxes around the segments, and the two ends of each segment."""
-        import igl
-
+    def _tree(self) -> TriangleTree:
+        """The tree of boxes around the segments, which are triangles without area."""
         i = np.arange(len(self.points) - 1)
-        tree, pairs = igl.AABB(), np.stack([i, i + 1], axis=-1)
-        tree.init(self.points, pairs)
-        # free the tree before exit, because nanobind reports leaks then
-        weakref.finalize(self, self.__dict__.pop, "_tree", None)
-        return tree, pairs
+        return TriangleTree(self.points[:, :3], np.stack([i, i + 1, i + 1], axis=-1))

@@ -102,7 +102,7 @@ class Triangles:
             raise ArgumentError("mesh", f"{name} has no area")
         edges, sharing, flaw = _edges(vertices, faces, float(areas.sum()))
         if not flaw:
-            turned = orient_outward(vertices, faces)
+            turned = orient_outward(vertices, faces, edges)
             swap = (turned != faces).any(axis=1, keepdims=True)
             faces = turned
             normals, edges = (

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy import linalg
 
 from pacinian.native.solving import gather
+from pacinian.solving.linalg import lapack
 from pacinian_plugins.native.lagrange import (
     attempt,
     certify,
@@ -280,7 +280,10 @@ class PhaseFreeSolve:
             if share == SOFT[0]:
                 shifted = np.array(G)
                 shifted[diagonal, diagonal] += soft
-                room.y[:] = soft * linalg.solve(shifted, self.p, assume_a="pos")
+                _, y, singular = lapack.zposv(shifted, self.p)
+                if singular:
+                    raise np.linalg.LinAlgError("the Gram matrix is not positive definite")
+                room.y[:] = soft * y.reshape(-1)
             else:
                 room.y[:] *= soft / last
             last = soft

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy import linalg
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -82,5 +81,5 @@ def solve_newton(
         A -= (C.real / mu) @ C.real.T + (C.imag * (1.0 / mu - 1.0 / size[held])) @ C.imag.T
         A[np.diag_indices_from(A)] += 1.0
         y = y.copy()
-        np.add.at(y, sample, u * linalg.lstsq(A, F)[0])
+        np.add.at(y, sample, u * np.linalg.lstsq(A, F, rcond=float(np.finfo(A.dtype).eps))[0])
     return refine_certified(B, p, free, mu, best)

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy import float32 as f4
-from scipy.linalg import blas, lapack
 
 import pacinian as pc
 from pacinian.solving.buffer_pool import acquire, release
+from pacinian.solving.linalg import blas, lapack
 from pacinian.solving.solution import AT_LIMIT
 from pacinian_plugins.native.lagrange import TILE, bend, deliver, evaluate, within
 from pacinian_plugins.solvers.lagrange.evenly import climb

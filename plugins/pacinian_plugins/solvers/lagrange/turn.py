@@ -6,10 +6,11 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import optimize
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from scipy import optimize
 
     import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
@@ -28,6 +29,8 @@ def turn(
     is the minimum over multipliers y with Re(y^H c) = 1 of the most that gains within the limits give for y.
     Therefore d log s / d phi_m = -Re(y_m^* j c_m), the slope for L-BFGS.
     """
+    from scipy import optimize
+
     M = len(c)
     best = solve(c, None)
     if not (best.strength > 0.0 and free.any()):

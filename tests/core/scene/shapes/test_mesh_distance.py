@@ -299,9 +299,9 @@ def test_few_more_points_are_asked_for_than_are_near(monkeypatch: pytest.MonkeyP
     tree = shape.triangles.distance.tree
 
     class Counting:
-        def squared_distance(self, V: Any, F: Any, P: Any) -> Any:
+        def find_closest(self, P: Any) -> Any:
             asked.append(len(P))
-            return tree.squared_distance(V, F, P)
+            return tree.find_closest(P)
 
     shape.distance(points, 0.005)
     monkeypatch.setattr(shape.triangles.distance, "tree", Counting())

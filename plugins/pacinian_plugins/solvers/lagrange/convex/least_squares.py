@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from scipy import linalg
 
 import pacinian as pc
 from pacinian.solving.propagator import gram_matrix as product
@@ -81,7 +80,7 @@ def _solve_reduced(
     M, N = len(p), A.shape[1]
     near = np.append(soft, np.zeros(len(A) - M, np.bool_))
     B = A[near].astype(np.complex128)
-    Q, R = cast("tuple[Complexes, Complexes]", linalg.qr(B, mode="economic"))
+    Q, R = cast("tuple[Complexes, Complexes]", np.linalg.qr(B))
     down = Q.conj().T @ p[soft]
     exact = np.append(np.zeros(N, np.bool_), np.ones(M - int(soft.sum()), np.bool_))
     if start is not None:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
-from scipy.linalg import blas, lapack
 
+from pacinian.solving.linalg import blas, lapack
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex import matvec
 

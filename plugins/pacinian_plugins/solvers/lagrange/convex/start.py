@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import lapack
 
 import pacinian as pc
+from pacinian.solving.linalg import lapack
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex import matvec
 from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
