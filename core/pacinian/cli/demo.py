@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import click
@@ -47,6 +48,10 @@ def demo(
     A ball circles around a button at 1 kHz above 9 AUTD units. Afterwards, prints how well that went, and draws the
     field of the last tick.
     """
+    if not as_json:  # at once: the first import and the kernels may take seconds
+        count = "one simulated AUTD unit" if units == 1 else f"{units**2} simulated AUTD units"
+        click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
+
     from pacinian.acoustics.array import autd
     from pacinian.cli.run_output import picture, progress, summary, tell
     from pacinian.demo import alternate, make_circling_scene
@@ -57,10 +62,15 @@ def demo(
     device = backend("simulated", rate=rate)
     renderer = Renderer(array, make_circling_scene, solver=solver, backend=device, rate=rate)
     extra: dict[str, Any] = {"seconds": seconds}
+    processor: float | None = None
     with renderer, progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick:
-        if dummy:
+        begin = time.process_time()
+        if dummy:  # which only burns the processor's time
             extra["dummy"] = alternate(renderer, seconds, on_tick).summary()
         else:
             renderer.run(seconds, on_tick)
-    extra["picture"] = picture(renderer, out, "A circling ball and a button: radiation pressure")
-    tell(summary(renderer, extra), as_json)
+            processor = time.process_time() - begin
+    title = "A circling ball and a button: radiation pressure"
+    extra["picture"] = picture(renderer, out, title, quiet=as_json)
+    less = "" if units == 1 else "fewer units (`--units 1`), or "
+    tell(summary(renderer, extra, processor), as_json, f"try {less}a lower `--rate`")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,9 @@ def render(
         renderer.recorder = Recorder(record)
     extra: dict[str, Any] = {"seconds": seconds, "scene": str(scene), "record": record}
     with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
+        begin = time.process_time()
         renderer.run(seconds or None, on_tick)
-    extra["picture"] = picture(renderer, out, scene.name)
-    tell(summary(renderer, extra), as_json)
+        processor = time.process_time() - begin
+    extra["picture"] = picture(renderer, out, scene.name, quiet=as_json)
+    remedy = "give the scene file a lower `rate`, a smaller `array` or fewer objects"
+    tell(summary(renderer, extra, processor), as_json, remedy)

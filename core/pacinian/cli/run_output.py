@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 
 MAX_LISTED = 8  # objects whose felt quality is shown
+TIMELY_SHARE = 0.95  # share of ticks on time from which a run counts as on time
+BUSY_SHARE = 0.7  # share of the ticks' time below which other programs held the processor
 
 
 def progress(
@@ -29,8 +31,11 @@ def progress(
     return nullcontext() if quiet else bar(what, seconds)
 
 
-def picture(renderer: Renderer, path: str, title: str) -> str:
-    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn."""
+def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
+    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn.
+
+    quiet: whether to say nothing before.
+    """
     import numpy as np
 
     from pacinian import plot
@@ -38,6 +43,8 @@ def picture(renderer: Renderer, path: str, title: str) -> str:
 
     if not path:
         return ""
+    if not quiet:
+        click.echo("drawing the picture ...", err=True)
     session = renderer.session
     points = np.array(session.propagator.points)
     try:
@@ -61,69 +68,104 @@ def check_picture_path(context: click.Context, parameter: click.Parameter, path:
     return path
 
 
-def summary(renderer: Renderer, extra: dict[str, Any]) -> dict[str, Any]:
-    """Return the figures of a run."""
-    session = renderer.session
+def summary(
+    renderer: Renderer, extra: dict[str, Any], processor: float | None = None
+) -> dict[str, Any]:
+    """Return the figures of a run. processor: time that the processor spent on it [s], if that was measured."""
+    session, report = renderer.session, renderer.report
+    busy = float(report.recent(report.ticks).sum())  # [s]
     return {
         "transducers": len(session.array),
         "samples": len(session.propagator.points),
         "rate": 1.0 / renderer.period,
         "solver": session.solver.name,
         "backend": renderer.backend.name,
-        **renderer.report.summary(),
+        **report.summary(),
+        "processor_share": min(1.0, processor / busy) if processor and busy else None,
         **extra,
     }
 
 
-def tell(told: dict[str, Any], as_json: bool) -> None:
-    """Print a summary as a table, or as one JSON object. Exits with code 1 after a fault, 130 after Ctrl-C."""
+def tell(told: dict[str, Any], as_json: bool, remedy: str = "") -> None:
+    """Print a summary as a table, or as one JSON object. Exits with code 1 after a fault, 130 after Ctrl-C.
+
+    remedy: what helps a machine that is too slow.
+    """
     if as_json:
         click.echo(json.dumps(told))
     else:
-        _print_table(told)
+        _print_table(told, remedy)
     if told["interrupted"]:
         raise SystemExit(130)
     if told["fault_count"]:
         raise SystemExit(1)
 
 
-def _print_table(told: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.table import Table
+def judge_pace(told: dict[str, Any], remedy: str) -> str:
+    """Return in words whether the ticks of a run were on time; if not, why, and what to do.
 
+    told: a summary. remedy: what helps if the machine is too slow for the scene.
+    """
+    planned = told["ticks"] + told["skipped"].get("missed ticks", 0)
+    timely = told["ticks"] - told["late_ticks"]
+    if not planned:
+        return ""
+    told_share = f"{timely / planned:.0%} of the {planned:,} planned ticks were on time"
+    if timely >= TIMELY_SHARE * planned:
+        return f"{told_share}."
+    took, free, due = told["tick_p50_ms"], told["processor_share"], 1e3 / told["rate"]
+    text = f"Only {told_share}: one took {took:.1f} ms (median), and {told['rate']:g} Hz leave {due:g} ms."
+    if free is not None and free < BUSY_SHARE:
+        text += f" Other programs held the processor for {1.0 - free:.0%} of that time: close them."
+        took *= free
+    if took >= due:
+        text += f" This machine is too slow for this scene at this rate: {remedy}."
+    return text
+
+
+def _print_table(told: dict[str, Any], remedy: str) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from pacinian.cli.console import make_console
+    from pacinian.rendering.skip_reasons import split_skips
     from pacinian.solving.felt_regions import FeltRegion
 
     table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_column(style="dim", no_wrap=True)
+    table.add_column(overflow="fold")
     rows = {
         "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
         "solver, backend": f"{told['solver']}, {told['backend']}",
-        "ticks": f"{told['ticks']} at {told['rate']:g} Hz, {_late(told)}",
-        "tick time": f"{_times(told)}, max {told['tick_max_ms']:.3f} ms",
-        "at the samples, as emitted": f"{told['error_at_samples']:.3%} off the target sound pressures",
+        "ticks": f"{told['ticks']:,} at {told['rate']:g} Hz, {_late(told)}",
+        "tick time": f"{_times(told)}, max {told['tick_max_ms']:.2f} ms",
+        "error": f"{told['error_at_samples']:.2%} of the target sound pressures, as emitted at the samples",
         **{
             f"felt of {name}": str(FeltRegion(**felt))
             for name, felt in list(told["felt"].items())[:MAX_LISTED]
         },
-        "solves": ", ".join(f"{n} {name}" for name, n in told["statuses"].items()) or "none",
-        "skipped": ", ".join(f"{n} {name}" for name, n in told["skipped"].items() if n)
-        or "nothing",
+        "solves": ", ".join(f"{n:,} {name}" for name, n in told["statuses"].items()) or "none",
+        "left out": str(split_skips(told["skipped"])),
     }
     if base := told.get("dummy"):
-        rows["dummy loop"] = f"{base['ticks']} ticks, {_late(base)}, {_times(base)}"
-    if told.get("picture"):
-        rows["picture"] = told["picture"]
+        rows["dummy loop"] = f"{base['ticks']:,} ticks, {_late(base)}, {_times(base)}"
     if told.get("record"):
-        rows["recording"] = told["record"]
+        rows["recording"] = str(Path(told["record"]).resolve())
     for i, fault in enumerate(told["faults"][:5]):
         rows[f"fault {i + 1} of {told['fault_count']}"] = fault
     for name, value in rows.items():
-        table.add_row(name, value)
-    Console().print(table)
+        table.add_row(Text(name), Text(value, style="red" if name.startswith("fault") else ""))
+    console = make_console()
+    console.print(table)
+    if pace := judge_pace(told, remedy):
+        console.print(Text(pace, style="yellow" if pace.startswith("Only") else "green"))
+    if told.get("picture"):
+        console.print(Text(f"Picture: {Path(told['picture']).resolve()}"), soft_wrap=True)
 
 
 def _late(told: dict[str, Any]) -> str:
-    return f"{told['late_ticks']} late ({told['late_ticks'] / max(1, told['ticks']):.2%})"
+    return f"{told['late_ticks']:,} late ({told['late_ticks'] / max(1, told['ticks']):.0%})"
 
 
 def _times(told: dict[str, Any]) -> str:
-    return f"p50 {told['tick_p50_ms']:.3f} ms, p99 {told['tick_p99_ms']:.3f} ms"
+    return f"median {told['tick_p50_ms']:.2f} ms, p99 {told['tick_p99_ms']:.2f} ms"

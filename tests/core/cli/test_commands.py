@@ -20,6 +20,7 @@ from click.testing import CliRunner
 
 import pacinian as pc
 from pacinian.cli.main import GROUPS, cli, main
+from pacinian.cli.run_output import judge_pace
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
 
@@ -64,7 +65,7 @@ def test_demo_tells_one_json_object(tmp_path: Path) -> None:
     assert seen["samples"] > 100  # a region
     assert seen["error_at_samples"] < 0.05  # at the samples of a region that moves
     assert seen["fault_count"] == 0
-    assert {"late_ticks", "tick_p50_ms", "tick_p99_ms"} <= seen.keys()
+    assert {"late_ticks", "tick_p50_ms", "tick_p99_ms", "processor_share"} <= seen.keys()
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
@@ -73,6 +74,44 @@ def test_demo_without_json_is_a_table_and_a_bar() -> None:
     assert result.exit_code == 0
     for word in ("ticks", "late", "p99", "at the samples"):
         assert word in result.stdout
+
+
+def test_demo_says_at_once_what_it_does_and_at_the_end_where_the_picture_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run("demo", "--seconds", "0.1", "--units", "1", "--out", "it.png")
+    assert result.exit_code == 0
+    assert result.stderr.startswith("A ball circles a button above one simulated AUTD unit")
+    assert "drawing the picture" in result.stderr
+    assert result.stdout.splitlines()[-1] == f"Picture: {tmp_path / 'it.png'}"
+    assert "100% of the 100 planned ticks were on time." in result.stdout
+
+
+def paced(**given: Any) -> dict[str, Any]:
+    """A summary of 1000 planned ticks at 1 kHz."""
+    figures = {"ticks": 1000, "late_ticks": 0, "skipped": {}, "tick_p50_ms": 0.2, "rate": 1000.0}
+    return {**figures, "processor_share": 1.0, **given}
+
+
+@pytest.mark.parametrize(
+    ("told", "says", "not_says"),
+    [
+        (paced(late_ticks=40), "96% of the 1,000 planned ticks were on time.", "Only|close|slow"),
+        (paced(late_ticks=60), "Only 94% of the 1,000.*took 0.2 ms", "close|too slow"),
+        (paced(ticks=100, late_ticks=90, skipped={"missed ticks": 900}, tick_p50_ms=9.0),
+         "Only 1% of the 1,000.*9.0 ms.*leave 1 ms.*too slow.*buy a faster one", "close"),
+        (paced(late_ticks=900, tick_p50_ms=2.0, processor_share=0.25),
+         "Only 10%.*held the processor for 75%.*close them", "too slow"),
+        (paced(late_ticks=900, tick_p50_ms=8.0, processor_share=0.5), "for 50%.*too slow", "^$"),
+        (paced(late_ticks=900, tick_p50_ms=8.0, processor_share=None), "too slow", "held"),
+        (paced(ticks=0), "^$", "on time"),
+    ],
+)  # fmt: skip
+def test_late_ticks_are_explained_in_words(told: dict[str, Any], says: str, not_says: str) -> None:
+    text = judge_pace(told, "buy a faster one")
+    assert re.search(says, text)
+    assert not re.search(not_says, text)
 
 
 def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
