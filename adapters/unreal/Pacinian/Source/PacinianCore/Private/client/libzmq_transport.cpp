@@ -17,22 +17,21 @@ namespace {
 
 constexpr int denied = ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 constexpr int foreign = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
-constexpr int ends = ZMQ_EVENT_CLOSED | ZMQ_EVENT_DISCONNECTED | denied | foreign;
+constexpr int all_endings = ZMQ_EVENT_CLOSED | ZMQ_EVENT_DISCONNECTED | denied | foreign;
 constexpr std::size_t key_size = 40;  // [characters] of a key in Z85
 
 struct Option {
   int option, value;
 };
 
-constexpr Option of_all[] = {
+constexpr Option options_of_all[] = {
     {ZMQ_SNDHWM, 16}, {ZMQ_HANDSHAKE_IVL, 2000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], as all below
 };
-constexpr Option once[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
+constexpr Option options_of_dealers[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
 // No limit on what waits: libzmq 4.3 ends the process if a heartbeat is due at one.
-constexpr Option beats[] = {{ZMQ_HEARTBEAT_IVL, 50},
-                            {ZMQ_HEARTBEAT_TTL, 1500},
-                            {ZMQ_HEARTBEAT_TIMEOUT, 1500},
-                            {ZMQ_RCVHWM, 0}};
+constexpr Option options_of_heartbeats[] = {
+    {ZMQ_HEARTBEAT_IVL, 50}, {ZMQ_HEARTBEAT_TTL, 1500}, {ZMQ_HEARTBEAT_TIMEOUT, 1500}, {ZMQ_RCVHWM, 0},
+};
 
 template <std::size_t N>
 void set_all(Socket& socket, const Option (&options)[N]) {
@@ -104,12 +103,13 @@ class LibzmqTransport final : public Transport {
     const bool is_state = channel == Channel::state;
     Line& line = of(channel);
     line.socket.open(context_, is_state ? ZMQ_SUB : ZMQ_DEALER);
-    set_all(line.socket, of_all);
+    set_all(line.socket, options_of_all);
     const std::int64_t max_size = wire::MAX_REPLY_BYTES;
     zmq_setsockopt(line.socket.get(), ZMQ_MAXMSGSIZE, &max_size, sizeof max_size);
     if (is_state) line.socket.set(ZMQ_SUBSCRIBE, wire::State::tag);
-    if (!is_state) set_all(line.socket, once);
-    if (channel == Channel::control) set_all(line.socket, beats);  // elsewhere they would wait behind what is not read
+    if (!is_state) set_all(line.socket, options_of_dealers);
+    // Elsewhere heartbeats would wait behind what is not read.
+    if (channel == Channel::control) set_all(line.socket, options_of_heartbeats);
     if (!is_state && !watch_end(line, channel)) return false;
     if (!set_keys(line.socket, connection)) {
       loss = {"the connection has no token, or no keys of a client", true};
@@ -124,7 +124,7 @@ class LibzmqTransport final : public Transport {
 
   bool watch_end(Line& line, Channel channel) {
     const std::string at = channel == Channel::control ? "inproc://control" : "inproc://command";
-    zmq_socket_monitor(line.socket.get(), at.c_str(), ends);
+    zmq_socket_monitor(line.socket.get(), at.c_str(), all_endings);
     line.monitor.open(context_, ZMQ_PAIR);
     return line.monitor.connect(at);
   }

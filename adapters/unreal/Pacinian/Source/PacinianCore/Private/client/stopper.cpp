@@ -11,8 +11,8 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr double pause = 0.05;  // [s] between two attempts, and two looks at whether to hurry
-constexpr double hurry = 0.25;  // [s] that one may still take then
+constexpr double attempt_pause = 0.05;        // [s] between two attempts, and two looks at whether to hurry
+constexpr double max_hurried_attempt = 0.25;  // [s] that one may still take then
 
 }  // namespace
 
@@ -65,9 +65,9 @@ std::string Stopper::send() {
   const double end = options_.clock() + options_.timeout;
   while (true) {
     std::string problem = attempt(end);
-    const bool over = hurries_.load() || options_.clock() + pause >= end;
+    const bool over = hurries_.load() || options_.clock() + attempt_pause >= end;
     if (problem.empty() || over) return problem;
-    std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+    std::this_thread::sleep_for(std::chrono::duration<double>(attempt_pause));
   }
 }
 
@@ -87,7 +87,7 @@ std::string Stopper::attempt(double end) {
   bool sent = false;
   for (double left = end - options_.clock(); left > 0.0; left = end - options_.clock()) {
     sent = sent || transport->send(Channel::control, writer.data(), writer.size());
-    transport->wait(std::min(left, pause), nullptr);
+    transport->wait(std::min(left, attempt_pause), nullptr);
     while (transport->receive(Channel::control, message)) {
       if (!wire::decode_reply(message.data(), message.size(), reply, wrong)) continue;
       if (const auto* done = std::get_if<wire::Ok>(&reply); done && done->id == stop.id) return "";
@@ -95,7 +95,7 @@ std::string Stopper::attempt(double end) {
     }
     const End ended = transport->ended();
     if (ended.how != Ending::none) return explain(ended.how, connection.at(ended.where), false).why;
-    if (hurries_.load()) end = std::min(end, options_.clock() + hurry);
+    if (hurries_.load()) end = std::min(end, options_.clock() + max_hurried_attempt);
   }
   return "the server at " + connection.control + " has not confirmed the stop in time";
 }

@@ -23,7 +23,8 @@ zmtp::Settings make_settings(Channel channel, const std::string& token) {
   made.login = {user, token};
   made.topic = wire::State::tag;
   made.max_message = static_cast<std::size_t>(wire::MAX_REPLY_BYTES);
-  if (channel == Channel::control) made.ping_interval = ping_interval;  // elsewhere it would wait behind what is not read
+  // Elsewhere heartbeats would wait behind what is not read.
+  if (channel == Channel::control) made.ping_interval = ping_interval;
   return made;
 }
 

@@ -10,8 +10,8 @@ namespace {
 #ifndef PACINIAN_LIBZMQ
 constexpr char no_libzmq[] =
     "this server takes CURVE keys, for which this program needs libzmq, and it was built without: build it with "
-    "PACINIAN_LIBZMQ (in Unreal, see Source/ThirdParty/README.md of the plugin). A server on this machine needs none if it "
-    "has no keys";
+    "PACINIAN_LIBZMQ (in Unreal, see Source/ThirdParty/README.md of the plugin). A server on this machine needs none "
+    "if it has no keys";
 #endif
 
 }  // namespace

@@ -17,9 +17,9 @@ struct End {
   Channel where = Channel::control;
 };
 
-/// Carries whole messages to and from one server. It belongs to one thread, and nothing but `wait` waits. Once `control` or
-/// `command` has ended it does not come back by itself, and it takes a message only while it stands: so nothing old can
-/// reach a server that was started anew. When it is destroyed, what was not sent is not sent any more.
+/// Carries whole messages to and from one server. It belongs to one thread, and nothing but `wait` waits. Once `control`
+/// or `command` has ended it does not come back by itself, and it takes a message only while it stands: so nothing old
+/// can reach a server that was started anew. When it is destroyed, what was not sent is not sent any more.
 class Transport {
  public:
   virtual ~Transport() = default;
@@ -36,7 +36,7 @@ class Transport {
   virtual void wait(double seconds, const Bell* bell) = 0;
 };
 
-/// Begins to connect, to all channels or to `control` alone: with a token by sockets of the system's, with CURVE keys by
+/// Begins to connect, to all channels or to `control` alone: with a token by the system's sockets, with CURVE keys by
 /// libzmq. Null, with the reason, if it cannot.
 std::unique_ptr<Transport> connect(const Connection& connection, bool to_all, Loss& loss);
 

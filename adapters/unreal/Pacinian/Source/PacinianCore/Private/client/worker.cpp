@@ -6,9 +6,9 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr double longest = 1.0;   // [s] between two looks at the clock
-constexpr double fresh = 0.05;    // [s] of a state's age, beyond which newer ones are looked for
-constexpr double settle = 0.005;  // [s] in which more would come
+constexpr double max_wait = 1.0;         // [s] between two looks at the clock
+constexpr double max_fresh_age = 0.05;   // [s] of a state, beyond which newer ones are looked for
+constexpr double settling_time = 0.005;  // [s] in which more would come
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void Worker::look() {
     dialogue_.unreadable(wrong.problem);
   auto* state = std::get_if<wire::State>(&incoming_);
   if (held_ == never || !state) return;
-  if (now < held_ + settle && dialogue_.timing.age(state->time, now) > fresh) return;
+  if (now < held_ + settling_time && dialogue_.timing.age(state->time, now) > max_fresh_age) return;
   if (dialogue_.connected()) mailbox_.publish(*state);
   held_ = never;
 }
@@ -122,9 +122,9 @@ void Worker::show() {
 }
 
 void Worker::wait(double now) {
-  double due = now + longest;
+  double due = now + max_wait;
   if (transport_) {
-    due = std::min({due, dialogue_.due(now), held_ + settle});
+    due = std::min({due, dialogue_.due(now), held_ + settling_time});
     if (dialogue_.wants_tick(now)) {
       mailbox_.want_tick();
       if (mailbox_.ticked() != dialogue_.ticked()) return;

@@ -5,7 +5,7 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr double farewell = 0.2;  // [s] that a bye may take
+constexpr double max_farewell = 0.2;  // [s] that a bye may take
 
 }  // namespace
 
@@ -36,8 +36,8 @@ void Worker::disconnect() {
 void Worker::leave() {
   if (!transport_) return;
   dialogue_.bye(*this);
-  const double end = options_.clock() + farewell;
-  double left = farewell;
+  const double end = options_.clock() + max_farewell;
+  double left = max_farewell;
   while (dialogue_.leaving() && !dialogue_.loss() && left > 0.0) {
     transport_->wait(left, nullptr);
     hear();

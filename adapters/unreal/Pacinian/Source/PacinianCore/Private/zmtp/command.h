@@ -12,8 +12,8 @@
 /// The names of commands, and how they and their properties are read (RFC 37, "Commands" and "Connection Metadata").
 namespace pacinian::zmtp::command {
 
-constexpr std::string_view hello = "HELLO", welcome = "WELCOME", initiate = "INITIATE", ready = "READY", error = "ERROR";
-constexpr std::string_view ping = "PING", pong = "PONG", subscribe = "SUBSCRIBE";
+constexpr std::string_view hello = "HELLO", welcome = "WELCOME", initiate = "INITIATE", ready = "READY";
+constexpr std::string_view error = "ERROR", ping = "PING", pong = "PONG", subscribe = "SUBSCRIBE";
 
 /// The largest body of a command that is accepted: a READY with all its properties is some 100 bytes.
 constexpr std::size_t max_size = 4096;
@@ -23,8 +23,8 @@ using Data = std::optional<std::string_view>;
 /// The data of a frame that is the command of that name; nothing if it is another frame.
 Data match(const FrameReader& frame, std::string_view name);
 
-/// The data of an ERROR. libzmq's server of PLAIN, up to 4.3.5, writes "^RROR" in place of the length 5 and "ERROR": its
-/// source has "\x05ERROR", where C takes the first E for a digit of the escape.
+/// The data of an ERROR. libzmq's server of PLAIN, up to 4.3.5, writes "^RROR" in place of the length 5 and "ERROR":
+/// its source has "\x05ERROR", where C takes the first E for a digit of the escape.
 Data match_error(const FrameReader& frame);
 
 /// A text whose length is its first byte; nothing if it is cut off.

@@ -106,7 +106,8 @@ void Handshake::check_type(command::Data type) {
   if (fits)
     step_ = Step::done;
   else
-    problem_ = type ? "the peer's socket is of type " + command::make_printable(*type) : "the peer's properties are cut off";
+    problem_ = type ? "the peer's socket is of type " + command::make_printable(*type)
+                    : "the peer's properties are cut off";
 }
 
 std::string Handshake::properties() const {

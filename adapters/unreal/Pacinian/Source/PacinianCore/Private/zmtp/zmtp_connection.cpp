@@ -41,7 +41,7 @@ void ZmtpConnection::note_arrival(double now) {
 }
 
 /// Reads a frame. What the peer says after a heartbeat fulfils its time to live, also if both have come together.
-bool ZmtpConnection::has_frame() {
+bool ZmtpConnection::read_frame() {
   if (!is_established_ || is_cut_off_ || !input_.read()) return false;
   peer_deadline_ = never;
   return true;
@@ -67,7 +67,7 @@ void ZmtpConnection::subscribe() {
 
 bool ZmtpConnection::read(std::vector<std::uint8_t>& into) {
   advance();
-  while (has_frame()) {
+  while (read_frame()) {
     if (input_.is_command()) {
       handle_command();
       continue;
@@ -94,7 +94,7 @@ void ZmtpConnection::check_time(double now) {
     if (now - begun_ > settings_.handshake_timeout) end(Ending::foreign, "the handshake takes too long");
     return;
   }
-  if (pings() && now - pinged_ >= settings_.ping_interval) {
+  if (sends_pings() && now - pinged_ >= settings_.ping_interval) {
     pinged_ = now;
     unanswered_ = std::min(unanswered_, now);
     if (output_.size() == 0) output_.write_command(command::ping, ping_);  // else it would be one more that waits
@@ -105,7 +105,7 @@ void ZmtpConnection::check_time(double now) {
 
 double ZmtpConnection::due() const {
   if (!is_established_) return begun_ + settings_.handshake_timeout;
-  const double ping = pings() ? pinged_ + settings_.ping_interval : never;
+  const double ping = sends_pings() ? pinged_ + settings_.ping_interval : never;
   return std::min({ping, unanswered_ + settings_.ping_timeout, peer_deadline_});
 }
 

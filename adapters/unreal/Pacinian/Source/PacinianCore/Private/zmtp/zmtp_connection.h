@@ -51,8 +51,8 @@ class ZmtpConnection {
   /// Goes on with the handshake; to be called when bytes have come.
   void advance();
 
-  /// Reads the last part of the next message, also after the peer has closed the connection; false if none has come whole.
-  /// Parts before it are not kept.
+  /// Reads the last part of the next message, also after the peer has closed the connection; false if none has come
+  /// whole. Parts before it are not kept.
   bool read(std::vector<std::uint8_t>& into);
 
   /// Takes a message of one part; false if there is no room for it.
@@ -68,8 +68,8 @@ class ZmtpConnection {
   static constexpr double never = std::numeric_limits<double>::infinity();
 
   void subscribe();
-  bool has_frame();
-  bool pings() const { return settings_.ping_interval > 0.0 && handshake_.minor() >= 1; }
+  bool read_frame();
+  bool sends_pings() const { return settings_.ping_interval > 0.0 && handshake_.minor() >= 1; }
   void handle_command();
   void answer_ping(std::string_view data);
   void end(Ending ending, std::string problem);
