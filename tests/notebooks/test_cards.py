@@ -11,6 +11,7 @@ import pytest
 import pacinian as pc
 from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.scene.sampling.samples import no_samples
+from pacinian.wire.state import State
 
 ARRAY = pc.autd()
 POINTS = np.array([[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]])
@@ -70,13 +71,18 @@ def recording(folder: Path) -> pc.Recording:
     return pc.Recording(folder / "a<b>.rec")
 
 
+STATE = State(
+    sequence=4, time=1.0, output="silent", armed=False, owner="", scene="", solver=EVIL, backend="simulated",
+    technique="", intensity=1.0, points=bytes(12), asked=bytes(4), hands=bytes(312),
+)  # fmt: skip
 FULL: dict[str, tuple[Any, list[str], bool]] = {
     "array": (ARRAY, ["249 transducers", "40 kHz"], True),
     "solution": (pc.solve(ARRAY, POINTS, [300.0, 200.0]), ["the targets are met", "error"], True),
     "limits": (pc.solve(ARRAY, POINTS, [3e3, 2e3], limits=LIMITED), ["limit", "proof"], True),
     "scene": (pc.Scene((BALL,), hands=(HAND, LOST)), [EVIL, "volume", "left (lost)"], True),
     "samples": (felt(pc.Scene((BALL,), hands=(HAND,))), ["samples", "mN"], True),
-    "report": (report(), ["100 ticks", EVIL, "1 (1.0%)"], True),
+    "report": (report(), ["100 ticks", EVIL, "1 (1.0%)", "work saved 5 times"], True),
+    "state": (STATE, ["State 4", "silent", "not armed: call arm()", EVIL], False),
     "plugins": (pc.Plugins(), ["lagrange", "simulated", "pacinian"], False),
     "no points": (pc.solve(ARRAY, np.empty((0, 3)), []), ["silent"], False),
     "no objects": (pc.Scene(), ["0 objects"], False),

@@ -63,7 +63,7 @@ def test_what_is_run_twice_is_the_same(twice: list[list[Any]]) -> None:
 def test_objects_are_shown_as_tables_with_a_picture_and_as_plain_text(
     twice: list[list[Any]],
 ) -> None:
-    for k, words in ((1, "249 transducers"), (2, "the targets are met"), (6, "skipped")):
+    for k, words in ((1, "249 transducers"), (2, "the targets are met"), (6, "left out")):
         (bundle,) = (b for b in twice[0][k].shown if "progress" not in b["text/html"])
         assert words in bundle["text/html"]
         assert "data:image/png;base64," in bundle["text/html"]

@@ -10,6 +10,7 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
+from pacinian.rendering.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
@@ -160,6 +161,16 @@ class Report:
             "interrupted": self.interrupted,
         }
 
+    def __repr__(self) -> str:
+        if not self.ticks:
+            return "<Report: no ticks yet>"
+        told = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
+        told += f", error {self.error:.2%}" if self._measured else ""
+        told += f", {self.fault_count} faults" if self.fault_count else ""
+        if self.faults:
+            told += f", the last in {self.faults[-1].stage}: {self.faults[-1].message}"
+        return f"<Report: {told}{', interrupted' if self.interrupted else ''}>"
+
     @card
     def _repr_html_(self) -> Card:
         rows = {
@@ -171,8 +182,7 @@ class Report:
                 for name, felt in list(self.compute_felt().items())[:MAX_LISTED]
             },
             "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
-            "skipped": ", ".join(f"{n} {name}" for name, n in self.skipped.items() if n)
-            or "nothing",
+            "left out": str(split_skips(self.skipped)),
             "faults": self.fault_count,
         }
         if self.faults:

@@ -1,6 +1,7 @@
 """The loop, on a clock that only the test moves."""
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -239,6 +240,19 @@ def test_a_report_is_plain_numbers() -> None:
         "skipped",
         "faults",
     } <= told.keys()
+
+
+def test_a_report_prints_what_a_person_wants_to_know() -> None:
+    assert repr(pc.Report()) == "<Report: no ticks yet>"
+    renderer, _, _ = make(moving)
+    calm = repr(renderer.run(0.01))
+    assert re.fullmatch(
+        r"<Report: 10 ticks, 0.0% late, median \d+.\d\d ms(, error \d+.\d\d%)?>", calm
+    )
+    renderer, _, _ = make(lambda t: 1 / 0)
+    broken = repr(renderer.run(0.01))
+    assert "1 faults, the last in scene: ZeroDivisionError" in broken
+    assert len(broken) < 300
 
 
 def test_a_device_that_refuses_to_be_silent_is_asked_again() -> None:
