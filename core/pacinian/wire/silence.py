@@ -45,7 +45,7 @@ LATE = (
 )
 TURNED_DOWN = "the intensity is 0: call select(intensity=1.0)"
 NO_OBJECTS = "the scene has no objects: call put()"
-NOT_SEEN = "no hand is seen: hold a hand above the array, in view of the tracker"
+NOT_SEEN = "no hand is seen: the tracker must see one, and the game must send it with hands() in each frame"
 UNTOUCHED = "the hand touches no object"
 UNSEEN = "the touched skin faces away from the array, or hardly touches: turn the palm to the array, or press deeper"
 UNREACHED = "the array cannot reach the touched skin: turn the palm to the array, or come nearer"

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.rendering.probe import name_of
-from pacinian.scene.sampling.pose_prediction import HOLD
+from pacinian.scene.sampling.pose_prediction import FADE, HOLD
 from pacinian.scene.sampling.samples import BESIDE
 
 if TYPE_CHECKING:
@@ -97,10 +97,11 @@ def _encode_felt(renderer: Renderer, items: list[Object]) -> bytes:
 
 
 def _joints(hand: Hand, t: float) -> Floats | None:
-    """Return a hand's joints, extrapolated by their velocities; None if the hand is lost."""
+    """Return a hand's joints, extrapolated by their velocities; None if the hand is lost, or was last seen long ago."""
     if hand.lost or hand.time is None:
         return None if hand.lost else hand.joints
-    return hand.after(min(max(t - hand.time, 0.0), HOLD)).joints
+    age = max(t - hand.time, 0.0)
+    return None if age >= HOLD + FADE else hand.after(min(age, HOLD)).joints
 
 
 def _counts(ticks: Floats) -> bytes:
