@@ -60,7 +60,7 @@ class Peer:
             if not isinstance(welcome, Welcome):
                 raise ServerError(f"welcomed by {type(welcome).__name__}")
         except BaseException:
-            self._sockets_closed()
+            self._close_sockets()
             raise
         self.key, self.lease = welcome.session, welcome.lease
 
@@ -159,9 +159,9 @@ class Peer:
         except (ServerError, zmq.ZMQError):
             self.told["no farewell"] += 1
         finally:
-            self._sockets_closed()
+            self._close_sockets()
 
-    def _sockets_closed(self) -> None:
+    def _close_sockets(self) -> None:
         self._control.close(0)
         self._commands.close(0)
 

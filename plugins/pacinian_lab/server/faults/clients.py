@@ -45,7 +45,7 @@ def freeze_client(stage: Stage) -> Times:
     return Times(silence, stage.recover(after=FREEZE))
 
 
-def half_open(stage: Stage) -> Times:
+def half_open_client(stage: Stage) -> Times:
     """Cut the connection without closing either end. A new game then connects directly."""
     stage.end()
     with Proxy(address(stage, "control")) as control, Proxy(address(stage, "command")) as command:
@@ -69,7 +69,7 @@ def address(stage: Stage, name: str) -> str:
 def jump_clock(stage: Stage) -> Times:
     """Set the game's clock forward by an hour, then back by two. The output should continue."""
     gaps = [
-        stage.gap(partial(stage.tell, "jump", seconds=ahead), 0.5)
+        stage.measure_gap(partial(stage.tell, "jump", seconds=ahead), 0.5)
         for ahead in (HOUR, -2.0 * HOUR, HOUR)
     ]
     silence = stage.inject_fault(lambda: stage.tell("freeze", seconds=FREEZE))
@@ -79,7 +79,7 @@ def jump_clock(stage: Stage) -> Times:
     )
 
 
-def slow(stage: Stage) -> Times:
+def subscribe_unread(stage: Stage) -> Times:
     """Subscribe to the state and never read it; check the memory."""
     context = zmq.Context()
     file = stage.onlooker.file
@@ -92,7 +92,7 @@ def slow(stage: Stage) -> Times:
             socket.rcvhwm, socket.rcvbuf = 1, 4096
             socket.subscribe(b"")
             socket.connect(file["state"])
-        gap = stage.gap(lambda: None, READ)
+        gap = stage.measure_gap(lambda: None, READ)
         grown = process.memory_info().rss - before
     finally:
         for socket in sockets:
@@ -101,7 +101,7 @@ def slow(stage: Stage) -> Times:
     return Times(gap=gap, note=f"{READERS} subscribers for {READ:g} s: {grown / 1e6:+.1f} MB")
 
 
-def greedy(stage: Stage) -> Times:
+def subscribe_widely(stage: Stage) -> Times:
     """Subscribe to thousands of topics; check the memory."""
     context = zmq.Context()
     file = stage.onlooker.file
@@ -116,13 +116,13 @@ def greedy(stage: Stage) -> Times:
             for n in range(MOST_TOPICS):
                 socket.subscribe(f"{n:<200d}".encode())
 
-        gap = stage.gap(subscribe, 2.0)
+        gap = stage.measure_gap(subscribe, 2.0)
         grown = process.memory_info().rss - before
     context.term()
     return Times(gap=gap, note=f"{MOST_TOPICS} topics: {grown / 1e6:+.1f} MB")
 
 
-def emergency(stage: Stage) -> Times:
+def stop_in_emergency(stage: Stage) -> Times:
     """Stop the output from another client, then reset it."""
     onlooker = stage.onlooker
     silence = stage.inject_fault(lambda: onlooker.say("stop"))
@@ -151,7 +151,7 @@ def restart_server(stage: Stage) -> Times:
                 old.tell("put", objects={"stale": POINT})
         stage.server.start()
         ready = time.perf_counter()
-        recovery = max(0.0, stage.heard(since) - ready)
+        recovery = max(0.0, stage.find_heard(since) - ready)
         status = stage.onlooker.ask("status")
         names = [client["name"] for client in status["clients"]]
         try:

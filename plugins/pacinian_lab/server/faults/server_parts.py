@@ -29,44 +29,44 @@ READY, USED = 0.5, 0.03  # [s]: a waiting spare uses less than USED of CPU time 
 SWAPPING = 0.03  # [s] after a selection during which the swap is in progress
 
 
-def render_killed(stage: Stage) -> Times:
+def kill_render(stage: Stage) -> Times:
     """Kill the renderer with kill -9."""
     return _signal_part(stage, "render", signal.SIGKILL)
 
 
-def render_stopped(stage: Stage) -> Times:
+def stop_render(stage: Stage) -> Times:
     """Stop the renderer with SIGSTOP, until control kills it for hanging."""
     return _signal_part(stage, "render", signal.SIGSTOP)
 
 
-def bus_killed(stage: Stage) -> Times:
+def kill_bus(stage: Stage) -> Times:
     """Kill the bus with kill -9. Sessions end, and the game says hello again."""
     return _signal_part(stage, "bus", signal.SIGKILL)
 
 
-def guard_killed(stage: Stage) -> Times:
+def kill_guard(stage: Stage) -> Times:
     """Kill the guard with kill -9. A device without a watchdog sounds until the spare guard has opened it."""
-    return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGKILL))
+    return _lose_guard(stage, lambda guard: guard.send_signal(signal.SIGKILL))
 
 
-def guard_stopped(stage: Stage) -> Times:
+def stop_guard(stage: Stage) -> Times:
     """Stop the guard with SIGSTOP. Control kills it, and the spare guard takes over."""
-    return _guard_lost(stage, lambda guard: guard.send_signal(signal.SIGSTOP))
+    return _lose_guard(stage, lambda guard: guard.send_signal(signal.SIGSTOP))
 
 
-def guard_blocked(stage: Stage) -> Times:
+def block_guard(stage: Stage) -> Times:
     """Block the device in a frame. Control kills the guard, and the spare guard takes over."""
     file = stage.server.folder / BLOCKED
-    return _guard_lost(stage, lambda guard: file.touch())
+    return _lose_guard(stage, lambda guard: file.touch())
 
 
-def _guard_lost(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
+def _lose_guard(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
     """Take out the guard while a spare guard is ready."""
-    until(lambda: any(_waits(p) for name, p in stage.server.parts().items() if name == SPARE))
+    until(lambda: any(_is_waiting(p) for name, p in stage.server.parts().items() if name == SPARE))
     return _inject_loss(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
 
 
-def _waits(process: psutil.Process) -> bool:
+def _is_waiting(process: psutil.Process) -> bool:
     """Return whether a process has started up and now waits, using almost no CPU time."""
     before = process.cpu_times()
     time.sleep(READY)
@@ -96,7 +96,7 @@ def _inject_loss(stage: Stage, lose: Callable[[], object], quiet: float = QUIET)
     return Times(silence, recovery, note=f"told: {told[0] if told else 'nothing'}")
 
 
-def control_killed(stage: Stage) -> Times:
+def kill_control(stage: Stage) -> Times:
     """Kill the parent with kill -9, which ends its children too, and start a new server."""
     silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGKILL))
     until(lambda: not stage.server.list_running())
@@ -105,13 +105,13 @@ def control_killed(stage: Stage) -> Times:
     return Times(silence, stage.recover(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
 
 
-def control_stopped(stage: Stage) -> Times:
+def stop_control(stage: Stage) -> Times:
     """Stop the parent with SIGSTOP, so that nobody renews the permit, then continue it with SIGCONT."""
     silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGSTOP))
     return Times(silence, stage.recover(lambda: stage.server.signal("control", signal.SIGCONT)))
 
 
-def all_stopped(stage: Stage) -> Times:
+def stop_all(stage: Stage) -> Times:
     """Suspend all processes, as on a suspended machine, for longer than `hung`, then resume them. None is replaced."""
     before = stage.server.parts()
     processes = [psutil.Process(stage.server.process.pid), *before.values()]
@@ -131,17 +131,17 @@ def all_stopped(stage: Stage) -> Times:
     return Times(silence, recovery, note=f"replaced: {replaced}" if replaced else "")
 
 
-def solver_hangs(stage: Stage) -> Times:
+def hang_solver(stage: Stage) -> Times:
     """Select a solver that never returns once the output sounds."""
-    return _stuck(stage, hold=False)
+    return _block_solver(stage, hold=False)
 
 
-def solver_holds(stage: Stage) -> Times:
+def hold_solver(stage: Stage) -> Times:
     """The same with a solver that holds the interpreter lock."""
-    return _stuck(stage, hold=True)
+    return _block_solver(stage, hold=True)
 
 
-def _stuck(stage: Stage, *, hold: bool) -> Times:
+def _block_solver(stage: Stage, *, hold: bool) -> Times:
     stage.wait_for_sound()
     file, since = stage.server.folder / STUCK, stage.server.folder / SINCE
     since.unlink(missing_ok=True)
@@ -151,7 +151,7 @@ def _stuck(stage: Stage, *, hold: bool) -> Times:
     try:
         stage.inject_fault(file.touch)
         stage.at = float(since.read_text(encoding="ascii"))
-        silence, recovery = stage.quiet() - stage.at, stage.recover(after=0.0)
+        silence, recovery = stage.measure_quiet() - stage.at, stage.recover(after=0.0)
     finally:
         file.unlink(missing_ok=True)
     used = stage.onlooker.ask("status")["solver"]
@@ -159,13 +159,13 @@ def _stuck(stage: Stage, *, hold: bool) -> Times:
     return Times(silence, recovery, note=f"then with {used}")
 
 
-def solver_hangs_warming(stage: Stage) -> Times:
+def hang_solver_warming(stage: Stage) -> Times:
     """Select a solver that never returns while it warms up. The previous solver should continue."""
     file = stage.server.folder / STUCK
-    undisturbed = stage.gap(lambda: None, 3.0)
+    undisturbed = stage.measure_gap(lambda: None, 3.0)
     file.touch()
     try:
-        gap = stage.gap(lambda: _select(stage, "solver", Stuck.name), 3.0)
+        gap = stage.measure_gap(lambda: _select(stage, "solver", Stuck.name), 3.0)
     finally:
         file.unlink(missing_ok=True)
     until(lambda: bool(stage.answers))
@@ -173,27 +173,27 @@ def solver_hangs_warming(stage: Stage) -> Times:
     return Times(gap=gap, undisturbed=undisturbed)
 
 
-def solvers_swapped(stage: Stage) -> Times:
+def swap_solvers(stage: Stage) -> Times:
     """Swap the solver and back while the output sounds."""
     return _swap_each(stage, "solver", "lagrange", "auto")
 
 
-def devices_swapped(stage: Stage) -> Times:
+def swap_devices(stage: Stage) -> Times:
     """Swap the device and back while the output sounds."""
     return _swap_each(stage, "backend", Other.name, Probe.name)
 
 
-def to_models(stage: Stage) -> Times:
+def swap_to_models(stage: Stage) -> Times:
     """Swap from the simulated array to models of USB devices while the output sounds."""
-    return _from(stage, Simulated.name, Models.name)
+    return _swap_from(stage, Simulated.name, Models.name)
 
 
-def from_models(stage: Stage) -> Times:
+def swap_from_models(stage: Stage) -> Times:
     """Swap from models of USB devices to the simulated array while the output sounds."""
-    return _from(stage, Models.name, Simulated.name)
+    return _swap_from(stage, Models.name, Simulated.name)
 
 
-def _from(stage: Stage, old: str, new: str) -> Times:
+def _swap_from(stage: Stage, old: str, new: str) -> Times:
     stage.wait_for_sound()
     stage.select(backend={"name": old})
     times = _swap_each(stage, "backend", new)
@@ -205,8 +205,8 @@ def _swap_each(stage: Stage, kind: str, *names: str) -> Times:
     """Select each in turn. Before each selection, observe for as long without a swap."""
     undisturbed, gaps = list[float](), list[float]()
     for name in names:
-        undisturbed.append(stage.gap(lambda: None, WINDOW))
-        gaps.append(stage.gap(partial(stage.select, **{kind: {"name": name}}), WINDOW))
+        undisturbed.append(stage.measure_gap(lambda: None, WINDOW))
+        gaps.append(stage.measure_gap(partial(stage.select, **{kind: {"name": name}}), WINDOW))
         if (answer := stage.answers[-1])["type"] != "ok":
             raise RuntimeError(f"{name} cannot be selected: {answer}")
     return Times(gap=max(gaps), undisturbed=max(undisturbed))

@@ -143,16 +143,16 @@ class Stage:
         self._quiet = quiet
         self.at = time.perf_counter()
         act()
-        return self.quiet() - self.at
+        return self.measure_quiet() - self.at
 
     def recover(self, act: Callable[[], object] | None = None, after: float = math.nan) -> float:
         """Undo a fault and return the time until sound [s]. after: length of a fault that ends by itself [s]."""
         since = time.perf_counter() if math.isnan(after) else self.at + after
         if act is not None:
             act()
-        return self.heard(max(since, self.quiet())) - since
+        return self.find_heard(max(since, self.measure_quiet())) - since
 
-    def quiet(self) -> float:
+    def measure_quiet(self) -> float:
         """Return when the sound ended after the fault [s], ignoring the short silences of a late renderer."""
 
         def found() -> float:
@@ -166,7 +166,7 @@ class Stage:
 
         return until(found)
 
-    def heard(self, since: float) -> float:
+    def find_heard(self, since: float) -> float:
         """Return when the output first sounded after `since` [s]. Raises TimeoutError."""
 
         def found() -> float:
@@ -176,7 +176,7 @@ class Stage:
 
         return until(found)
 
-    def gap(self, act: Callable[[], object], seconds: float = 1.0) -> float:
+    def measure_gap(self, act: Callable[[], object], seconds: float = 1.0) -> float:
         """Call `act` while the output sounds. Returns the longest time without a frame in the next `seconds` [s]."""
         self.wait_for_sound()
         self.at = time.perf_counter()

@@ -64,15 +64,28 @@ class Spoiler:
         self.sequence = 0
         self._kept: list[bytes] = [b"\x80"]
         self._ways = (
-            (12, "odd value", self._odd), (6, "missing", self._remove_value), (6, "moved", self._misplace_object),
-            (5, "other type", self._change_type), (4, "unknown field", self._more),
-            (4, "bytes flipped", self._flip_bits), (3, "cut", self._cut), (3, "joined", self._join_messages),
-            (3, "number", self._number), (2, "bulk", self._bulk), (2, "replayed", self._replay_message),
-            (2, "sequence", self._change_sequence), (2, "session", self._foreign),
-            (2, "length bomb", self._bomb), (2, "bad UTF-8", self._utf8), (2, "twice", self._twice),
-            (2, "good", self._good), (1, "deep", self._deep), (1, "many", self._many),
-            (4, "random bytes", self._noise), (0.02, "long", self._long),
-        )  # fmt: skip
+            (12, "odd value", self._set_odd_value),
+            (6, "missing", self._remove_value),
+            (6, "moved", self._misplace_object),
+            (5, "other type", self._change_type),
+            (4, "unknown field", self._add_field),
+            (4, "bytes flipped", self._flip_bits),
+            (3, "cut", self._cut),
+            (3, "joined", self._join_messages),
+            (3, "number", self._set_number),
+            (2, "bulk", self._replace_bulk),
+            (2, "replayed", self._replay_message),
+            (2, "sequence", self._change_sequence),
+            (2, "session", self._change_session),
+            (2, "length bomb", self._declare_length),
+            (2, "bad UTF-8", self._break_text),
+            (2, "twice", self._repeat_key),
+            (2, "good", self._leave),
+            (1, "deep", self._nest),
+            (1, "many", self._put_many),
+            (4, "random bytes", self._randomise),
+            (0.02, "long", self._pad),
+        )
         self._weights = [way[0] for way in self._ways]
 
     def next(self, examples: tuple[Message, ...], time: float) -> tuple[str, bytes]:
@@ -93,7 +106,7 @@ class Spoiler:
         if self.random.random() < 0.2:
             return "stop", encode({**STOP, "id": self.random.choice(["", -1, math.nan, [], {}])})
         ways: tuple[tuple[str, Callable[[Message], Any]], ...] = (
-            ("hello, odd", self._odd), ("hello, missing", self._remove_value), ("hello, good", self._good),
+            ("hello, odd", self._set_odd_value), ("hello, missing", self._remove_value), ("hello, good", self._leave),
         )  # fmt: skip
         name, way = self.random.choice(ways)
         return name, encode(way(HELLO))
@@ -101,7 +114,7 @@ class Spoiler:
     def _at(self, message: Message) -> tuple[Any, ...]:
         return self.random.choice(places(message))
 
-    def _odd(self, message: Message) -> Any:
+    def _set_odd_value(self, message: Message) -> Any:
         return replace_value(message, self._at(message), lambda _: self.random.choice(ODD))
 
     def _remove_value(self, message: Message) -> Any:
@@ -124,15 +137,15 @@ class Spoiler:
         at = self.random.choice([p for p in places(message) if p and p[-1] == "type"])
         return replace_value(message, at, lambda _: self.random.choice(TYPES))
 
-    def _more(self, message: Message) -> Any:
+    def _add_field(self, message: Message) -> Any:
         return {**message, "a" * self.random.randrange(1, 60): self.random.choice(ODD)}
 
-    def _number(self, message: Message) -> Any:
+    def _set_number(self, message: Message) -> Any:
         value = struct.unpack("<d", self.random.randbytes(8))[0]
         numbers = [p for p in places(message) if isinstance(_get(message, p), float)]
         return replace_value(message, self.random.choice(numbers or [()]), lambda _: value)
 
-    def _bulk(self, message: Message) -> Any:
+    def _replace_bulk(self, message: Message) -> Any:
         found = [p for p in places(message) if p[-1:] != ("session",)]
         found = [p for p in found if isinstance(_get(message, p), bytes)]
         value = self.random.randbytes(self.random.choice([1, 4, 12, 28, 312, 3000]))
@@ -142,17 +155,17 @@ class Spoiler:
         wrong = self.random.choice([-1, 0, 1, self.sequence, 2**53, 2**60, 1.5, "1"])
         return {**message, "sequence": wrong if wrong != 2**53 else 1, "time": -1e9}
 
-    def _foreign(self, message: Message) -> Any:
+    def _change_session(self, message: Message) -> Any:
         return {**message, "session": self.random.randbytes(self.random.choice([0, 15, 16, 17]))}
 
-    def _good(self, message: Message) -> Any:
+    def _leave(self, message: Message) -> Any:
         return message
 
-    def _many(self, message: Message) -> Any:
+    def _put_many(self, message: Message) -> Any:
         item = self.random.choice(list(OBJECTS.values()))
         return {**message, "type": "put", "objects": {str(n): item for n in range(300)}}
 
-    def _deep(self, message: Message) -> bytes:
+    def _nest(self, message: Message) -> bytes:
         opening = self.random.choice([b"\x91", b"\x81\xa1a", b"\x81\xa7objects"])
         return opening * self.random.randrange(100, DEEP) + b"\xc0" * self.random.randrange(2)
 
@@ -172,26 +185,26 @@ class Spoiler:
     def _replay_message(self, message: Message) -> bytes:
         return self.random.choice(self._kept)
 
-    def _bomb(self, message: Message) -> bytes:
+    def _declare_length(self, message: Message) -> bytes:
         head = b"" if self.random.random() < 0.5 else b"\x82\xa4type\xa3put\xa7objects"
         return head + self.random.choice(LENGTHS) + b"\xff" * 4 + self.random.randbytes(8)
 
-    def _utf8(self, message: Message) -> bytes:
+    def _break_text(self, message: Message) -> bytes:
         text = self.random.choice(
             [b"\xa2\xff\xfe", b"\xa3\xed\xa0\x80", b"\xa1\x80", b"\xa2\xc0\xaf"]
         )
         key = self.random.choice([b"type", b"client", b"names", b"objects"])
         return b"\x81" + bytes([0xA0 + len(key)]) + key + text
 
-    def _twice(self, message: Message) -> bytes:
+    def _repeat_key(self, message: Message) -> bytes:
         data = encode(message)
         pairs = b"".join(encode(k) + encode(v) for k, v in message.items())
         return bytes([data[0] + 1]) + pairs + encode("type") + encode(message["type"])
 
-    def _noise(self, message: Message) -> bytes:
+    def _randomise(self, message: Message) -> bytes:
         return self.random.randbytes(self.random.choice([0, 1, 2, 16, 100, 1000]))
 
-    def _long(self, message: Message) -> bytes:
+    def _pad(self, message: Message) -> bytes:
         return self.random.choice([b"\x90", b"\x80", b"\xc0"]) * self.random.randrange(
             MAX_LONG_BYTES
         )
