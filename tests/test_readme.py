@@ -5,6 +5,7 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -78,6 +79,24 @@ def test_its_links_lead_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text()):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_its_badges_are_true_and_need_no_other_site() -> None:
+    badges = re.findall(r"!\[([^\]]+)\]\(([^)]+badges[^)]+)\)", README)
+    assert len(badges) >= 3
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    labels = {Path(file).stem: _label(ROOT / file) for _, file in badges}
+    assert f">={labels['python'].split()[1]}" == project["requires-python"]
+    assert labels["license"] == f"license: {project['license']}"
+    for text, file in badges:
+        assert text.lower() == _label(ROOT / file).lower()
+        assert "http" not in (ROOT / file).read_text().replace("http://www.w3.org/2000/svg", "")
+
+
+def _label(badge: Path) -> str:
+    found = re.search(r"<title>(.*)</title>", badge.read_text())
+    assert found
+    return found[1]
 
 
 def test_its_solver_is_short() -> None:
