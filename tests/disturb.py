@@ -71,6 +71,11 @@ def parse_amount(text: str) -> float:
     return amount
 
 
+def interrupt(_signal: int, _frame: object) -> None:
+    """End as Ctrl+C does, so that nothing that was started stays."""
+    raise KeyboardInterrupt
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--busy", type=int, default=0, help="processes that keep the cores busy")
@@ -86,6 +91,7 @@ def main() -> int:
     if shutil.which(given.command[0]) is None:
         parser.error(f"there is no program {given.command[0]!r}")
     ended = threading.Event()
+    signal.signal(signal.SIGTERM, interrupt)  # of `timeout`
     with keep_busy(given.busy), subprocess.Popen(given.command) as process:
         stops = (process.pid, given.stop, given.every, given.seed, ended)
         thread = threading.Thread(target=stop_at_random, args=stops)

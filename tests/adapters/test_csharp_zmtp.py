@@ -43,9 +43,9 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def start(driver: Path) -> Start:
     def started(
         kind: str, address: str, token: str = "", ping: float = 0.0, timeout: float = PATIENCE, *,
-        again: bool = False,
+        again: bool = False, handshake: float = PATIENCE,
     ) -> Game:  # fmt: skip
-        times = str(ping), str(timeout)
+        times = str(ping), str(timeout), str(handshake)
         often = "again" if again else "once"
         return Game(["mono", "--debug", driver, kind, address, token, *times, often])
 
@@ -97,7 +97,12 @@ def digest(data: bytes) -> int:
 
 
 def connected(game: Game) -> None:
-    eventually(lambda: game.do("room")["done"])
+    def has_room() -> bool:
+        told = game.do("room")
+        assert not [each for each in game.told if "ended" in each], game.told
+        return bool(told["done"])
+
+    eventually(has_room)
 
 
 def received(game: Game) -> bytes:
@@ -325,7 +330,7 @@ def test_cut_off_in_the_middle(start: Start, share: float) -> None:
 
 def test_one_that_never_answers_is_given_up(start: Start) -> None:
     with Listener() as listener:
-        with start("Dealer", listener.address) as game, listener.accept():
+        with start("Dealer", listener.address, handshake=0.5) as game, listener.accept():
             how, why = ended(game)
             assert (how, "takes too long" in why) == (FOREIGN, True)
         with start("Dealer", listener.address, "", 0.02, 0.5) as game, listener.accept() as peer:

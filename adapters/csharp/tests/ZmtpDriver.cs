@@ -8,7 +8,8 @@ namespace Pacinian.Tests
 {
     /// <summary>
     /// A socket that does what its standard input says, a command a line, and tells what happens, a JSON object a line. Arguments:
-    /// kind, address, password ("" for NULL), time between heartbeats [s] and their timeout [s], `again` to reconnect.
+    /// kind, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of connecting and of the
+    /// handshake [s], `again` to reconnect.
     /// </summary>
     internal sealed class ZmtpDriver
     {
@@ -28,8 +29,10 @@ namespace Pacinian.Tests
                 Password = plain ? arguments[2] : null,
                 PingInterval = double.Parse(arguments[3], CultureInfo.InvariantCulture),
                 PingTimeout = double.Parse(arguments[4], CultureInfo.InvariantCulture),
+                ConnectTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
+                HandshakeTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
             };
-            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[5] == "again", _bell, Timing.Now);
+            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _bell, Timing.Now);
         }
 
         private static int Main(string[] arguments)
