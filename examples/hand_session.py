@@ -23,7 +23,7 @@ REST = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))  # a tracker supplies p
 
 def session(t: float) -> pc.Scene:
     """Return the scene at time t [s]: the hand moves to and fro over the ball."""
-    hand = REST.moved(pc.Pose((0.05 * math.sin(math.tau * t), 0.0, 0.0)))
+    hand = REST.transform(pc.Pose((0.05 * math.sin(math.tau * t), 0.0, 0.0)))
     return pc.Scene((ball,), hands=(hand,))
 
 

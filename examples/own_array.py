@@ -18,7 +18,7 @@ for ring in range(1, RINGS + 1):
 array = pc.Array(np.array(places), np.array(normals), pc.T4010A1)
 alive = np.ones(len(array), bool)
 alive[[5, 40]] = False
-array, air = array.without(~alive), pc.Air()
+array, air = array.remove_transducers(~alive), pc.Air()
 point = np.array([[0.0, 0.0, 0.15]])  # [m]
 solution = pc.solve(array, point, [1.0], scale="max", medium=air)
 P = pc.radiation_pressure(pc.field(array, solution.gains, point, medium=air), air)

@@ -1,5 +1,6 @@
 """A hand strokes a plate with ridges 12 mm apart: what it feels, and where."""
 
+import math
 import sys
 
 import pacinian as pc
@@ -15,12 +16,12 @@ plate = pc.Surface(
     name="plate",
 )
 array, clock = pc.autd(3, 3), ManualClock()
-REST = pc.Hand.open("right", pc.Pose.turned("x", -12.0, (0.0, -0.08, 0.23)))
+REST = pc.Hand.open("right", pc.Pose((0.0, -0.08, 0.23)).rotate("x", math.radians(-12.0)))
 
 
 def stroke(t: float) -> pc.Scene:
     """Return the scene at time t [s]: the hand moves at 10 cm/s."""
-    hand = REST.moved(pc.Pose((0.1 * t, 0.0, 0.0)))
+    hand = REST.transform(pc.Pose((0.1 * t, 0.0, 0.0)))
     return pc.Scene((plate,), hands=(hand,))
 
 

@@ -32,7 +32,7 @@ def ball(t: float) -> pc.Volume:
 def hand(t: float) -> pc.Hand:
     """Return a hand that strokes the ball, as a tracker sees it at time t [s]."""
     x, v = compute_swing(t, 0.02)
-    joints = REST.moved(pc.Pose((x, 0.0, 0.0))).joints
+    joints = REST.transform(pc.Pose((x, 0.0, 0.0))).joints
     return pc.Hand(joints, velocities=(v, 0.0, 0.0), time=t)
 
 

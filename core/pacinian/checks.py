@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 MAX_SAMPLES = 20e6  # samples of one object
 MAX_LENGTH = 10.0  # largest plausible length, and distance from the array [m]
+MAX_ANGLE = 2.0 * math.pi * (1.0 + 1e-9)  # largest angle, one turn and rounding [rad]
 
 
 def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
@@ -77,6 +78,17 @@ def check_length(name: str, value: float) -> float:
     result = check_number(name, value, low=0.0, above=True)
     if result > MAX_LENGTH:
         raise ArgumentError(name, f"is {result:g} m: lengths are in metres (millimetres given?)")
+    return result
+
+
+def check_angle(name: str, value: float) -> float:
+    """Return an angle [rad], unless it is more than a turn, so that degrees were meant. Raises ArgumentError."""
+    result = check_number(name, value)
+    if abs(result) > MAX_ANGLE:
+        raise ArgumentError(
+            name,
+            f"is {result:g}, more than a turn (2 pi): angles are in radians; use math.radians(...) for degrees",
+        )
     return result
 
 

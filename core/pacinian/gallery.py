@@ -32,7 +32,7 @@ TRACKED = 120.0  # rate of updates of hands and objects, as sent by trackers and
 TREMBLE = Sine(150.0)
 PALM = 0.015  # distance from the palm joint to the skin below it [m]
 HAND = Hand.open("right", Pose((0.0, 0.0, HEIGHT + PALM)))
-TILTED = Hand.open("right", Pose.turned("x", -12.0, (0.0, -0.08, HEIGHT + 0.03)))
+TILTED = Hand.open("right", Pose((0.0, -0.08, HEIGHT + 0.03)).rotate("x", math.radians(-12.0)))
 BUMPS = 0.08  # amplitude of the bumps on the stone, relative to its radius
 NEAR = (0.0, 0.0, HEIGHT - 0.007), (-0.026, 0.06, HEIGHT), (0.024, 0.06, HEIGHT)  # [m]
 AWAY = 0.2  # distance in x or y beyond the reach of the hand [m]
@@ -128,7 +128,7 @@ def _oscillate(t: float, swing: float) -> tuple[float, float]:
 def _oscillate_hand(hand: Hand, t: float, swing: float) -> Hand:
     """Return a hand that oscillates by `swing` [m] at 1 Hz, as a tracker reports it at time t [s]."""
     x, v = _oscillate(t, swing)
-    joints = hand.moved(Pose((x, 0.0, 0.0))).joints
+    joints = hand.transform(Pose((x, 0.0, 0.0))).joints
     return Hand(joints, hand.radii, velocities=(v, 0.0, 0.0), time=t)
 
 

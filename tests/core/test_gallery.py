@@ -59,7 +59,7 @@ def test_velocities_are_those_of_the_movement(name: str) -> None:
         for one, two in zip(a.hands, b.hands, strict=True):
             assert one.joints is not None
             assert two.joints is not None
-            told = one.joints if one.velocities is None else one.after(1.0 / TRACKED).joints
+            told = one.joints if one.velocities is None else one.extrapolate(1.0 / TRACKED).joints
             assert told is not None
             assert np.abs(told - two.joints).max() < most
         for item, later in zip(a.objects, b.objects, strict=True):

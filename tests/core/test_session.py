@@ -93,7 +93,7 @@ def test_an_array_far_from_the_origin_loses_nothing() -> None:
     pose = pc.Pose((1000.0, -2000.0, 500.0))
     q = np.array([[0.01, 0.0, 0.1], [-0.01, 0.01, 0.1]])
     here = pc.solve(ARRAY, q, [50.0, 80.0], 0.0)
-    there = pc.solve(ARRAY.moved(pose), pose.points(q), [50.0, 80.0], 0.0)
+    there = pc.solve(ARRAY.transform(pose), pose.points(q), [50.0, 80.0], 0.0)
     np.testing.assert_allclose(there.gains, here.gains, atol=2e-5)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "s
 EXACT = ["auto", "lagrange", "lbfgs"]
 AIR = pc.Air()
 BELOW = pc.lattice(0.09, 0.09)
-ARRAY = BELOW + BELOW.moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.3)))
+ARRAY = BELOW + BELOW.transform(pc.Pose((0.0, 0.0, 0.3)).rotate("x", math.pi))
 WALL = [[-1.0, 0.0, 0.15, 1.0, 0.0, 0.15, 0.02, 0.02]]  # between the halves
 
 
@@ -146,7 +147,7 @@ def test_each_side_of_a_hand_between_two_units_is_pressed_as_asked(back: float) 
     Without facing the free field has what was asked, but over a third of the drive comes from the wrong
     side, and the palm is pressed with less than half.
     """
-    array = pc.autd() + pc.autd().moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.4)))
+    array = pc.autd() + pc.autd().transform(pc.Pose((0.0, 0.0, 0.4)).rotate("x", math.pi))
     hand = make_capsules(Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))))
     x, y = np.meshgrid([-0.02, 0.02], [-0.02, 0.03])
     under, over = (

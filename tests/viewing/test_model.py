@@ -59,7 +59,7 @@ def test_a_server_that_does_not_tell_has_no_field() -> None:
     assert told.sound is not None
     assert Model.of(replace(told, sound=replace(told.sound, directivity="horn"))) is None
     piston = pc.Transducer(directivity=pc.Piston(0.004, 740.0))
-    assert describe_sound(UNIT.driven_by(piston), pc.Air()).directivity == ""
+    assert describe_sound(UNIT.replace_transducer(piston), pc.Air()).directivity == ""
 
 
 @pytest.mark.parametrize("sizes", [(), (0.0, 0.25, 0.75, 1.0)])

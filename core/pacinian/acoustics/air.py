@@ -72,6 +72,11 @@ class Air:
             )
         set_("power", power)
 
+    @property
+    def impedance(self) -> float:
+        """Characteristic acoustic impedance rho c [Pa s/m], some 410 in a room: p / v of a plane wave."""
+        return self.density * self.speed_of_sound
+
     def wavenumber(self, frequency: float) -> float:
         """Return the wavenumber k = 2 pi f / c [rad/m] at `frequency` [Hz]."""
         return 2.0 * math.pi * frequency / self.speed_of_sound

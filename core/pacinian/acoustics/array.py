@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.pose import Pose, vector
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
-from pacinian.checks import check_integer, check_length, check_near, check_number, check_numbers
+from pacinian.checks import (
+    check_angle,
+    check_integer,
+    check_kind,
+    check_length,
+    check_near,
+    check_number,
+    check_numbers,
+)
 from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.pose import Pose
     from pacinian.types import ArrayLike, Complexes, Floats
 
 PITCH = 0.01016  # spacing of transducers in an AUTD unit [m]
@@ -142,12 +151,17 @@ class Array:
         """`response`, (N,); all ones if it is None."""
         return np.ones(len(self), np.complex128) if self.response is None else self.response
 
-    def moved(self, pose: Pose) -> Array:
-        """Return this array moved by `pose`."""
+    def transform(self, pose: Pose) -> Array:
+        """Return this array rotated about the world's origin and shifted, by `pose`. Raises ArgumentError."""
+        check_kind("pose", pose, Pose)
         r, n = pose.points(self.positions), pose.directions(self.normals)
         return replace(self, positions=r, normals=n)
 
-    def without(self, dead: ArrayLike) -> Array:
+    def translate(self, offset: ArrayLike) -> Array:
+        """Return this array shifted by `offset`, (3,) [m]. Raises ArgumentError."""
+        return replace(self, positions=self.positions + vector("offset", offset))
+
+    def remove_transducers(self, dead: ArrayLike) -> Array:
         """Return this array without the transducers `dead`: indices, or a flag for each. Raises ArgumentError."""
         N, given = len(self), np.asarray(dead)
         keep = np.ones(N, dtype=np.bool_)
@@ -163,28 +177,29 @@ class Array:
             self.positions[keep], self.normals[keep], self.transducer, self.responses[keep]
         )
 
-    def fold(self, hinge: str = "x", angle: float = 45.0) -> Array:
+    def fold(self, hinge: str = "x", angle: float = math.pi / 4.0) -> Array:
         """Return this planar array folded towards +z about the centre line of its bounding box.
 
-        hinge: "x" or "y", the axis parallel to the fold. angle: by which each half is raised [deg].
+        hinge: "x" or "y", the axis parallel to the fold. angle: by which each half is raised [rad], up to pi.
         Transducers on the hinge keep their normals. Raises ArgumentError.
         """
         if hinge not in ("x", "y"):
             raise ArgumentError("hinge", f'must be "x" or "y", not {hinge!r}')
         bent = 1 if hinge == "x" else 0  # coordinate across the hinge
-        radians = np.radians(check_number("angle", angle, low=-180.0, high=180.0))
+        angle = check_number("angle", check_angle("angle", angle), low=-math.pi, high=math.pi)
         r, n = self.positions.copy(), self.normals.copy()
         low, high = r.min(axis=0), r.max(axis=0)
         line = (low + high) / 2.0
         u, w = r[:, bent] - line[bent], r[:, 2] - line[2]  # [m] from the hinge
         side = np.where(np.abs(u) < HINGE, 0.0, np.sign(u))
-        c, s = np.cos(side * radians), np.sin(side * radians)
+        c, s = np.cos(side * angle), np.sin(side * angle)
         r[:, bent], r[:, 2] = line[bent] + c * u - s * w, line[2] + s * u + c * w
         n[:, bent], n[:, 2] = c * n[:, bent] - s * n[:, 2], s * n[:, bent] + c * n[:, 2]
         return replace(self, positions=r, normals=n)
 
-    def driven_by(self, transducer: Transducer) -> Array:
-        """Return this array with another type of transducer."""
+    def replace_transducer(self, transducer: Transducer) -> Array:
+        """Return this array with another type of transducer. Raises ArgumentError."""
+        check_kind("transducer", transducer, Transducer)
         return replace(self, transducer=transducer)
 
 
@@ -204,7 +219,7 @@ def _response(given: ArrayLike | None, count: int) -> Complexes | None:
         raise ArgumentError(
             "response",
             f"must be {MIN_STRENGTH:g} to {1.0 / MIN_STRENGTH:g} in size: [{worst}] is {size[worst]:g}; "
-            "remove dead transducers with `without`",
+            "remove dead transducers with `remove_transducers`",
         )
     made.flags.writeable = False
     return None if (made == 1.0).all() else made

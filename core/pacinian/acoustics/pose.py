@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_number, check_numbers
+from pacinian.checks import check_angle, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def vector(name: str, value: ArrayLike) -> Vector:
@@ -56,7 +57,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
     """The pose of an object: a rotation about its own origin, followed by a translation.
 
     position: [m]. rotation: quaternion (x, y, z, w); normalised here if its length is within 1 % of 1.
-    Raises ArgumentError.
+    Poses are immutable: `translate`, `rotate`, `inverse` and `a @ b` return new ones. Raises ArgumentError.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -94,11 +95,51 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
         """Return the world directions of local directions, shape (M, 3)."""
         return np.asarray(local @ self.matrix.T)
 
-    @classmethod
-    def turned(cls, axis: str, angle: float, position: ArrayLike = (0.0, 0.0, 0.0)) -> Pose:
-        """Return a pose rotated about "x", "y" or "z" by `angle` [deg], at `position` [m]."""
-        if axis not in ("x", "y", "z"):
-            raise ArgumentError("axis", f'must be "x", "y" or "z", not {axis!r}')
-        half = np.radians(check_number("angle", angle)) / 2.0
-        xyz = [float(np.sin(half)) if name == axis else 0.0 for name in "xyz"]
-        return cls(vector("position", position), (xyz[0], xyz[1], xyz[2], float(np.cos(half))))
+    def translate(self, offset: ArrayLike) -> Pose:
+        """Return this pose shifted by `offset`, (3,) [m], along the world's axes. Raises ArgumentError."""
+        x, y, z = self.position
+        a, b, c = vector("offset", offset)
+        return Pose((x + a, y + b, z + c), self.rotation)
+
+    def rotate(self, axis: str | ArrayLike, angle: float) -> Pose:
+        """Return this pose rotated about its own position, which stays where it is.
+
+        axis: "x", "y" or "z" of the world, or any direction, (3,). angle: [rad], counter-clockwise seen from the tip of
+        the axis, -2 pi to 2 pi. To rotate about the world's origin, use `Pose().rotate(axis, angle) @ pose`; about the
+        pose's own axes, `pose @ Pose().rotate(axis, angle)`. Raises ArgumentError.
+        """
+        x, y, z = _axis(axis)
+        half = check_angle("angle", angle) / 2.0
+        turn = (sin(half) * x, sin(half) * y, sin(half) * z, cos(half))
+        return Pose(self.position, multiply(turn, self.rotation))
+
+    def inverse(self) -> Pose:
+        """Return the pose that undoes this one: `pose @ pose.inverse()` is `Pose()`."""
+        x, y, z, w = self.rotation
+        back = Pose((0.0, 0.0, 0.0), (-x, -y, -z, w))
+        a, b, c = back.directions(np.array(self.position)).tolist()
+        return Pose((-a, -b, -c), back.rotation)
+
+    def __matmul__(self, other: object) -> Pose:
+        """Return `other` followed by this pose: `(a @ b).points(q)` is `a.points(b.points(q))`."""
+        if not isinstance(other, Pose):
+            return NotImplemented
+        return Pose(
+            vector("position", self.points(np.array(other.position))),
+            multiply(self.rotation, other.rotation),
+        )
+
+
+def _axis(axis: str | ArrayLike) -> Vector:
+    """Return the unit vector of an axis. Raises ArgumentError."""
+    if isinstance(axis, str):
+        if axis in AXES:
+            return AXES[axis]
+        raise ArgumentError("axis", f'must be "x", "y", "z" or a direction, not {axis!r}')
+    d = check_numbers("axis", axis, (3,))
+    largest = float(np.abs(d).max())
+    if not largest:
+        raise ArgumentError("axis", "has zero length")
+    d = d / largest
+    x, y, z = (d / np.sqrt(d @ d)).tolist()
+    return x, y, z

@@ -36,14 +36,14 @@ class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
     def make(self) -> Array:
         """Make the array."""
-        return autd(self.columns, self.rows).moved(self.pose)
+        return autd(self.columns, self.rows).transform(self.pose)
 
 
 class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="lattice"):
     """A planar lattice of ideal transducers.
 
     width, height, pitch: of the lattice [m]. hinge: the axis, "x" or "y", about which it is folded. angle: of the
-    fold [deg]; 0 for a flat lattice.
+    fold [rad]; 0 for a flat lattice.
     """
 
     width: float
@@ -56,7 +56,7 @@ class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type",
     def make(self) -> Array:
         """Make the array."""
         flat = lattice(self.width, self.height, self.pitch)
-        return (flat.fold(self.hinge, self.angle) if self.angle else flat).moved(self.pose)
+        return (flat.fold(self.hinge, self.angle) if self.angle else flat).transform(self.pose)
 
 
 class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="device"):
@@ -70,7 +70,7 @@ class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
     def make(self) -> Array:
         """Make the array."""
-        return DeviceDescription.load(self.file).array().moved(self.pose)
+        return DeviceDescription.load(self.file).array().transform(self.pose)
 
 
 class Medium(Struct, frozen=True, forbid_unknown_fields=True):
@@ -126,7 +126,7 @@ class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
     def make(self) -> Hand:
         """Make the hand."""
         if self.joints:
-            return Hand(self.joints, side=self.side).moved(self.pose)
+            return Hand(self.joints, side=self.side).transform(self.pose)
         return Hand.open(self.side, self.pose)
 
 

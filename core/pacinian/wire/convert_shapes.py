@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,9 +32,21 @@ SAME_FIELDS: dict[type, type] = {  # classes with the same fields in the same or
     shapes.Capsule: rounds.Capsule,
     shapes.Line: curves.Line,
     shapes.Circle: curves.Circle,
-    shapes.Lissajous: curves.Lissajous,
 }
 SAME_FIELDS_BACK: dict[type, type] = {theirs: ours for ours, theirs in SAME_FIELDS.items()}
+
+
+DEGREE_DIGITS = 12  # decimals of degrees on the wire, so that round numbers stay round
+
+
+def degrees_to_radians(angle: float) -> float:
+    """Return an angle of the wire [deg] as a scene has it [rad], less whole turns."""
+    return math.radians(math.remainder(angle, 360.0) if abs(angle) > 360.0 else angle)
+
+
+def radians_to_degrees(angle: float) -> float:
+    """Return an angle of a scene [rad] as the wire has it [deg]."""
+    return round(math.degrees(angle), DEGREE_DIGITS)
 
 
 def shape_to_scene(shape: Any) -> Any:
@@ -148,6 +161,14 @@ def _flat(path: str, shape: object, *kinds: type) -> None:
         raise WireError(f"a {name} within another cannot be sent: solids are one level deep", path)
 
 
+def _lissajous_to_scene(s: shapes.Lissajous) -> curves.Lissajous:
+    return curves.Lissajous(s.width, s.height, s.a, s.b, degrees_to_radians(s.phase))
+
+
+def _lissajous_to_wire(s: curves.Lissajous) -> shapes.Lissajous:
+    return shapes.Lissajous(s.width, s.height, s.a, s.b, radians_to_degrees(s.phase))
+
+
 def _difference_to_scene(s: shapes.Difference) -> csg.Difference:
     of = locate_errors(".of", shape_to_scene, s.of)
     return csg.Difference(of, _each("less", s.less, shape_to_scene))
@@ -163,6 +184,7 @@ TO_SCENE: dict[type, Callable[[Any], Any]] = {
     shapes.Mesh: _mesh_to_scene,
     shapes.Voxels: _voxels_to_scene,
     shapes.Polyline: _polyline_to_scene,
+    shapes.Lissajous: _lissajous_to_scene,
     shapes.Placed: _placed_to_scene,
     shapes.Union: lambda s: csg.Union(_each("parts", s.parts, shape_to_scene)),
     shapes.Intersection: lambda s: csg.Intersection(_each("parts", s.parts, shape_to_scene)),
@@ -173,6 +195,7 @@ TO_WIRE: dict[type, Callable[[Any], Any]] = {
     mesh.Mesh: _mesh_to_wire,
     voxels.Voxels: _voxels_to_wire,
     curves.Polyline: _polyline_to_wire,
+    curves.Lissajous: _lissajous_to_wire,
     csg.Placed: _placed_to_wire,
     csg.Union: lambda s: shapes.Union(_each("parts", s.parts, _part_to_wire)),
     csg.Intersection: lambda s: shapes.Intersection(_each("parts", s.parts, _part_to_wire)),

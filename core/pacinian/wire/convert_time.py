@@ -15,7 +15,12 @@ from pacinian.scene.modulation import wav
 from pacinian.wire import time
 from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import check_part
-from pacinian.wire.convert_shapes import shape_to_scene, shape_to_wire
+from pacinian.wire.convert_shapes import (
+    degrees_to_radians,
+    radians_to_degrees,
+    shape_to_scene,
+    shape_to_wire,
+)
 from pacinian.wire.error_path import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
 
@@ -30,7 +35,6 @@ ENVELOPES: dict[type, type] = {  # classes with the same fields in the same orde
 TECHNIQUES: dict[type, type] = {
     time.Simultaneous: scene_technique.Simultaneous,
     time.AM: scene_technique.AM,
-    time.LM: scene_technique.LM,
 }
 ENVELOPES_BACK: dict[type, type] = {theirs: ours for ours, theirs in ENVELOPES.items()}
 TECHNIQUES_BACK: dict[type, type] = {theirs: ours for ours, theirs in TECHNIQUES.items()}
@@ -107,6 +111,9 @@ def _technique_to_scene(technique: Any) -> Any:
     if isinstance(technique, time.STM):
         along: Any = _along(technique.along, shape_to_scene)
         return scene_technique.STM(technique.frequency, along, technique.dwell)
+    if isinstance(technique, time.LM):
+        angle = degrees_to_radians(technique.angle)
+        return scene_technique.LM(technique.frequency, technique.amplitude, angle)
     return TECHNIQUES[type(technique)](*astuple(technique))
 
 
@@ -114,6 +121,9 @@ def _technique_to_wire(technique: Any) -> Any:
     if isinstance(technique, scene_technique.STM):
         along: Any = _along(technique.along, shape_to_wire)
         return time.STM(technique.frequency, along, technique.dwell)
+    if isinstance(technique, scene_technique.LM):
+        angle = radians_to_degrees(technique.angle)
+        return time.LM(technique.frequency, technique.amplitude, angle)
     if (kind := TECHNIQUES_BACK.get(type(technique))) is None:
         raise WireError(f"is no technique: {technique!r}")
     return kind(*astuple(technique))

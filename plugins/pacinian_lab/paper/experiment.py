@@ -117,7 +117,7 @@ def case(name: str, distance: float = DISTANCE) -> Case:
     axes = (u, v, 0.0 * u) if name[0] == "1" else (0.0 * u, u, v)
     points = HALF * np.stack(axes, axis=-1).reshape(-1, 3) + (0.0, 0.0, distance)
     flat = pc.lattice(0.2, 0.4)
-    return Case(name, flat if name[1] == "a" else flat.fold("x", 45.0), points)
+    return Case(name, flat if name[1] == "a" else flat.fold("x", math.radians(45.0)), points)
 
 
 def spectrum(case: Case) -> Spectrum:

@@ -84,7 +84,7 @@ def _ones(x: Floats, y: Floats) -> Floats:
 
 def _turn(degrees: float) -> Pose:
     """Return a pose tilted about x, 0.2 m above the array."""
-    return Pose.turned("x", degrees, (0.0, 0.0, HEIGHT))
+    return Pose((0.0, 0.0, HEIGHT)).rotate("x", math.radians(degrees))
 
 
 def _lattice(inside: Inside) -> tuple[Floats, Floats]:

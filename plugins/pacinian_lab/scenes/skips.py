@@ -104,7 +104,9 @@ def _all_near() -> Scene:
 def _away(t: float) -> Scene:
     """The palm, out of reach."""
     scene = gallery.palm(t)
-    return scene.with_hands(*(hand.moved(Pose((0.0, 0.0, OUT_OF_REACH))) for hand in scene.hands))
+    return scene.with_hands(
+        *(hand.transform(Pose((0.0, 0.0, OUT_OF_REACH))) for hand in scene.hands)
+    )
 
 
 class ExactMesh(Mesh, frozen=True, tag="exact mesh", dict=True):

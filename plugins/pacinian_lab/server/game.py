@@ -144,7 +144,7 @@ class Game:
 
     def _frame(self, now: float) -> None:
         x, v = SWING * np.sin(2.0 * np.pi * now), 2.0 * np.pi * SWING * np.cos(2.0 * np.pi * now)
-        joints = gallery.HAND.moved(Pose((x, 0.0, 0.0))).joints
+        joints = gallery.HAND.transform(Pose((x, 0.0, 0.0))).joints
         self.client.hands(Hand(joints, velocities=(v, 0.0, 0.0)), wait=False)
         moved = {name: Pose(_place(k, now)) for k, name in enumerate(self.there)}
         if moved:

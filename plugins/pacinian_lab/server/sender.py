@@ -77,7 +77,7 @@ def hands() -> list[HandFrame]:
     """Return 1000 poses of a hand above the points: one second of motion."""
     made = list[HandFrame]()
     for t in np.arange(1000) * 1e-3:
-        hand = gallery.HAND.moved(Pose((SWING * np.sin(2.0 * np.pi * t), 0.0, 0.0)))
+        hand = gallery.HAND.transform(Pose((SWING * np.sin(2.0 * np.pi * t), 0.0, 0.0)))
         v = 2.0 * np.pi * SWING * np.cos(2.0 * np.pi * t)
         made.append(
             HandFrame(

@@ -171,7 +171,11 @@ def rank() -> Iterator[Case]:
                     yield Case(name, turned, q, compute_asked(turned, q, level), phases)
         below = scatter_points(5) * [1, 1, -1]
         yield Case(
-            f"rank: 0, {what}", SMALL_ARRAY.driven_by(T4010A1), below, np.full(5, 1.0), phases
+            f"rank: 0, {what}",
+            SMALL_ARRAY.replace_transducer(T4010A1),
+            below,
+            np.full(5, 1.0),
+            phases,
         )
 
 
@@ -196,7 +200,7 @@ def offset() -> Iterator[Case]:
     """The array and its points 1 km and 1000 km from the origin; points far from the array."""
     for where in ((1000.0, 0.0, 0.0), (-1000.0, 2000.0, 500.0), (1e6, 0.0, 0.0)):
         pose = Pose(where)
-        array = SMALL_ARRAY.moved(pose)
+        array = SMALL_ARRAY.transform(pose)
         for what, phases in PHASES.items():
             for M in (1, 6, 40):
                 q = np.asarray(pose.points(scatter_points(M)))
@@ -219,7 +223,7 @@ def media() -> Iterator[Case]:
         ("transducers of 1e-6 Pa", Air(), Transducer(pressure=1e-6)),
         ("transducers of 1e6 Pa", Air(), Transducer(pressure=1e6)),
     ):
-        array = SMALL_ARRAY.driven_by(kind)
+        array = SMALL_ARRAY.replace_transducer(kind)
         t = compute_asked(array, q, 0.4, medium=air)
         for phase, phases in PHASES.items():
             yield Case(f"media: {what}, {phase}", array, q, t, phases, medium=air)

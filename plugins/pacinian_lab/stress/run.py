@@ -104,7 +104,7 @@ def _find_largest(values: Iterable[float]) -> float:
 def drift(updates: int, points: int = 8) -> Evidence:
     """Move one point after another, and compare with a new propagator at intervals."""
     rng, air = np.random.default_rng(0), Air()
-    array = SMALL_ARRAY.without(range(16, len(SMALL_ARRAY)))
+    array = SMALL_ARRAY.remove_transducers(range(16, len(SMALL_ARRAY)))
     q = scatter_points(points)
     kept = Propagator(array, air)
     broken: dict[str, str] = {}

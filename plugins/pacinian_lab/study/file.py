@@ -127,7 +127,7 @@ class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 def read(path: str | Path) -> Study:
     """Read a study file, and the device descriptions that it names.
 
-    path: a file that ends in .toml or .json; all numbers in SI units ([m], [deg], [degC]). Raises SceneFileError,
+    path: a file that ends in .toml or .json; all numbers in SI units ([m], [rad], [degC]). Raises SceneFileError,
     which names the file, the key and the fix.
     """
     path = Path(path)

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import check_integer, check_length, check_number
+from pacinian.checks import check_angle, check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 from pacinian_lab.study import arrangements
@@ -30,7 +30,7 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
     """The base of all layouts. Before it is bent, a layout lies on the xy-plane, centred, and points to +z.
 
     name: its label; the type by default. bowl: bends it to a sphere of this radius that touches the xy-plane [m]; 0
-    leaves it flat. fold: raises each half by this angle [deg] about the axis `hinge`, "x" or "y". facing: adds a
+    leaves it flat. fold: raises each half by this angle [rad] about the axis `hinge`, "x" or "y". facing: adds a
     second, identical array at this height that points down [m]; 0 for none. pose: of all that. Numbers may be lists,
     which are swept. Raises ArgumentError.
     """
@@ -47,7 +47,7 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
 
     def __post_init__(self) -> None:
         each("bowl", self.bowl, _length_or_none)
-        each("fold", self.fold, lambda n, v: check_number(n, v, low=-90.0, high=90.0))
+        each("fold", self.fold, _fold)
         each("facing", self.facing, _length_or_none)
         each("hinge", self.hinge, _axis)
 
@@ -72,8 +72,8 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
         if fold := check_single(self.fold):
             array = array.fold(check_single(self.hinge), fold)
         if facing := check_single(self.facing):
-            array += array.moved(Pose.turned("x", 180.0, (0.0, 0.0, facing)))
-        return array.moved(self.pose)
+            array += array.transform(Pose((0.0, 0.0, facing)).rotate("x", math.pi))
+        return array.transform(self.pose)
 
 
 class Autd(Layout, frozen=True, tag="autd"):
@@ -233,6 +233,10 @@ def bent(array: pc.Array, radius: float) -> pc.Array:
     places = radius * np.column_stack([across, 1.0 - up])
     normals: Any = np.column_stack([-across, up])
     return pc.Array(array.centre + places, normals, array.transducer, array.response)
+
+
+def _fold(name: str, value: float) -> None:
+    check_number(name, check_angle(name, value), low=-math.pi / 2.0, high=math.pi / 2.0)
 
 
 def _axis(name: str, value: str) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import MAX_LENGTH, check_number
+from pacinian.checks import MAX_LENGTH, check_angle, check_number
 from pacinian_lab.study.sweep import Number, check_single, each
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A plane through (x, y, z) [m], parallel to the xy-plane unless tilted.
 
-    tilt: angle by which its axis v is raised [deg]; 90 is upright. azimuth: rotation about z after that [deg].
+    tilt: angle by which its axis v is raised [rad]; pi / 2 is upright. azimuth: rotation about z after that [rad].
 
         u = (cos azimuth, sin azimuth, 0)
         v = (-sin azimuth cos tilt, cos azimuth cos tilt, sin tilt)
@@ -42,7 +42,7 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
                 lambda n, v: check_number(n, v, low=-MAX_LENGTH, high=MAX_LENGTH),
             )
         for name in ("tilt", "azimuth"):
-            each(name, getattr(self, name), lambda n, v: check_number(n, v, low=-360.0, high=360.0))
+            each(name, getattr(self, name), check_angle)
 
     @property
     def origin(self) -> Floats:
@@ -52,7 +52,7 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     @property
     def axes(self) -> Floats:
         """The unit vectors u and v, (2, 3)."""
-        t, a = np.radians([check_single(self.tilt), check_single(self.azimuth)])
+        t, a = check_single(self.tilt), check_single(self.azimuth)
         return np.array(
             [
                 [np.cos(a), np.sin(a), 0.0],

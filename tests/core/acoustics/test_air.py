@@ -172,3 +172,12 @@ def test_a_number_given_as_text_is_kept_as_a_number() -> None:
 def test_vapour_of_more_than_the_ambient_pressure_is_refused() -> None:
     with pytest.raises(pc.ArgumentError, match="boils"):
         pc.Air(temperature=100.0, humidity=1.0, ambient_pressure=1e4)
+
+
+@pytest.mark.parametrize(
+    "air",
+    [pc.Air(), pc.Air(temperature=0.0, humidity=0.0), pc.Air(speed_of_sound=340.0, density=1.2)],
+)
+def test_the_impedance_is_density_times_speed(air: pc.Air) -> None:
+    assert air.impedance == air.density * air.speed_of_sound
+    assert 380.0 < air.impedance < 450.0

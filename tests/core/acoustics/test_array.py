@@ -81,7 +81,7 @@ def test_a_lattice_of_millions_is_refused(size: float, pitch: float) -> None:
 
 def test_folding_about_x_by_45_raises_each_half_by_45_degrees() -> None:
     flat = pc.lattice(0.2, 0.4)
-    folded = flat.fold("x", 45.0)
+    folded = flat.fold("x", math.radians(45.0))
     x, y, _ = flat.positions.T
     cos = sin = math.sqrt(0.5)
     np.testing.assert_allclose(
@@ -92,7 +92,7 @@ def test_folding_about_x_by_45_raises_each_half_by_45_degrees() -> None:
 def test_folding_about_y_is_folding_about_x_with_the_axes_exchanged() -> None:
     flat = pc.Array([[0.01, 0.03, 0.0], [-0.02, -0.03, 0.0], [0.01, 0.04, 0.0], [0.0, -0.04, 0.0]])
     exchanged = pc.Array(flat.positions[:, [1, 0, 2]])
-    one, other = flat.fold("x", 30.0), exchanged.fold("y", 30.0)
+    one, other = flat.fold("x", math.radians(30.0)), exchanged.fold("y", math.radians(30.0))
     np.testing.assert_allclose(one.positions, other.positions[:, [1, 0, 2]], atol=1e-15)
     np.testing.assert_allclose(one.normals, other.normals[:, [1, 0, 2]], atol=1e-15)
 
@@ -101,7 +101,7 @@ def test_folding_about_y_is_folding_about_x_with_the_axes_exchanged() -> None:
 @settings(max_examples=20)
 def test_folding_keeps_distances_along_each_half(angle: float) -> None:
     flat = pc.lattice(0.04, 0.08)
-    folded = flat.fold("x", angle)
+    folded = flat.fold("x", math.radians(angle))
     for half in (flat.positions[:, 1] > 1e-6, flat.positions[:, 1] < -1e-6):
         before, after = flat.positions[half], folded.positions[half]
         np.testing.assert_allclose(
@@ -113,7 +113,7 @@ def test_folding_keeps_distances_along_each_half(angle: float) -> None:
 
 def test_the_normals_of_the_halves_point_to_each_other() -> None:
     flat = pc.lattice(0.2, 0.4)
-    normals = flat.fold("x", 45.0).normals
+    normals = flat.fold("x", math.radians(45.0)).normals
     s = math.sqrt(0.5)
     y = flat.positions[:, 1]
     np.testing.assert_allclose(normals[y > 1e-6], np.tile([0, -s, s], (420, 1)), atol=1e-15)
@@ -124,13 +124,13 @@ def test_the_normals_of_the_halves_point_to_each_other() -> None:
 def test_the_ridge_of_a_fold_points_straight_up_wherever_the_array_is(place: Any) -> None:
     flat = pc.lattice(0.2, 0.4)
     ridge = np.abs(flat.positions[:, 1]) < 1e-9
-    folded = flat.moved(pc.Pose(position=place)).fold("x", 45.0)
+    folded = flat.transform(pc.Pose(position=place)).fold("x", math.radians(45.0))
     np.testing.assert_allclose(folded.normals[ridge], np.tile([0.0, 0.0, 1.0], (21, 1)), atol=1e-9)
 
 
 def test_folding_two_units_bends_them_between_the_boards() -> None:
     flat = pc.autd(2, 1)
-    folded = flat.fold("y", 45.0)
+    folded = flat.fold("y", math.radians(45.0))
     inner = np.abs(flat.positions[:, 0]).min()  # half the gap between the boards' transducers [m]
     np.testing.assert_allclose(
         np.abs(folded.positions[:, 0]).min(), inner * math.sqrt(0.5), rtol=1e-9
@@ -141,7 +141,13 @@ def test_folding_two_units_bends_them_between_the_boards() -> None:
 
 @pytest.mark.parametrize(
     ("argument", "given_as"),
-    [("hinge", ("z",)), ("hinge", (None,)), ("angle", ("x", math.nan)), ("angle", ("y", 181.0))],
+    [
+        ("hinge", ("z",)),
+        ("hinge", (None,)),
+        ("angle", ("x", math.nan)),
+        ("angle", ("y", 3.2)),
+        ("angle", ("y", 45.0)),
+    ],
 )
 def test_a_fold_that_cannot_be_is_refused(argument: str, given_as: Any) -> None:
     with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
@@ -150,8 +156,8 @@ def test_a_fold_that_cannot_be_is_refused(argument: str, given_as: Any) -> None:
 
 def test_moved_places_positions_and_turns_normals() -> None:
     array = pc.lattice(0.02, 0.03)
-    pose = pc.Pose.turned("y", 90.0, (1.0, 2.0, 3.0))
-    moved = array.moved(pose)
+    pose = pc.Pose((1.0, 2.0, 3.0)).rotate("y", math.pi / 2.0)
+    moved = array.transform(pose)
     R = Rotation.from_euler("y", 90, degrees=True)
     expected = R.apply(array.positions.copy()) + np.array([1.0, 2.0, 3.0])
     np.testing.assert_allclose(moved.positions, expected, atol=1e-14)
@@ -159,9 +165,30 @@ def test_moved_places_positions_and_turns_normals() -> None:
     assert moved.transducer == array.transducer
 
 
+def test_translate_shifts_positions_only() -> None:
+    array = pc.lattice(0.02, 0.03)
+    moved = array.translate((1.0, 2.0, 3.0))
+    np.testing.assert_array_equal(moved.positions, array.positions + [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(moved.normals, array.normals)
+
+
+@pytest.mark.parametrize(
+    ("argument", "use"),
+    [
+        ("pose", lambda a: a.transform((0.0, 0.0, 0.1))),
+        ("offset", lambda a: a.translate(0.1)),
+        ("offset", lambda a: a.translate((0.0, 0.0, math.nan))),
+        ("transducer", lambda a: a.replace_transducer("T4010A1")),
+    ],
+)
+def test_bad_arguments_are_named(argument: str, use: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
+        use(pc.lattice(0.02, 0.02))
+
+
 def test_plus_puts_one_array_after_the_other() -> None:
     one = pc.lattice(0.02, 0.02)
-    other = pc.lattice(0.01, 0.01).moved(pc.Pose.turned("x", 90.0, (0, 0.1, 0)))
+    other = pc.lattice(0.01, 0.01).transform(pc.Pose((0, 0.1, 0)).rotate("x", math.pi / 2.0))
     both = one + other
     assert len(both) == 9 + 4
     assert np.array_equal(both.positions, np.concatenate([one.positions, other.positions]))
@@ -181,7 +208,7 @@ def test_adding_what_is_no_array_is_a_type_error() -> None:
 
 
 def test_driven_by_changes_only_the_kind() -> None:
-    array = pc.autd().driven_by(pc.IDEAL)
+    array = pc.autd().replace_transducer(pc.IDEAL)
     assert array.transducer == pc.IDEAL
     assert np.array_equal(array.positions, pc.autd().positions)
 
@@ -191,18 +218,18 @@ def test_without_leaves_the_others_in_order(dead: Any) -> None:
     array = pc.lattice(0.02, 0.02)
     gone = {int(i) % 9 for i in np.ravel(dead)}
     expected = [array.positions[i] for i in range(9) if i not in gone]
-    assert np.array_equal(array.without(dead).positions, expected)
+    assert np.array_equal(array.remove_transducers(dead).positions, expected)
 
 
 @pytest.mark.parametrize("dead", [[9], [-10], [1.5], "x", None, [2**70], [True] * 8, range(9)])
 def test_dead_transducers_that_are_no_indices_are_refused(dead: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="`dead`"):
-        pc.lattice(0.02, 0.02).without(dead)
+        pc.lattice(0.02, 0.02).remove_transducers(dead)
 
 
 def test_dead_transducers_may_be_given_as_flags() -> None:
     array = pc.lattice(0.02, 0.02)
-    rest = array.without(np.arange(9) == 4)
+    rest = array.remove_transducers(np.arange(9) == 4)
     assert np.array_equal(rest.positions, np.delete(array.positions, 4, axis=0))
 
 
@@ -216,14 +243,14 @@ def test_transducers_at_one_place_are_warned_of() -> None:
 @pytest.mark.parametrize("far", [2e7, 1e308])
 def test_an_array_so_far_from_the_origin_that_its_places_are_lost_is_refused(far: float) -> None:
     with pytest.raises(pc.ArgumentError, match=r"`positions` reach .* from the origin"):
-        pc.lattice(0.1, 0.1).moved(pc.Pose((far, 0.0, 0.0)))
+        pc.lattice(0.1, 0.1).transform(pc.Pose((far, 0.0, 0.0)))
 
 
 def test_an_array_in_a_game_s_far_corner_sounds_as_at_its_origin() -> None:
     array, q = pc.lattice(0.1, 0.1), np.array([[0.01, 0.02, 0.15]])
     far = (30_000.0, -70_000.0, 500.0)
     solution = pc.solve(array, q, [500.0])
-    moved = pc.solve(array.moved(pc.Pose(far)), q + far, [500.0])
+    moved = pc.solve(array.transform(pc.Pose(far)), q + far, [500.0])
     np.testing.assert_allclose(moved.gains, solution.gains, atol=1e-5)
 
 

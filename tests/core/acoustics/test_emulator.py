@@ -30,9 +30,9 @@ def unit(
 ) -> pc.Array:
     """Our AUTD unit placed as the emulator places its own, by its first transducer."""
     here = pc.autd(1, 1, SOURCE)
-    first = here.moved(pc.Pose(position=tuple(-here.positions[0])))
+    first = here.transform(pc.Pose(position=tuple(-here.positions[0])))
     w, x, y, z = wxyz
-    return first.moved(pc.Pose(position=position, rotation=(x, y, z, w)))
+    return first.transform(pc.Pose(position=position, rotation=(x, y, z, w)))
 
 
 def gains(phases: np.ndarray, intensities: np.ndarray) -> Gains:

@@ -22,15 +22,15 @@ def flat(places: Floats) -> pc.Array:
     return pc.Array(np.c_[places, np.zeros(len(places))], up, pc.T4010A1)
 
 
-GRID = pc.lattice(0.16, 0.16).driven_by(pc.T4010A1)
+GRID = pc.lattice(0.16, 0.16).replace_transducer(pc.T4010A1)
 FOUR = pc.autd(2, 2)
 ARRAYS = {
     "one unit": pc.autd(),
     "nine units": pc.autd(3, 3),
     "grid": GRID,
-    "sparse": FOUR.without(np.random.default_rng(3).random(len(FOUR)) > 0.3),
+    "sparse": FOUR.remove_transducers(np.random.default_rng(3).random(len(FOUR)) > 0.3),
     "random": flat(np.random.default_rng(4).uniform(-0.1, 0.1, (256, 2))),
-    "folded": GRID.fold("x", 30.0),
+    "folded": GRID.fold("x", math.radians(30.0)),
 }
 PLACES: dict[
     str, tuple[Any, float]
@@ -95,8 +95,8 @@ def test_a_longer_wave_makes_a_larger_spot_and_turning_everything_changes_nothin
     (here,) = pc.focal_area(pc.autd(), q, n)
     slow, fast = (pc.focal_area(pc.autd(), q, n, pc.Air(speed_of_sound=c))[0] for c in (300, 360))
     assert fast / slow == pytest.approx(1.44)
-    pose = pc.Pose.turned("y", 50.0, (0.5, -0.3, 0.2))
-    turned = pc.focal_area(pc.autd().moved(pose), pose.points(q), n @ pose.matrix.T)
+    pose = pc.Pose((0.5, -0.3, 0.2)).rotate("y", math.radians(50.0))
+    turned = pc.focal_area(pc.autd().transform(pose), pose.points(q), n @ pose.matrix.T)
     assert turned[0] == pytest.approx(here, rel=1e-3)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 UNIT = pc.autd()
-FOLDED = pc.autd(3, 1).fold("y", 40.0)
+FOLDED = pc.autd(3, 1).fold("y", math.radians(40.0))
 LIVE = pc.Array(
     UNIT.positions, UNIT.normals, pc.IDEAL, np.exp(1j * np.linspace(0.0, 6.0, len(UNIT)))
 )

@@ -275,7 +275,7 @@ def test_an_array_a_kilometre_away_makes_the_same_field(
     rng = np.random.default_rng(18)
     array, points, gains = rig(rng, 300, kind), somewhere(rng, 50), rng.normal(size=300)
     shift = np.array([1000.0, -1000.0, 500.0])
-    far = array.moved(pc.Pose(position=tuple(shift)))
+    far = array.transform(pc.Pose(position=tuple(shift)))
     here = pc.field(array, gains, points, precision=precision)
     there = pc.field(far, gains, points + shift, precision=precision)
     tolerance = 1e-9 if precision == "double" else 3e-5
@@ -371,7 +371,7 @@ def test_only_omni_radiates_backwards(medium: pc.Air) -> None:
     gains, omni = rng.normal(size=121), pc.lattice(0.1, 0.1)
     for precision in ("single", "double"):
         for kind in (pc.T4010A1, KINDS["piston"]):
-            array = omni.driven_by(kind)
+            array = omni.replace_transducer(kind)
             assert not pc.field(array, gains, behind, medium, precision).any()
             assert pc.field(array, gains, ahead, medium, precision).all()
             assert not pc.matrix(array, behind, medium).any()
@@ -388,7 +388,7 @@ def test_a_turned_array_makes_the_turned_field(kind: pc.Transducer, precision: A
     pose = pc.Pose(position=(0.1, -0.2, 0.3), rotation=(0.5, -0.5, 0.1, 0.7))
     scale = (np.abs(pc.matrix(array, points)) @ np.abs(gains)).max()
     np.testing.assert_allclose(
-        pc.field(array.moved(pose), gains, pose.points(points), precision=precision),
+        pc.field(array.transform(pose), gains, pose.points(points), precision=precision),
         pc.field(array, gains, points, precision=precision),
         rtol=0.0,
         atol=(1e-12 if precision == "double" else 3e-5) * scale,

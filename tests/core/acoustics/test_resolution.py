@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -43,11 +45,13 @@ def test_directions_that_spread_evenly_make_a_sinc() -> None:
 
 
 def test_moving_and_turning_everything_changes_nothing() -> None:
-    pose = pc.Pose.turned("y", 50.0, (0.5, -0.3, 0.2))
+    pose = pc.Pose((0.5, -0.3, 0.2)).rotate("y", math.radians(50.0))
     array, q = pc.autd(2, 1), np.array([[0.0, 0.0, 0.2], [0.1, 0.05, 0.3]])
     here = resolution(array, q, AIR)
-    np.testing.assert_allclose(resolution(array.moved(pose), pose.points(q), AIR), here, rtol=1e-4)
-    louder = array.driven_by(pc.Transducer(pressure=1e3, directivity=pc.t4010a1))
+    np.testing.assert_allclose(
+        resolution(array.transform(pose), pose.points(q), AIR), here, rtol=1e-4
+    )
+    louder = array.replace_transducer(pc.Transducer(pressure=1e3, directivity=pc.t4010a1))
     np.testing.assert_allclose(resolution(louder, q, AIR), here, rtol=1e-6)
     warm = pc.Air(speed_of_sound=380.0)
     np.testing.assert_allclose(resolution(array, q, warm), here * 380.0 / 340.0, rtol=1e-6)

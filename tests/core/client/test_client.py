@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import itertools
+import math
 import threading
 import time
 from collections.abc import Iterator
@@ -72,7 +73,7 @@ def test_objects_arrive_as_they_were_put(server: Fake, client: pc.Client) -> Non
 
 
 def test_moves_hold_poses_and_motions(server: Fake, client: pc.Client) -> None:
-    pose = pc.Pose.turned("z", 90.0, (0.01, 0.02, 0.2))
+    pose = pc.Pose((0.01, 0.02, 0.2)).rotate("z", math.pi / 2.0)
     client.move("a", pose)
     client.moves({"a": pose, "b": pc.Pose()}, {"a": pc.Motion((1, 2, 3), (4, 5, 6))})
     one, two = server.of(commands.Move)

@@ -150,11 +150,11 @@ def test_a_response_stays_with_its_transducers() -> None:
     array = pc.autd()
     s = np.linspace(0.5, 2.0, 249) * 1j
     uneven = replace(array, response=s)
-    assert np.array_equal(uneven.without([0, 5]).responses, np.delete(s, [0, 5]))
-    assert np.array_equal(uneven.moved(pc.Pose((0.0, 0.0, 0.1))).responses, s)
+    assert np.array_equal(uneven.remove_transducers([0, 5]).responses, np.delete(s, [0, 5]))
+    assert np.array_equal(uneven.transform(pc.Pose((0.0, 0.0, 0.1))).responses, s)
     assert np.array_equal(uneven.fold().responses, s)
-    assert np.array_equal(uneven.driven_by(pc.IDEAL).responses, s)
-    both = array.moved(pc.Pose((1.0, 0.0, 0.0))) + uneven
+    assert np.array_equal(uneven.replace_transducer(pc.IDEAL).responses, s)
+    both = array.transform(pc.Pose((1.0, 0.0, 0.0))) + uneven
     assert np.array_equal(both.responses, np.r_[np.ones(249), s])
     assert replace(array, response=np.ones(249)).response is None
     assert not uneven.responses.flags.writeable

@@ -208,7 +208,10 @@ def scan(**changes: Any) -> dict[str, Any]:
         ({"readings": lambda X: np.where(X.real > 0.0, np.inf, X)}, "finite"),
         ({"readings": lambda X: disturb(0.0 * X + 1e-9, 1e9, np.random.default_rng(0))}, "do not"),
         ({"array": lambda a: pc.lattice(0.17, 0.13, 0.011, transducer=pc.T4010A1)}, "shape"),
-        ({"array": lambda a: a.driven_by(pc.Transducer(frequency=25e3))}, "do not fit|corrected"),
+        (
+            {"array": lambda a: a.replace_transducer(pc.Transducer(frequency=25e3))},
+            "do not fit|corrected",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused_with_what_to_look_at(

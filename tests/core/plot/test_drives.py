@@ -1,5 +1,6 @@
 """Drives: each disc has its transducer's place and value."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -48,8 +49,8 @@ def test_phases_meet_where_they_are_the_same() -> None:
     ("axis", "names"), [("x", ("x", "z")), ("y", ("y", "z")), ("z", ("x", "y"))]
 )
 def test_an_array_is_seen_along_what_it_faces(axis: str, names: tuple[str, str]) -> None:
-    pose = pc.Pose.turned(axis, 90.0)
-    moved = ARRAY.moved(pose)
+    pose = pc.Pose().rotate(axis, math.pi / 2.0)
+    moved = ARRAY.transform(pose)
     panel = plot.drive(moved, GAINS, "phase").axes[0]
     assert (panel.get_xlabel(), panel.get_ylabel()) == (f"{names[0]} [mm]", f"{names[1]} [mm]")
     r, _ = discs(panel)

@@ -1,5 +1,6 @@
 """Slices: the numbers in the picture are the field's, in double precision."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ def test_every_value_is_the_fields_where_the_axes_say(
 
 
 def test_a_pose_is_a_plane_of_its_own() -> None:
-    pose = pc.Pose.turned("y", 30.0, (0.01, 0.0, 0.15))
+    pose = pc.Pose((0.01, 0.0, 0.15)).rotate("y", math.radians(30.0))
     page = plot.field(ARRAY, GAINS, pose, size=(0.1, 0.05), medium=AIR)
     found, where = (part[::20] for part in drawn(page))
     local = np.concatenate([where, np.zeros((*where.shape[:2], 1))], axis=-1)
@@ -114,7 +115,7 @@ def test_what_is_silent_is_dark_and_not_missing() -> None:
 
 
 def test_without_points_the_slice_is_before_the_array_wherever_it_faces() -> None:
-    down = ARRAY.moved(pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.5)))
+    down = ARRAY.transform(pc.Pose((0.0, 0.0, 0.5)).rotate("x", math.pi))
     found = plot.field(down, GAINS, "xy").axes[0].get_title()
     assert found == "z = 300 mm"
 
@@ -160,6 +161,6 @@ def test_a_slice_holds_all_points_and_is_no_larger_for_those_beside_it() -> None
     points = np.array([[0.03, 0.09, 0.15], [-0.03, -0.09, 0.16]])
     flat = plot.field(ARRAY, GAINS, "xz", points=points).axes[0]
     np.testing.assert_allclose(flat.get_xlim(), (-60.0, 60.0), atol=0.5)
-    tilted = pc.Pose.turned("z", 90.0, (0.0, 0.02, 0.155))
+    tilted = pc.Pose((0.0, 0.02, 0.155)).rotate("z", math.pi / 2.0)
     turned = plot.field(ARRAY, GAINS, tilted, points=points).axes[0]
     np.testing.assert_allclose(turned.get_xlim(), (-140.0, 140.0), atol=1.0)

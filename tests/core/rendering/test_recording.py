@@ -187,7 +187,7 @@ def test_the_amplitudes_of_levels_that_are_not_even_are_recorded(tmp_path: Path)
 def test_the_array_comes_back_with_how_its_transducers_differ(tmp_path: Path) -> None:
     rng = np.random.default_rng(7)
     s = rng.uniform(0.3, 2.0, 35) * np.exp(1j * rng.uniform(-3.0, 3.0, 35))
-    places = SMALL.without([17]).moved(pc.Pose.turned("x", 20.0))
+    places = SMALL.remove_transducers([17]).transform(pc.Pose().rotate("x", math.radians(20.0)))
     array = pc.Array(places.positions, places.normals, pc.T4010A1, s)
     record(tmp_path / "run.pac", array=array)
     recording = pc.Recording(tmp_path / "run.pac")
@@ -201,7 +201,7 @@ def test_a_directivity_that_cannot_be_recorded_does_not_keep_a_recording_from_be
     tmp_path: Path,
 ) -> None:
     kind = pc.Transducer(pressure=3.0, directivity=lambda cosine: cosine**2)
-    record(tmp_path / "run.pac", array=SMALL.driven_by(kind))
+    record(tmp_path / "run.pac", array=SMALL.replace_transducer(kind))
     recording = pc.Recording(tmp_path / "run.pac")
     assert recording.array.transducer == pc.Transducer(pressure=3.0)
     assert replay(recording, Simulated(), recording.array, ManualClock()) == 20
@@ -251,7 +251,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[pc.Fram
             shape=pc.Sphere(0.01), pose=pc.Pose((t, 0.0, 0.15)), radiation_pressure=0.5, name="ball"
         )
         room = pc.Workspace((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0))
-        return pc.Scene((ball,), room, (hand.moved(pc.Pose((0.0, t, 0.0))),))
+        return pc.Scene((ball,), room, (hand.transform(pc.Pose((0.0, t, 0.0))),))
 
     sent = record(path, scene, 6, limits=pc.Limits(quiet=([[0.0, 0.1, 0.1]], 3.0)))
     return path.read_bytes(), sent

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 import msgpack
@@ -146,19 +147,19 @@ def hands(t: float) -> pc.Scene:
 
 def seen(update: int) -> Any:
     if update not in SEEN:
-        SEEN[update] = HAND.moved(pc.Pose((0.004 * (update % 3), 0.0, 0.0)))
+        SEEN[update] = HAND.transform(pc.Pose((0.004 * (update % 3), 0.0, 0.0)))
     return SEEN[update]
 
 
 def tracked(t: float) -> pc.Scene:
     """A hand with velocities that is lost now and then, and one that is a mesh, which moves."""
     now = int(t / 0.008) * 0.008
-    joints = HAND.moved(pc.Pose((0.2 * now, 0.0, 0.0))).joints
+    joints = HAND.transform(pc.Pose((0.2 * now, 0.0, 0.0))).joints
     assert joints is not None
     if 0.02 < now < 0.04:
         joints = np.full((26, 3), np.nan)
     one = Hand(joints, velocities=(0.2, 0.0, 0.0), time=now, name="tracked")
-    return pc.Scene((PLATE,), hands=(one, GLOVE.moved(pc.Pose((0.0, -0.1, now)))))
+    return pc.Scene((PLATE,), hands=(one, GLOVE.transform(pc.Pose((0.0, -0.1, now)))))
 
 
 def comes_and_goes(t: float) -> pc.Scene:
@@ -196,7 +197,9 @@ def modulated(t: float) -> pc.Scene:
 
 
 BLOCK = box(extents=(0.08, 0.08, 0.02)).subdivide().subdivide().subdivide()
-GLOVE = Hand(vertices=BLOCK.vertices, faces=BLOCK.faces, name="glove").moved(pc.Pose((0, 0, 0.205)))
+GLOVE = Hand(vertices=BLOCK.vertices, faces=BLOCK.faces, name="glove").transform(
+    pc.Pose((0, 0, 0.205))
+)
 OBJECTS = tuple(replace(BALL, name=f"{k}", pose=pc.Pose((0.01 * k, 0, 0.19))) for k in range(4))
 OTHER = pc.Scene((PLATE, BALL, POINT), hands=(HAND,))
 SEEN: dict[int, Any] = {}
@@ -247,7 +250,7 @@ def test_it_comes_out_the_same_with_other_solvers_limits_and_settings(tmp_path: 
 
 
 def test_a_tilted_array_of_directive_transducers_comes_out_the_same(tmp_path: Path) -> None:
-    array = pc.autd(2, 1).fold("y", 37.0)
+    array = pc.autd(2, 1).fold("y", math.radians(37.0))
     array = pc.Array(array.positions, array.normals, pc.T4010A1)
     recorder = pc.Recorder(tmp_path / "run.pac")
     clock = ManualClock(3.0)

@@ -34,7 +34,7 @@ POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=0.02)
 
 
 def turned(*values: float) -> pc.Pose:
-    return pc.Pose.turned("x", 0.4, values)
+    return pc.Pose(values).rotate("x", 0.4)
 
 
 STONE = pc.Mesh(
@@ -77,7 +77,7 @@ TECHNIQUES = [
     STM(frequency=50.0),
     STM(frequency=50.0, along="outline", dwell=0.001),
     STM(frequency=50.0, along=Lissajous(0.01, 0.02, 2, 3, 0.1)),
-    LM(frequency=50.0, amplitude=0.002, angle=30.0),
+    LM(frequency=50.0, amplitude=0.002, angle=0.5),
 ]
 CURVES = [
     Line(0.03),
@@ -165,7 +165,7 @@ HANDS = [
     Hand(HAND.joints, np.full(26, 0.011), velocities=np.ones((26, 3)), time=-2.0),
     Hand(GONE, time=3.0),
     Hand(vertices=np.eye(4, 3) / 10, faces=[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
-    HAND.moved(pc.Pose((0.0, 0.1, 0.0))),
+    HAND.transform(pc.Pose((0.0, 0.1, 0.0))),
 ]
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,7 +51,7 @@ width = 0.2
 height = 0.1
 pitch = 0.02
 hinge = "y"
-angle = 20.0
+angle = 0.35
 pose = { position = [0.0, 0.0, 0.1], rotation = [0.0, 0.0, 1.0, 0.0] }
 
 [medium]
@@ -132,11 +133,11 @@ type = "path"
 shape = { type = "line", length = 0.05 }
 radiation_pressure = 8.0
 envelope = { type = "noise", low_frequency = 20.0, high_frequency = 300.0, low = 0.1, high = 0.9, seed = 7 }
-technique = { type = "lm", frequency = 30.0, amplitude = 0.003, angle = 45.0 }
+technique = { type = "lm", frequency = 30.0, amplitude = 0.003, angle = 0.785 }
 
 [[objects]]
 type = "path"
-shape = { type = "lissajous", width = 0.04, height = 0.03, a = 2, b = 3, phase = 90.0 }
+shape = { type = "lissajous", width = 0.04, height = 0.03, a = 2, b = 3, phase = 1.57 }
 radiation_pressure = 8.0
 envelope = { type = "wave", file = "tap.wav", loop = false, mode = "loudness" }
 
@@ -387,7 +388,7 @@ def test_an_array_of_a_device_is_read(read: Any, folder: Path) -> None:
 def test_the_array_and_the_medium_are_made(read: Any) -> None:
     file = read(FULL)
     array = file.array.make()
-    expected = pc.lattice(0.2, 0.1, 0.02).fold("y", 20.0).moved(file.array.pose)
+    expected = pc.lattice(0.2, 0.1, 0.02).fold("y", 0.35).transform(file.array.pose)
     assert np.array_equal(array.positions, expected.positions)
     assert np.array_equal(array.normals, expected.normals)
     air = file.medium.make()
@@ -429,7 +430,7 @@ def test_what_is_written_comes_back(read: Any, suffix: str) -> None:
 numbers = st.floats(-5.0, 5.0)
 words = st.text(st.characters(exclude_categories=("C",)), max_size=20)
 poses = st.builds(
-    lambda x, y, z, angle: Pose.turned("y", angle, (x, y, z)),
+    lambda x, y, z, angle: Pose((x, y, z)).rotate("y", math.radians(angle)),
     *(numbers, numbers, numbers, st.floats(-180, 180)),
 )
 stills = st.sampled_from(

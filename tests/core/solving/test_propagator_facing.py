@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,8 +12,8 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 
-ARRAY = pc.lattice(0.05, 0.05) + pc.lattice(0.05, 0.05).moved(
-    pc.Pose.turned("x", 180.0, (0.0, 0.0, 0.2))
+ARRAY = pc.lattice(0.05, 0.05) + pc.lattice(0.05, 0.05).transform(
+    pc.Pose((0.0, 0.0, 0.2)).rotate("x", math.pi)
 )
 M = 5
 HAND = np.array(

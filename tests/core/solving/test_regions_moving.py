@@ -12,7 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics.propagation import field
-from pacinian.scene.sampling.sources import FINEST
+from pacinian.scene.setup import FINEST
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import _fine as fine_skin
 
@@ -156,7 +156,7 @@ def balls(P: float) -> Callable[[float], pc.Scene]:
         for x in (-0.01, 0.01)
     )  # fmt: skip
     return lambda t: pc.Scene(
-        items, hands=(HAND.moved(pc.Pose((-0.014 + STEP * t / TICK, 0.0, -0.002))),)
+        items, hands=(HAND.transform(pc.Pose((-0.014 + STEP * t / TICK, 0.0, -0.002))),)
     )
 
 
@@ -167,7 +167,7 @@ def twins(P: float) -> Callable[[float], pc.Scene]:
         shape=pc.Union(parts), pose=pc.Pose(tuple(PALM.tolist())), radiation_pressure=P
     )
     return lambda t: pc.Scene(
-        (item,), hands=(HAND.moved(pc.Pose((0.0, 0.0, STEP / TICK * abs(t - 0.035) - 0.008))),)
+        (item,), hands=(HAND.transform(pc.Pose((0.0, 0.0, STEP / TICK * abs(t - 0.035) - 0.008))),)
     )
 
 

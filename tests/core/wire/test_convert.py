@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -53,8 +54,12 @@ length = st.floats(1e-3, 1.0)
 share = st.floats(0.0, 1.0)
 frequency = st.floats(1.0, 1000.0)
 vector = st.tuples(single, single, single)
+angles = st.integers(-360, 360).map(lambda half: math.radians(half / 2.0))  # exact on the wire
 poses = st.builds(
-    Pose.turned, st.sampled_from("xyz"), st.floats(-180.0, 180.0), st.tuples(length, length, length)
+    lambda axis, angle, position: Pose(position).rotate(axis, angle),
+    st.sampled_from("xyz"),
+    st.floats(-math.pi, math.pi),
+    st.tuples(length, length, length),
 )
 
 
@@ -69,9 +74,7 @@ BLOCK = np.pad(np.ones((2, 1, 2), np.float32), 1)
 curves: st.SearchStrategy[Any] = st.one_of(
     st.builds(Line, length),
     st.builds(Circle, length),
-    st.builds(
-        Lissajous, length, length, st.integers(1, 9), st.integers(1, 9), st.floats(-360.0, 360.0)
-    ),
+    st.builds(Lissajous, length, length, st.integers(1, 9), st.integers(1, 9), angles),
     st.builds(
         lambda points, closed: Polyline(((0.0, 0.0, 0.5), (0.5, 0.0, 0.5), *points), closed),
         st.lists(vector, max_size=5),
@@ -127,7 +130,7 @@ envelopes: st.SearchStrategy[Any] = st.one_of(
 techniques: st.SearchStrategy[Any] = st.one_of(
     st.just(SIMULTANEOUS),
     st.builds(AM, frequency, share),
-    st.builds(LM, frequency, length, st.floats(-180.0, 180.0)),
+    st.builds(LM, frequency, length, angles),
     st.builds(
         lambda f, along, dwell: STM(f, along, dwell and 0.1 / f),
         frequency,
@@ -183,6 +186,19 @@ def test_bulk_numbers_are_rounded_to_single_precision() -> None:
     np.testing.assert_allclose(made.positions, given_.positions, rtol=2.0**-24)
 
 
+@given(st.floats(-2.0 * math.pi, 2.0 * math.pi))
+def test_angles_are_radians_in_a_scene_and_degrees_on_the_wire(angle: float) -> None:
+    sent: Any = technique_to_wire(LM(60.0, 0.003, angle))
+    assert sent.angle == pytest.approx(math.degrees(angle), abs=1e-11)
+    again: Any = technique_to_scene(sent)
+    assert again.angle == pytest.approx(angle, abs=1e-13)
+
+
+def test_whole_turns_on_the_wire_are_taken_off() -> None:
+    made: Any = technique_to_scene(time.LM(60.0, 0.003, 360.0 * 5 + 90.0))
+    assert made.angle == pytest.approx(math.pi / 2.0)
+
+
 def test_kinds_that_are_copied_have_the_same_fields() -> None:
     kinds: dict[Any, Any] = SAME_FIELDS | ENVELOPES | TECHNIQUES
     for ours, theirs in kinds.items():
@@ -209,8 +225,10 @@ SAME = [
     (shapes.Intersection, Intersection),
     (shapes.Difference, Difference),
     (shapes.Polyline, Polyline),
+    (shapes.Lissajous, Lissajous),
     (time.Wave, Wave),
     (time.STM, STM),
+    (time.LM, LM),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +25,7 @@ def theirs(layout: Layout) -> Floats:
 
 
 def turned(k: int, axis: str, angle: float, position: tuple[float, float, float]) -> pc.Board:
-    return pc.Board(serial=str(k), pose=pc.Pose.turned(axis, angle, position))
+    return pc.Board(serial=str(k), pose=pc.Pose(position).rotate(axis, math.radians(angle)))
 
 
 @pytest.mark.parametrize(
@@ -32,8 +33,8 @@ def turned(k: int, axis: str, angle: float, position: tuple[float, float, float]
     [
         pc.autd(),
         pc.autd(3, 3),
-        pc.autd(2, 1).fold("y", 30.0),
-        pc.autd().moved(pc.Pose.turned("x", 180.0, (0.1, -0.2, 0.5))) + pc.autd(),
+        pc.autd(2, 1).fold("y", math.radians(30.0)),
+        pc.autd().transform(pc.Pose((0.1, -0.2, 0.5)).rotate("x", math.pi)) + pc.autd(),
     ],
 )
 def test_whole_units_are_found(array: pc.Array) -> None:
@@ -50,7 +51,7 @@ def test_a_unit_is_found_wherever_it_is(
     position: tuple[float, float, float], turn: tuple[float, float, float, float]
 ) -> None:
     q = np.array(turn) / np.sqrt(sum(v * v for v in turn))
-    array = BOARD.moved(pc.Pose(position, tuple(q.tolist())))
+    array = BOARD.transform(pc.Pose(position, tuple(q.tolist())))
     np.testing.assert_allclose(theirs(layout_of_array(array)), array.positions, atol=1e-6)
 
 
@@ -100,7 +101,7 @@ def test_a_description_must_be_of_units_and_of_this_array() -> None:
     with pytest.raises(pc.BackendError, match="not that of the `description`"):
         layout_of_description(unit, pc.autd(2, 1))
     with pytest.raises(pc.BackendError, match="not that of the `description`"):
-        layout_of_description(unit, pc.autd().moved(pc.Pose((0.0, 0.0, 0.01))))
+        layout_of_description(unit, pc.autd().transform(pc.Pose((0.0, 0.0, 0.01))))
     reversed_ = pc.DeviceDescription((pc.Board(order=tuple(range(248, -1, -1))),))
     with pytest.raises(pc.BackendError, match="must have no `order`"):
         layout_of_description(reversed_, reversed_.array())

@@ -71,7 +71,7 @@ def test_mirrored_transducers_have_equal_columns_so_equation_9_has_no_inverse(na
 def test_the_array_as_the_text_has_it_makes_no_pattern(place):
     case = experiment.case(place)
     small = pc.lattice(0.02, 0.04)
-    small = small if place[1] == "a" else small.fold("x", 45.0)
+    small = small if place[1] == "a" else small.fold("x", math.radians(45.0))
     tiny = experiment.Case(place, small, case.points)
     assert len(small) == 15
     for name in PATTERNS:

@@ -14,7 +14,7 @@ from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.reference import Reference
 
 mp.dps = 60
-FEW = SMALL_ARRAY.without(range(9, 36))
+FEW = SMALL_ARRAY.remove_transducers(range(9, 36))
 AIR = pc.Air()
 
 
@@ -83,7 +83,7 @@ def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precis
     elif place == "distant":
         q[2] = [1.0, -2.0, 9.0]
     pose = pc.Pose((offset, -offset, offset))
-    array, q = FEW.moved(pose), np.asarray(pose.points(q))
+    array, q = FEW.transform(pose), np.asarray(pose.points(q))
     case = Case("", array, q, np.ones(3), precision=precision)
     propagator = pc.Propagator(array, AIR, precision)
     propagator.set_points(q)

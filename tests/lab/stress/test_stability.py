@@ -26,7 +26,11 @@ TURNED = pc.Array(
     SMALL_ARRAY.positions[::4], np.where(np.arange(9)[:, None] % 3, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
     pc.T4010A1,
 )  # fmt: skip
-ARRAYS = {"small": SMALL_ARRAY, "nine": SMALL_ARRAY.without(range(9, 36)), "turned": TURNED}
+ARRAYS = {
+    "small": SMALL_ARRAY,
+    "nine": SMALL_ARRAY.remove_transducers(range(9, 36)),
+    "turned": TURNED,
+}
 
 
 class Looks(ManualClock):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -105,8 +107,10 @@ def test_a_bowl_lies_on_its_sphere_points_to_its_centre_and_keeps_ways_from_the_
 
 
 def test_a_fold_is_that_of_the_core_and_comes_after_the_plan() -> None:
-    folded = made(Lattice(width=0.2, height=0.4, fold=45.0))
-    np.testing.assert_allclose(folded.positions, pc.lattice(0.2, 0.4).fold("x", 45.0).positions)
+    folded = made(Lattice(width=0.2, height=0.4, fold=math.pi / 4.0))
+    np.testing.assert_allclose(
+        folded.positions, pc.lattice(0.2, 0.4).fold("x", math.radians(45.0)).positions
+    )
 
 
 def test_a_facing_one_is_doubled_and_looks_back() -> None:
@@ -120,9 +124,9 @@ def test_a_facing_one_is_doubled_and_looks_back() -> None:
 
 
 def test_a_pose_moves_it_all() -> None:
-    pose = pc.Pose.turned("y", 90.0, (0.1, 0.2, 0.3))
+    pose = pc.Pose((0.1, 0.2, 0.3)).rotate("y", math.pi / 2.0)
     array = made(Lattice(width=0.1, bowl=0.3, pose=pose))
-    plain = made(Lattice(width=0.1, bowl=0.3)).moved(pose)
+    plain = made(Lattice(width=0.1, bowl=0.3)).transform(pose)
     np.testing.assert_allclose(array.positions, plain.positions)
 
 
@@ -142,7 +146,7 @@ def test_a_device_keeps_its_own_kind_and_responses() -> None:
         (lambda: Lattice(width=(0.1, 0.1)), "twice"),
         (lambda: Lattice(width=0.1, pitch=11.0), "metres"),
         (lambda: Lattice(width=0.1, hinge="z"), '"x" or "y"'),
-        (lambda: Lattice(width=0.1, fold=91.0), "fold"),
+        (lambda: Lattice(width=0.1, fold=1.6), "fold"),
         (lambda: Sunflower(count=0, diameter=0.1), "count"),
         (lambda: Rings(diameter=-1.0), "diameter"),
         (lambda: Hexagonal(width=0.1, bowl=-0.1), "bowl"),

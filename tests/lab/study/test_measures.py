@@ -103,7 +103,7 @@ def test_the_yield_of_one_transducer_is_a_closed_form() -> None:
 def test_everything_agrees_with_direct_evaluation_in_double_precision() -> None:
     study = Study(
         layouts=(Lattice(width=0.1),), patterns=(RandomPoints(count=4, side=0.08),),
-        planes=(Plane(z=0.15, tilt=30.0, azimuth=20.0),), picture=SMALL, levels=(0.4,),
+        planes=(Plane(z=0.15, tilt=0.5, azimuth=0.35),), picture=SMALL, levels=(0.4,),
     )  # fmt: skip
     plan = Plan(study)
     batch = plan.batch(plan.tasks)
@@ -123,7 +123,7 @@ def test_everything_agrees_with_direct_evaluation_in_double_precision() -> None:
     ]
     reached = max(float(np.abs(focus.sound_pressure[0])) for focus in foci)
     assert row["reach"] == pytest.approx(reached, rel=1e-5)
-    pixels = Plane(z=0.15, tilt=30.0, azimuth=20.0).points(stage.pixels)
+    pixels = Plane(z=0.15, tilt=0.5, azimuth=0.35).points(stage.pixels)
     P = np.abs(pc.field(batch.array, g, pixels, AIR, precision="double")) ** 2
     assert pixels.shape == (31, 31, 3)
     assert row["efficiency"] == pytest.approx(P[stage.lobes].sum() / P.sum(), rel=1e-4)
@@ -139,7 +139,7 @@ def test_everything_agrees_with_direct_evaluation_in_double_precision() -> None:
 def test_pixels_at_a_transducer_do_not_count() -> None:
     study = Study(
         layouts=(Lattice(width=0.1),), patterns=(Focus(),), picture=SMALL,
-        planes=(Plane(z=0.05, tilt=90.0),),
+        planes=(Plane(z=0.05, tilt=np.pi / 2.0),),
     )  # fmt: skip
     plan = Plan(study)
     stage = plan.batch(plan.tasks).stage()

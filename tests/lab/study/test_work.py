@@ -252,7 +252,7 @@ def test_heights_below_the_plane_have_colours_of_their_own(
 ) -> None:
     kept: list[Any] = []
     monkeypatch.setattr(images, "save", lambda page, path: kept.append(page))
-    text = MANY.replace("facing = [%s]", "fold = [-45.0, 45.0]")
+    text = MANY.replace("facing = [%s]", "fold = [-0.785, 0.785]")
     images.layouts(Plan(ps.read(write(text))), tmp_path / "it.png")
     for panel in kept[0].axes[:2]:
         (dots,) = panel.collections

@@ -138,15 +138,19 @@ class Hand:
         radii[PALM] = radii[KNUCKLE]
         return cls(joints, radii, side=side, **given)
 
-    def moved(self, pose: Pose) -> Hand:
-        """Return this hand moved by `pose`: rotated about the world's origin, with its velocities, then shifted."""
+    def transform(self, pose: Pose) -> Hand:
+        """Return this hand rotated about the world's origin, with its velocities, and shifted, by `pose`.
+
+        Raises ArgumentError.
+        """
+        check_kind("pose", pose, Pose)
         return self._with(
             joints=None if self.joints is None else pose.points(self.joints),
             velocities=None if self.velocities is None else pose.directions(self.velocities),
             vertices=None if self.vertices is None else pose.points(self.vertices),
         )
 
-    def after(self, seconds: float) -> Hand:
+    def extrapolate(self, seconds: float) -> Hand:
         """Return this hand `seconds` later, at constant velocities, or the hand itself if these are unknown.
 
         All vertices move with the velocity of the palm joint.
@@ -180,10 +184,24 @@ class Hand:
             )
         )
 
-    def shifted(self, d: Floats) -> Hand:
-        """Return this hand with each of its carriers moved by d, (P, 3) [m]."""
-        name = "joints" if self.vertices is None else "vertices"
-        return self._with(**{name: self.carriers + d})
+    def translate(self, offset: ArrayLike) -> Hand:
+        """Return this hand shifted by `offset` [m]: (3,), or one for each of its carriers, (P, 3).
+
+        A shift of each carrier leaves joints that carry no skin where they are. Raises ArgumentError.
+        """
+        try:
+            each = np.ndim(offset) != 1
+        except ValueError:  # ragged
+            each = False
+        if each:
+            name = "joints" if self.vertices is None else "vertices"
+            d = check_numbers("offset", offset, self.carriers.shape)
+            return self._with(**{name: self.carriers + d})
+        d = check_numbers("offset", offset, (3,))
+        return self._with(
+            joints=None if self.joints is None else self.joints + d,
+            vertices=None if self.vertices is None else self.vertices + d,
+        )
 
     def _with(self, **changes: Any) -> Hand:
         """Return this hand with `changes`, which are not checked."""

@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_length, check_number
+from pacinian.checks import check_angle, check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.modulation.waves import SLIP, frequency
 from pacinian.scene.shapes.curves import Curve
@@ -161,7 +161,7 @@ class LM(_Moving, frozen=True, tag="lm"):
     """Lateral modulation: every sample oscillates across its normal, as a sine.
 
     frequency: [Hz]. amplitude: to either side [m]. angle: of the movement, from the frame's x-axis about the normal
-    [deg]. Raises ArgumentError.
+    [rad]. Raises ArgumentError.
 
     Takahashi, Hasegawa and Shinoda moved a focus to and fro, or in a circle, on the skin. They found lower thresholds
     than with amplitude modulation (EuroHaptics 2018), and stronger sensations at the same output from 10 to 200 Hz
@@ -175,7 +175,7 @@ class LM(_Moving, frozen=True, tag="lm"):
     def __post_init__(self) -> None:
         frequency(self, "frequency")
         force_setattr(self, "amplitude", check_length("amplitude", self.amplitude))
-        force_setattr(self, "angle", check_number("angle", self.angle))
+        force_setattr(self, "angle", check_angle("angle", self.angle))
 
     def step(self, t: float) -> int:
         """Return the step of the movement at t [s], -64 to 64."""
@@ -185,7 +185,7 @@ class LM(_Moving, frozen=True, tag="lm"):
         """Return a function from a step to the samples then."""
         from pacinian.scene.modulation.tangent_plane import find_tangents
 
-        d = self.amplitude * find_tangents(samples.normals, math.radians(self.angle), frame)
+        d = self.amplitude * find_tangents(samples.normals, self.angle, frame)
         return lambda i: replace(samples, positions=samples.positions + i / SWING * d)
 
 

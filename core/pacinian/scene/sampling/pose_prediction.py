@@ -152,7 +152,7 @@ class HandTrack:
     def _extrapolate(self, hand: Hand, t: float) -> Hand:
         if hand.time is None or hand.velocities is None:
             return hand
-        return hand.after(min(max(t - hand.time, 0.0), HOLD))
+        return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD))
 
     def _blend_hand(self, hand: Hand, t: float) -> Hand:
         now = self._extrapolate(hand, t)
@@ -160,4 +160,4 @@ class HandTrack:
         if self._offset is None or f <= 0.0:
             self._offset = None
             return now
-        return now.shifted(f * self._offset)
+        return now.translate(f * self._offset)

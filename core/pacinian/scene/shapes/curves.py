@@ -13,10 +13,10 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Vector
 from pacinian.checks import (
     MAX_LENGTH,
+    check_angle,
     check_count,
     check_integer,
     check_length,
-    check_number,
     check_numbers,
 )
 from pacinian.errors import ArgumentError
@@ -102,7 +102,7 @@ class Lissajous(
     """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
 
     width, height: [m]. a, b: whole numbers, 1 to 100, which are divided by their greatest common divisor, so that the
-    figure is drawn once. phase: [deg]. Raises ArgumentError.
+    figure is drawn once. phase: [rad]. Raises ArgumentError.
     """
 
     width: float
@@ -120,7 +120,7 @@ class Lissajous(
             if turns > TURNS:
                 raise ArgumentError(name, f"must be at most {TURNS}, not {turns}")
             force_setattr(self, name, turns)
-        force_setattr(self, "phase", check_number("phase", self.phase))
+        force_setattr(self, "phase", check_angle("phase", self.phase))
 
     @property
     def length(self) -> float:
@@ -146,7 +146,7 @@ class Lissajous(
         return self._pieces.distance(points)
 
     def _points(self, s: Floats) -> Floats:
-        x = self.width / 2.0 * np.sin(self.a * s + math.radians(self.phase))
+        x = self.width / 2.0 * np.sin(self.a * s + self.phase)
         y = self.height / 2.0 * np.sin(self.b * s)
         return np.stack([x, y, np.zeros_like(x)], axis=-1)
 
@@ -154,7 +154,7 @@ class Lissajous(
     def _arc(self) -> tuple[Floats, Floats]:
         """The parameter s, and the arc length up to it [m], (L,) each."""
         s = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_TURN * max(self.a, self.b) + 1)
-        x = self.a * self.width / 2.0 * np.cos(self.a * s + math.radians(self.phase))
+        x = self.a * self.width / 2.0 * np.cos(self.a * s + self.phase)
         y = self.b * self.height / 2.0 * np.cos(self.b * s)
         speed = np.hypot(x, y)
         steps = (speed[1:] + speed[:-1]) * (s[1] / 2.0)

@@ -101,7 +101,7 @@ def _joints(hand: Hand, t: float) -> Floats | None:
     if hand.lost or hand.time is None:
         return None if hand.lost else hand.joints
     age = max(t - hand.time, 0.0)
-    return None if age >= HOLD + FADE else hand.after(min(age, HOLD)).joints
+    return None if age >= HOLD + FADE else hand.extrapolate(min(age, HOLD)).joints
 
 
 def _counts(ticks: Floats) -> bytes:

@@ -69,22 +69,42 @@ def test_the_left_hand_is_the_mirror_image_of_the_right() -> None:
 def test_a_pose_moves_the_hand_and_turns_its_velocities(first: pc.Pose, second: pc.Pose) -> None:
     rng = np.random.default_rng(1)
     hand = Hand.open(pose=first, velocities=rng.normal(size=(26, 3)), time=2.0)
-    moved = hand.moved(second)
+    moved = hand.transform(second)
     np.testing.assert_allclose(moved.joints, second.points(hand.joints), atol=1e-12)  # type: ignore[arg-type]
-    later = hand.after(0.01).moved(second)
-    np.testing.assert_allclose(later.joints, moved.after(0.01).joints, atol=1e-12)
+    later = hand.extrapolate(0.01).transform(second)
+    np.testing.assert_allclose(later.joints, moved.extrapolate(0.01).joints, atol=1e-12)
     assert later.time == pytest.approx(2.01)
     assert moved.radii is hand.radii
 
 
+def test_translate_shifts_the_whole_hand_or_each_of_its_carriers() -> None:
+    hand = Hand.open(velocities=(0.1, 0.0, 0.0))
+    moved = hand.translate((0.01, 0.02, 0.03))
+    assert moved.joints == pytest.approx(hand.joints + np.array([0.01, 0.02, 0.03]))  # type: ignore[operator]
+    assert moved.velocities is hand.velocities
+    each = np.arange(78.0).reshape(26, 3) / 1000.0
+    assert hand.translate(each).joints == pytest.approx(hand.joints + each)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("offset", [0.1, (0.1, 0.2), np.zeros((5, 3)), (0.0, 0.0, np.nan), "up"])
+def test_an_offset_that_does_not_fit_is_refused(offset: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match="`offset`"):
+        Hand.open().translate(offset)
+
+
+def test_only_a_pose_transforms_a_hand() -> None:
+    with pytest.raises(pc.ArgumentError, match="`pose`"):
+        Hand.open().transform((0.0, 0.0, 0.1))  # type: ignore[arg-type]
+
+
 def test_a_hand_of_unknown_velocity_stays() -> None:
     hand = Hand.open()
-    assert hand.after(1.0) is hand
+    assert hand.extrapolate(1.0) is hand
     lost = Hand.open(velocities=np.full((26, 3), math.nan))
     assert lost.velocities is None
     assert not lost.lost
     np.testing.assert_allclose(
-        Hand.open(velocities=(0.1, 0.0, -0.2)).after(0.5).joints,
+        Hand.open(velocities=(0.1, 0.0, -0.2)).extrapolate(0.5).joints,
         hand.joints + np.array([0.05, 0.0, -0.1]),
     )
 
@@ -96,7 +116,7 @@ def test_a_hand_with_unknown_joints_is_lost(bad: float, where: Any) -> None:
     joints[where] = bad
     hand = Hand(joints, np.full(26, math.nan), velocities=np.full((26, 3), bad))
     assert hand.lost
-    assert hand.moved(pc.Pose()).lost
+    assert hand.transform(pc.Pose()).lost
     np.testing.assert_array_equal(hand.radii, RADII)
     assert not Hand.open().lost
 
@@ -132,8 +152,8 @@ def test_a_mesh_is_a_hand_too() -> None:
     vertices, faces = 0.1 * np.eye(3), [[0, 1, 2]]
     hand = Hand(vertices=vertices, faces=faces, velocities=(0.0, 0.0, 1.0))
     assert hand.joints is None
-    np.testing.assert_allclose(hand.after(0.1).vertices, vertices + np.array([0, 0, 0.1]))
-    assert hand.after(0.1).faces is hand.faces
+    np.testing.assert_allclose(hand.extrapolate(0.1).vertices, vertices + np.array([0, 0, 0.1]))
+    assert hand.extrapolate(0.1).faces is hand.faces
     assert Hand(vertices=[[0, 0, math.nan], [1, 0, 0], [0, 1, 0]], faces=faces).lost
 
 
@@ -142,7 +162,7 @@ def test_a_hand_cannot_be_changed() -> None:
     hand = Hand(joints)
     joints[0] = 7.0
     assert hand.joints[0, 0] == 0.0  # type: ignore[index]
-    for array in (hand.joints, hand.radii, hand.moved(pc.Pose()).joints):
+    for array in (hand.joints, hand.radii, hand.transform(pc.Pose()).joints):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0  # type: ignore[index]
     other = replace(hand, joints=np.full((26, 3), math.nan), name="Ada's")
@@ -219,6 +239,6 @@ def test_what_leap_cannot_mean_is_refused(given_: dict[str, Any], word: str) -> 
 def test_a_hand_opens_where_it_is_put(side: Any, pose: pc.Pose) -> None:
     hand = Hand.open(side, pose)
     np.testing.assert_allclose(at(hand, "palm"), pose.position, atol=1e-15)
-    np.testing.assert_allclose(hand.joints, Hand.open(side).moved(pose).joints, atol=1e-15)
+    np.testing.assert_allclose(hand.joints, Hand.open(side).transform(pose).joints, atol=1e-15)
     with pytest.raises(pc.ArgumentError, match="`pose` must be a Pose"):
         Hand.open(side, pose.position)  # type: ignore[arg-type]

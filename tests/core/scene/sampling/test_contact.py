@@ -52,7 +52,7 @@ def bent(seed: int, side: Any = "right") -> Hand:
         for i in range(first + 1, last - 1):
             turn = Rotation.from_rotvec([-rng.uniform(0.0, 0.9), 0.0, 0.0])
             joints[i + 1 : last] = turn.apply(joints[i + 1 : last] - joints[i]) + joints[i]
-    return Hand(joints, side=side).moved(pc.Pose((0.0, 0.0, 0.2)))
+    return Hand(joints, side=side).transform(pc.Pose((0.0, 0.0, 0.2)))
 
 
 def ball(radius: float = 0.03, at: Any = (0.0, 0.0, 0.17), **how: Any) -> pc.Volume:
@@ -223,7 +223,9 @@ def flat_hand(size: Any, z: float) -> Hand:
     box = trimesh.creation.box(size)
     for _ in range(4):
         box = box.subdivide()
-    return Hand(vertices=box.vertices, faces=box.faces).moved(pc.Pose((0, 0, z + size[2] / 2.0)))
+    return Hand(vertices=box.vertices, faces=box.faces).transform(
+        pc.Pose((0, 0, z + size[2] / 2.0))
+    )
 
 
 @pytest.mark.parametrize("depth", [0.0005, 0.0015])
@@ -231,7 +233,7 @@ def test_a_plate_on_a_finger_presses_as_the_formula_says(depth: float) -> None:
     """On a straight cylinder of radius r a bed of springs k gives 2 k r (r sin a - (r - h) a) per metre."""
     r, length = 0.01, 0.3
     vertices, faces = cylinder(r, length)
-    finger = Hand(vertices=vertices, faces=faces).moved(pc.Pose((0.0, 0.0, 0.2 + r)))
+    finger = Hand(vertices=vertices, faces=faces).transform(pc.Pose((0.0, 0.0, 0.2 + r)))
     wide = pc.Surface(
         shape=pc.Rectangle(0.2, 0.1), pose=pc.Pose((0.0, 0.0, 0.2 + depth)), radiation_pressure=10.0
     )
@@ -329,7 +331,7 @@ def test_a_plate_is_a_plate_however_it_is_described() -> None:
 def test_a_rigid_motion_of_everything_changes_nothing_else(item: Any, seed: int) -> None:
     pose, hand = random_pose(seed), bent(seed)
     here = touched(item, hands=(hand,))
-    there = touched(moved(item, pose), hands=(hand.moved(pose),))
+    there = touched(moved(item, pose), hands=(hand.transform(pose),))
     assert np.array_equal(here.keys, there.keys)
     assert there.positions == pytest.approx(pose.points(here.positions), abs=1e-9)
     assert there.normals == pytest.approx(pose.directions(here.normals), abs=1e-7)
@@ -384,7 +386,7 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
         if i % 60 == 59:  # it is brought elsewhere, and what is asked for changes
             x += rng.uniform(-0.05, 0.05)
             sampler.allowed = int(rng.integers(5, 60))
-        hands = () if 100 <= i < 110 else (HAND.moved(pc.Pose((x, y - 0.04, 0.0))),)
+        hands = () if 100 <= i < 110 else (HAND.transform(pc.Pose((x, y - 0.04, 0.0))),)
         now = sampler.sample(pc.Scene((item,) if i % 90 < 80 else (), hands=hands), tick * i)
         after = {
             key: (at, P)
@@ -429,7 +431,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
         size = 10.0 ** rng.uniform(-5.0, -1.0)
         at += rng.normal(0.0, size, at.shape)
         if rng.random() < 0.5:
-            hand = hand.moved(pc.Pose(tuple(rng.normal(0.0, size, 3))))
+            hand = hand.transform(pc.Pose(tuple(rng.normal(0.0, size, 3))))
         objects = tuple(moved(i, pc.Pose(tuple(d))) for i, d in zip(items, at, strict=True))
         scene = pc.Scene(objects, hands=(hand,))
         for _ in range(2):  # after the blend
@@ -453,7 +455,7 @@ def test_between_updates_it_is_felt_as_if_there_were_none(who: str) -> None:
             motion = None if seen is None else Motion((v, 0.0, 0.0), time=seen)
             pose = pc.Pose((-0.03 + x, 0.04, 0.175))
             return pc.Scene((replace(item, pose=pose, motion=motion),), hands=(HAND,))
-        hand = HAND.moved(pc.Pose((-x, 0.0, 0.0)))
+        hand = HAND.transform(pc.Pose((-x, 0.0, 0.0)))
         if seen is not None:
             hand = Hand(hand.joints, velocities=(-v, 0.0, 0.0), time=seen)
         return pc.Scene((item,), hands=(hand,))
@@ -485,7 +487,7 @@ CHANGES = {
     "a lost hand": (HAND, Hand(np.full((26, 3), np.nan))),
     "a late hand": (Hand(HAND.joints, time=SECOND),) * 2,
     "a hand that moves": (Hand(HAND.joints, velocities=(0.3, 0.0, 0.0), time=SECOND),) * 2,
-    "a hand put elsewhere": (HAND, HAND.moved(pc.Pose((0.01, 0.0, 0.0)))),
+    "a hand put elsewhere": (HAND, HAND.transform(pc.Pose((0.01, 0.0, 0.0)))),
     "a hand that stays": (HAND, HAND),
 }
 
@@ -512,7 +514,7 @@ def test_a_scene_that_nobody_updates_goes_on_as_if_it_were_looked_at_anew(what: 
 
 def test_the_box_around_a_hand_is_that_of_its_bones_and_its_centre_in_the_middle() -> None:
     for seed in range(5):
-        hand = PosedSkin(bent(seed).moved(random_pose(seed)))
+        hand = PosedSkin(bent(seed).transform(random_pose(seed)))
         centre, radius = hand.placed.bounds[:, :3], hand.placed.bounds[:, 3:]
         low, high = (centre - radius).min(axis=0), (centre + radius).max(axis=0)
         assert hand.box == pytest.approx(np.concatenate([low, high]), abs=1e-12)
@@ -527,7 +529,7 @@ def test_skin_near_an_object_is_what_its_sphere_holds_and_what_faces_the_array(
     seed: int, radius: float, corners: int
 ) -> None:
     rng = np.random.default_rng(seed)
-    hand = PosedSkin(bent(seed).moved(random_pose(seed, 1.0)))
+    hand = PosedSkin(bent(seed).transform(random_pose(seed, 1.0)))
     away = rng.normal(size=3)
     at = hand.points[rng.integers(len(hand.points))] + radius * away / np.linalg.norm(away)
     pose = pc.Pose(tuple(at.tolist()), random_pose(seed).rotation)
@@ -723,7 +725,7 @@ def test_a_hand_given_as_a_mesh_feels_too() -> None:
 
 def test_a_hand_far_away_feels_nothing() -> None:
     for z in (1.0, 50.0, 1e6):
-        hand = HAND.moved(pc.Pose((0.0, 0.0, z)))
+        hand = HAND.transform(pc.Pose((0.0, 0.0, z)))
         assert len(touched(*OBJECTS.values(), hands=(hand,))) == 0
 
 
@@ -732,7 +734,9 @@ def test_a_lost_hand_feels_nothing_and_there_is_no_hand_less_scene_for_it() -> N
     samples = touched(*OBJECTS.values(), hands=(lost,))
     assert len(samples) == 0  # and not the objects as a whole, in the air
     assert samples.capsules is not None
-    both = touched(ball(), hands=(lost, HAND.moved(pc.Pose((0.0, 0.0, 0.0)))._with(name="other")))
+    both = touched(
+        ball(), hands=(lost, HAND.transform(pc.Pose((0.0, 0.0, 0.0)))._with(name="other"))
+    )
     assert both.force == pytest.approx(touched(ball()).force)
 
 

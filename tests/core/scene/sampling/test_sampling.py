@@ -327,7 +327,7 @@ def test_on_a_transducer_the_spacing_is_that_of_a_wavelength() -> None:
     array = pc.lattice(0.2, 0.2, 0.02)
     x, y, z = array.positions[0]
     sampler = pc.Sampler(budget=2000)
-    sampler.prepare(array.moved(pc.Pose((0.01 - x, 0.01 - y, 0.01 - z))), pc.Air())
+    sampler.prepare(array.transform(pc.Pose((0.01 - x, 0.01 - y, 0.01 - z))), pc.Air())
     plate = square(0.1, pc.Pose((0.012, 0.012, 0.012)))
     assert spacing(sampler.sample(pc.Scene((plate,)))) == pytest.approx(DENSE * 0.0085, rel=0.1)
 

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
 bounded = settings(max_examples=20)
 lengths = st.floats(0.01, 0.05)
-angles = st.floats(-180.0, 180.0)
+angles = st.floats(-math.pi, math.pi)
 poses = st.builds(
-    pc.Pose.turned,
+    lambda axis, angle, position: pc.Pose(position).rotate(axis, angle),
     st.sampled_from("xyz"),
     angles,
     st.tuples(*[st.floats(-0.03, 0.03)] * 3),
@@ -282,7 +282,12 @@ def test_an_open_mesh_is_no_part_and_one_in_a_file_is_refused_when_it_is_read(
 # ------------------------------------------------------------------------------- scene files
 
 MUG = Difference(
-    Union((pc.Capsule(0.03, 0.05), Placed(CUBE, pc.Pose.turned("z", 45.0, (0.03, 0.0, 0.0))))),
+    Union(
+        (
+            pc.Capsule(0.03, 0.05),
+            Placed(CUBE, pc.Pose((0.03, 0.0, 0.0)).rotate("z", math.radians(45.0))),
+        )
+    ),
     (at(pc.Capsule(0.025, 0.05), 0, 0, 0.01), Intersection((BALL, at(BALL, 0.0, 0.0, 0.05)))),
 )
 
