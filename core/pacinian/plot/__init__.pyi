@@ -1,3 +1,4 @@
+from .animations import animate as animate
 from .drives import drive as drive
 from .exporting import export as export
 from .fields import field as field
@@ -8,3 +9,5 @@ from .page import save as save
 from .scenes import scene as scene
 from .timelines import timeline as timeline
 from .traces import convergence as convergence
+from .waveforms import spectrogram as spectrogram
+from .waveforms import waveform as waveform
