@@ -25,10 +25,12 @@ def sampler() -> pc.Sampler:
 def test_every_scene_is_shown_in_the_docs() -> None:
     text = (DOCS / "scenes.md").read_text()
     for name in SCENES:
+        assert f"## {name}" in text
+        if name == "empty":
+            continue
         picture = DOCS / "pictures" / f"scene-{name}.png"
         assert picture.stat().st_size < 300_000
         assert f"(pictures/{picture.name})" in text
-        assert f"## {name}" in text
 
 
 @pytest.mark.parametrize("name", TOUCHED)

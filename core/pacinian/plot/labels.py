@@ -68,5 +68,31 @@ def label(
         note.set_in_layout(False)
 
 
+def label_column(panel: Panel, texts: Sequence[Text]) -> None:
+    """Write texts in a column to the right of their points, in the points' order, joined to them by lines."""
+    pixel = panel.figure.dpi / 72.0
+    step = 1.35 * SMALL * pixel
+    spots = panel.transData.transform([(x, y) for _, x, y, _ in texts])
+    order = np.argsort(spots[:, 1])
+    heights = spots[order, 1].copy()
+    for _ in range(500):  # push neighbours apart until none overlap
+        gaps = np.diff(heights)
+        short = np.maximum(step - gaps, 0.0) / 2.0
+        if short.max(initial=0.0) < 0.01:
+            break
+        heights[1:] += short
+        heights[:-1] -= short
+    right = spots[:, 0].max() + 3.0 * SMALL * pixel
+    for index, height in zip(order, heights, strict=True):
+        text, x, y, colour = texts[index]
+        u, v = spots[index]
+        note = panel.annotate(
+            text, (x, y), xytext=((right - u) / pixel, (height - v) / pixel), textcoords="offset points",
+            va="center", fontsize=SMALL, color=colour,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.4, "relpos": (0.0, 0.5), "shrinkB": 3.0},
+        )  # fmt: skip
+        note.set_in_layout(False)
+
+
 def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]

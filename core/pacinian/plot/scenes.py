@@ -11,6 +11,7 @@ from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import figure
 from pacinian.plot.planes import middle_of
 from pacinian.plot.space import Discs, View, array_of, make_object, skin, towards
+from pacinian.scene.objects import Body
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,8 +24,9 @@ if TYPE_CHECKING:
 
 ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
 SAMPLE_MARGIN = 0.13  # margin around the samples in the view from below [m]
-DOT = 0.006  # diameter of a sample [m]
-ZOOMS = 1.3, 1.45
+DOT = 0.005  # diameter of a sample [m]
+LONE_DOT = 0.009  # the same where nothing else is above the array [m]
+ZOOMS, LONE_ZOOM = (1.42, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
 MAP = "inferno"
 
@@ -64,7 +66,7 @@ def scene(
 
 
 def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) -> list[View]:
-    """Draw the array with everything above it, and a close-up of the samples."""
+    """Draw the array with everything above it, and a close-up of the samples if something touches them."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -74,22 +76,36 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     boxes = np.array([low, high]), np.array([middle - SAMPLE_MARGIN, middle + SAMPLE_MARGIN])
     P = samples.radiation_pressure
     scale = ScalarMappable(Normalize(0.0, float(P.max(initial=1e-9))), MAP)
-    felt = Discs(q, np.asarray(scale.to_rgba(P)).reshape(-1, 4), np.full(len(q), DOT))
+    lone = not any(isinstance(item, Body) for item in scene.objects) and all(
+        hand.lost for hand in scene.hands
+    )
+    colours = np.asarray(scale.to_rgba(P)).reshape(-1, 4)
+    felt = Discs(q, colours, np.full(len(q), LONE_DOT if lone else DOT)).only(P > 0.0)
+    looks = (
+        [(ABOVE, boxes[0], LONE_ZOOM)]
+        if lone
+        else list(zip((ABOVE, BELOW), boxes, ZOOMS, strict=True))
+    )
     views: list[View] = []
-    for k, (angle, box, zoom) in enumerate(zip((ABOVE, BELOW), boxes, ZOOMS, strict=True)):
-        panel = part.add_subplot(1, 2, k + 1, projection="3d")
+    for k, (angle, box, zoom) in enumerate(looks):
+        panel = part.add_subplot(1, len(looks), k + 1, projection="3d")
         eye, view = towards(*angle), View(panel, angle, box, zoom)
         things = [skin(hand, eye) for hand in scene.hands if not hand.lost]
         for item in scene.objects:
             pose = find_pose(item, t)
             if k or ((pose.position >= box[0]) & (pose.position <= box[1])).all():
                 things.append(make_object(item, pose, eye))
-        if k == 0:
+        if lone:
+            view.draw([array_of(array)])
+            view.draw([felt])
+        elif k == 0:
             view.draw([array_of(array), *things, felt])
         else:
             view.draw([made.within(box) for made in [array_of(array), *things]])
             view.draw([felt])  # drawn over everything, because the skin lies behind objects
         views.append(view)
     if len(P):
-        part.colorbar(scale, ax=views[-1].panel, label="asked [Pa]", shrink=0.7)
+        part.colorbar(
+            scale, ax=views[-1].panel, label="asked [Pa]", shrink=0.7, pad=0.12 if lone else 0.05
+        )
     return views

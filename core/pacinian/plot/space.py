@@ -30,7 +30,7 @@ DISC_SPACING, MAX_DISCS = (
     0.002,
     4000,
 )  # distance between discs on an object [m]; their maximum number
-DISCS = 3.5e-3  # distance between discs on a skin [m]
+DISCS, SKIN_DISC = 1.75e-3, 4.2e-3  # distance between discs on a skin, and their diameter [m]
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 
 
@@ -80,7 +80,7 @@ def skin(hand: Hand, eye: Floats) -> Discs:
     """A hand, which is not lost."""
     skin = get_skin(hand)
     placed, nodes = skin.place(hand), skin.counts[skin.level(DISCS)]
-    return Discs.of(placed.points[:nodes], SKIN, 0.0065).lit(placed.normals[:nodes], eye)
+    return Discs.of(placed.points[:nodes], SKIN, SKIN_DISC).lit(placed.normals[:nodes], eye)
 
 
 def make_object(item: Object, pose: Pose, eye: Floats) -> Discs:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
     from pacinian.types import Flags, Floats
 
-MAX_VALUES, BINS = 2000, 300  # values up to which each is drawn; bins if there are more
+MAX_VALUES, BINS = 600, 150  # values up to which each is drawn; bins if there are more
 TALL = 1.6  # height of a panel [inch]
 EACH = 20  # least number of ticks per share
 GAP = 1.5  # interval between two frames from which ticks count as missed [periods]
@@ -85,18 +85,18 @@ def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:
     def error(panel: Panel) -> None:
         errors = 100.0 * report.errors
         panel.plot(np.arange(len(errors)), errors, ".", color=RED, ms=3)
-        panel.set(xlabel="every 64th solve", ylabel="error [%]", ylim=(0.0, None))
+        panel.set(xlabel="measured solve (one of 64)", ylabel="error [%]", ylim=(0.0, None))
 
     def skipped(panel: Panel) -> None:
         found = [(name, count) for name, count in report.skipped.most_common() if count]
         names = [name for name, _ in reversed(found)]
-        panel.barh(names, [count for _, count in reversed(found)], color=PALE, height=0.7)
-        for k, name in enumerate(names):
+        panel.barh(names, [count for _, count in reversed(found)], color=PALE, height=0.35)
+        for k, name in enumerate(names):  # above its bar
             panel.annotate(
-                name, (0.0, k), xycoords=panel.get_yaxis_transform(), xytext=(3, 0),
-                textcoords="offset points", va="center", fontsize=SMALL,
+                name, (0.0, k + 0.2), xycoords=panel.get_yaxis_transform(), xytext=(3, 1),
+                textcoords="offset points", va="bottom", fontsize=SMALL,
             )  # fmt: skip
-        panel.set(yticks=(), ylim=(-0.6, max(2.4, len(found) - 0.4)))
+        panel.set(yticks=(), ylim=(-0.4, max(1.8, len(found) - 0.2)))
         panel.set_xlabel("times skipped" if found else "nothing skipped")
         if not found:
             panel.set_xticks(())
@@ -122,10 +122,7 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
     course = _course(recording)
 
     def drive(panel: Panel) -> None:
-        _line(panel, course.t, course.most, ORANGE, "most")
-        _line(panel, course.t, course.mean, BLUE, "mean")
-        panel.set(xlabel="time [s]", ylabel="amplitude (1: full)", ylim=(0.0, 1.05))
-        panel.legend(**ABOVE)
+        _drive(panel, course.t, course.mean, course.most)
 
     def ticks(panel: Panel) -> None:
         _line(panel, course.t, 1e3 * course.took, BLUE, "tick")
@@ -146,7 +143,12 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
         for t in course.t[course.anew][1:]:
             panel.axvline(t, color=GREY, linestyle=":", linewidth=LINE)
         panel.set(xlabel="time [s]", ylabel="skipped [%]", ylim=(-3.0, 103.0))
-        panel.legend(**ABOVE)
+        if kept.any() or missed.any():
+            panel.legend(**ABOVE)
+        else:
+            panel.text(
+                0.5, 0.5, "nothing skipped", transform=panel.transAxes, ha="center", fontsize=SMALL
+            )
 
     return {"drive": drive, "ticks": ticks, "skipped": skipped}
 
@@ -162,11 +164,7 @@ def _of_file(path: Path) -> dict[str, Callable[[Panel], None]]:
     t, missed, half, most, worst, period = course.states.T
 
     def drive(panel: Panel) -> None:
-        at, mean, most = course.drive.T
-        _line(panel, at, most, ORANGE, "most")
-        _line(panel, at, mean, BLUE, "mean")
-        panel.set(xlabel="time [s]", ylabel="amplitude (1: full)", ylim=(0.0, 1.05))
-        panel.legend(**ABOVE)
+        _drive(panel, *course.drive.T)
 
     def error(panel: Panel) -> None:
         _line(panel, t, 100.0 * missed, RED)
@@ -174,7 +172,7 @@ def _of_file(path: Path) -> dict[str, Callable[[Panel], None]]:
 
     def ticks(panel: Panel) -> None:
         for values, colour, name in (
-            (worst, ORANGE, "most"),
+            (worst, ORANGE, "max"),
             (most, GREEN, "99 %"),
             (half, BLUE, "median"),
         ):
@@ -211,6 +209,17 @@ def _course(recording: Recording) -> _Course:
         time - time[0], means, mosts, took, lates, kept > 0.0,
         np.concatenate([np.empty(0), *missed]) - time[0], anew > 0.0, period,
     )  # fmt: skip
+
+
+def _drive(panel: Panel, t: Floats, mean: Floats, largest: Floats) -> None:
+    """Draw mean and maximum of all amplitudes over time."""
+    _line(panel, t, largest, ORANGE, "max")
+    _line(panel, t, mean, BLUE, "mean")
+    top = np.nanmax(largest, initial=0.0)
+    panel.set(
+        xlabel="time [s]", ylabel="amplitude (1: full)", ylim=(0.0, min(1.05, 1.2 * top) or 1.05)
+    )
+    panel.legend(**ABOVE)
 
 
 def _line(panel: Panel, x: Floats, y: Floats, colour: str, name: str = "") -> None:

@@ -25,8 +25,10 @@ COLOURS = 256
 
 
 def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
-    """Draw scenes as PNG files in `folder`, one after the other. Raises MissingExtra."""
+    """Draw scenes as PNG files in `folder`, one after the other, but for the empty one. Raises MissingExtra."""
     for name in names:
+        if name == "empty":
+            continue
         path = folder / f"scene-{name}.png"
         plot.save(picture(array, name), path, COLOURS)
         yield path

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.plot import figure, pareto, save
 from pacinian.plot.fronts import FLOOR, WEAK, plainly, shown, style
-from pacinian.plot.labels import label
+from pacinian.plot.labels import label_column
 from pacinian_lab.solvers.run import REFERENCE
 from pacinian_lab.solvers.summary import growth
 
@@ -26,17 +26,28 @@ def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
     """
     pages: dict[str, Figure] = {}
     for level in sorted({c.level for c in shown(cells) if c.mode != REFERENCE}):
+        pages[f"pareto-{level:g}.png"] = draw_typical(cells, level)
         title = (
             f"Run time from points to gains against error, at level {level:g}. "
             f"Filled: cold; hollow: warm. x: scale, if not 1; pale: under {WEAK:g}. "
             f"Errors under {FLOOR:g} % are drawn at that value."
         )
-        pages[f"pareto-{level:g}.png"] = pareto(cells, level=level, title=title)
+        pages[f"pareto-{level:g}-all.png"] = pareto(cells, level=level, title=title)
     if lines := growth(cells):
         pages["growth.png"] = grow(lines)
     for name, page in pages.items():
         save(page, folder / name)
     return [folder / name for name in pages]
+
+
+def draw_typical(cells: Sequence[Cell], level: float) -> Figure:
+    """Draw run time against error on the largest array, for the middle number of points. Raises MissingExtra."""
+    found = [c for c in shown(cells) if c.level == level and c.mode != REFERENCE]
+    N = max(c.N for c in found)
+    counts = sorted({c.M for c in found if c.N == N})
+    page = figure(8.0, 4.6)
+    pareto(cells, level=level, N=N, M=counts[len(counts) // 2], ax=page.subplots())
+    return page
 
 
 def grow(lines: Sequence[Growth]) -> Figure:
@@ -67,7 +78,7 @@ def grow(lines: Sequence[Growth]) -> Figure:
     page.suptitle(f"Growth of the run time at level {lines[0].level:g}", fontsize=10)
     page.draw_without_rendering()
     for panel, along in zip(panels, alongs, strict=True):
-        label(
+        label_column(
             panel,
             [
                 (f"{line.solver}  {along}$^{{{line.exponent:.2f}}}$", line.sizes[-1],
@@ -75,6 +86,5 @@ def grow(lines: Sequence[Growth]) -> Figure:
                 for line in lines
                 if line.along == along
             ],
-            both=False,
         )  # fmt: skip
     return page

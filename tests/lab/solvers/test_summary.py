@@ -166,13 +166,19 @@ def test_pictures_are_made_of_each_level_and_of_growth(tmp_path: Path, saved: li
     rows = [row for row in everything() if row.N == 249]
     rows.append(replace(rows[0], solver="late", status="timed out after 1 s"))
     files = plots.draw(cells(rows), tmp_path)
-    assert saved == ["pareto-0.5.png", "pareto-1.png", "growth.png"]
+    assert saved == [
+        "pareto-0.5.png",
+        "pareto-0.5-all.png",
+        "pareto-1.png",
+        "pareto-1-all.png",
+        "growth.png",
+    ]
     assert files == [tmp_path / name for name in saved]
 
 
 def test_a_run_of_one_problem_has_no_growth(tmp_path: Path, saved: list[str]) -> None:
     plots.draw(cells([row("pacinian", "auto", 249, 4, 1.0)]), tmp_path)
-    assert saved == ["pareto-0.5.png"]
+    assert saved == ["pareto-0.5.png", "pareto-0.5-all.png"]
 
 
 def test_nothing_measured_is_no_picture(tmp_path: Path, saved: list[str]) -> None:
