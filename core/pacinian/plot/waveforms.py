@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     from pacinian.plot.quantities import Show
     from pacinian.types import ArrayLike, Floats
 
-TALL, SPECTROGRAM = 1.6, 2.4  # height of a panel [inch]
+TALL, SPECTROGRAM = 1.9, 2.4  # height of a panel [inch]
 MAX_FELT = 1000.0  # highest frequency that people feel, and end of the spectrum [Hz]
 WINDOW = 0.05  # length of a window of the spectrogram [s]
+PADDING = 8  # times that the spectrum is finer than its resolution, so that peaks keep their height
 STEPS = 4  # windows that overlap each other
 MIN_WINDOWS = 2  # windows in the shortest spectrogram
 DEEP = 60.0  # range of levels drawn below the loudest [dB]
@@ -115,8 +116,9 @@ def compute_course(emission: Emission, point: ArrayLike, show: Show) -> tuple[Fl
 def compute_spectrum(values: Floats, rate: float) -> tuple[Floats, Floats]:
     """Return frequencies above 0 [Hz] and the amplitudes of the sines in values at `rate` [Hz], (T,); (F,) each."""
     window = np.hanning(len(values) + 1)[:-1] if len(values) > 1 else np.ones(1)
-    amplitude = 2.0 * np.abs(np.fft.rfft((values - values.mean()) * window)) / window.sum()
-    frequency = np.fft.rfftfreq(len(values), 1.0 / rate)
+    size = PADDING * len(values)
+    amplitude = 2.0 * np.abs(np.fft.rfft((values - values.mean()) * window, size)) / window.sum()
+    frequency = np.fft.rfftfreq(size, 1.0 / rate)
     return np.asarray(frequency[1:], np.float64), np.asarray(amplitude[1:], np.float64)
 
 

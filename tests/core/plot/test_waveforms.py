@@ -38,17 +38,17 @@ def pulsed() -> pc.Renderer:
     )
 
 
-@given(a=st.floats(0.01, 100.0), bins=st.integers(3, 90), mean=st.floats(-5.0, 5.0))
+@given(a=st.floats(0.01, 100.0), f=st.floats(30.0, 470.0), mean=st.floats(-5.0, 5.0))
 @settings(max_examples=30)
-def test_a_sine_is_a_peak_of_its_amplitude(a: float, bins: int, mean: float) -> None:
+def test_a_sine_is_a_peak_of_its_amplitude(a: float, f: float, mean: float) -> None:
     rate, T = 1000.0, 200
     t = np.arange(T) / rate
-    frequency, amplitude = compute_spectrum(mean + a * np.sin(2 * np.pi * 5.0 * bins * t), rate)
+    frequency, amplitude = compute_spectrum(mean + a * np.sin(2 * np.pi * f * t), rate)
     k = int(np.argmax(amplitude))
-    assert frequency[k] == pytest.approx(5.0 * bins)
-    assert amplitude[k] == pytest.approx(a, rel=1e-6)
-    others = np.abs(np.arange(len(amplitude)) - k) > 1
-    assert amplitude[others].max() < 1e-6 * (a + abs(mean))
+    assert frequency[k] == pytest.approx(f, abs=0.4)
+    assert amplitude[k] == pytest.approx(a, rel=0.02)
+    others = np.abs(frequency - f) > 15.0  # beyond three bins of 1 / T
+    assert amplitude[others].max() < 0.05 * a  # side lobes of the window
 
 
 def test_a_vibrating_point_is_shown_as_it_vibrates() -> None:
@@ -59,7 +59,7 @@ def test_a_vibrating_point_is_shown_as_it_vibrates() -> None:
     assert P.min() == pytest.approx(0.0, abs=0.002)
     assert P.max() == pytest.approx(0.1, rel=0.02)
     frequency, amplitude = below.lines[0].get_data()
-    assert frequency[np.argmax(amplitude)] == 150.0
+    assert frequency[np.argmax(amplitude)] == pytest.approx(150.0, abs=1.0)
     assert amplitude.max() == pytest.approx(0.05, rel=0.02)
     assert above.get_ylabel() == "radiation pressure [Pa]"
     sound = plot.waveform(pulsed(), POINT, show="pressure", start=0.05, duration=0.1)
