@@ -7,6 +7,7 @@ link.py                a socket, and the end of its connection
 messages.py            arguments of the API as fields of the wire
 outbox.py              commands that the socket had no room for
 state_subscription.py  the newest state
+rendered_scene.py      the scene as the server shows it
 timing.py              round trips, the server's clock
 emergency.py           a stop that needs no session
 connection_file.py     connection files and CURVE keys

@@ -7,15 +7,12 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from msgspec.structs import replace
 
-from pacinian.acoustics.pose import Pose
 from pacinian.checks import check_number
 from pacinian.client import messages
 from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost, ServerError, WireError
-from pacinian.scene.objects import Point
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
@@ -25,6 +22,9 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from pacinian.acoustics.pose import Pose
+    from pacinian.client.rendered_scene import RenderedScene
+    from pacinian.client.server_session import ServerSession
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.modulation.envelope import Envelope
     from pacinian.scene.modulation.technique import Technique
@@ -59,6 +59,8 @@ class Client(BaseClient):
     After a connection loss nothing resumes: arm again, and put the objects again. Raises ConnectionLost, Refused;
     WireError for objects that cannot be sent.
     """
+
+    _rendered: tuple[ServerSession, RenderedScene] | None = None
 
     def put(
         self, *objects: Object, duration: float | None = None, ttl: float = 1.0, wait: bool = True
@@ -286,24 +288,20 @@ class Client(BaseClient):
         return self._live(again=False).timing.age(state.time, self._clock())
 
     def _fetch_objects(self) -> list[Object]:
-        """Return the objects of the rendered scene, where they are now. Objects that cannot be read are left out."""
-        from pacinian.wire.convert import to_scene
+        """Return the objects of the rendered scene, where they are now. Requests only those that are new."""
+        from pacinian.client.rendered_scene import RenderedScene
 
-        seen, sent = self.show(), dict[str, Any]()
+        if (
+            self._rendered is None or self._rendered[0] is not self._dialogue
+        ):  # versions are its server's
+            self._rendered = self._dialogue, RenderedScene()
+        seen = self._rendered[1]
         for _ in range(MAX_SHOW_REPLIES):
-            sent |= seen.objects
-            if not seen.objects:
+            shown = self.show(seen.scene, seen.version)
+            seen.update(shown)
+            if not shown.objects:
                 break
-            seen = self.show(seen.scene, seen.version)
-        found: list[Object] = []
-        for name, row in zip(seen.names, unpack(seen.poses, 7).tolist(), strict=True):
-            with suppress(KeyError, ValueError):
-                item = to_scene(name, sent[name])
-                if isinstance(item, Point):
-                    found.append(replace(item, position=tuple(row[:3])))
-                else:
-                    found.append(replace(item, pose=Pose(tuple(row[:3]), tuple(row[3:]))))
-        return found
+        return seen.objects
 
     def _make_object(
         self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # values that all others depend on, so they are sent first
-ORDER = "record", "replay", "history", "histogram", "frame", "state"
-NOW = "histogram", "frame", "state"  # values that expire soon
+ORDER = "record", "replay", "history", "histogram", "silence", "frame", "state"
+NOW = "histogram", "silence", "frame", "state"  # values that expire soon
 GONE = "array", *NOW  # values removed when the server is lost
 EVENTS = 64  # maximum number of refusals that wait for one page
 

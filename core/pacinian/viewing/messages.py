@@ -1,6 +1,7 @@
 """Messages between pages and the viewer's server: MessagePack maps with a key `type`, in both directions.
 
-`State` and `FrameState` of `pacinian.wire` are passed on to the pages unchanged. docs/viewer-feed.md describes all messages.
+`State` and `FrameState` of `pacinian.wire` are passed on to the pages unchanged. docs/viewer-feed.md describes all
+messages.
 """
 
 from __future__ import annotations
@@ -274,6 +275,13 @@ class Histogram(ServerMessage, frozen=True, kw_only=True, tag="histogram"):
     edges_ms: tuple[float, ...]
     counts: tuple[int, ...]
     deadline_ms: float
+
+
+class SilenceMessage(ServerMessage, frozen=True, kw_only=True, tag="silence"):
+    """Why the output is silent, as `pacinian status` says it, and what to do. Both are empty while it sounds."""
+
+    cause: str = ""
+    text: str = ""
 
 
 class History(ServerMessage, frozen=True, kw_only=True, tag="history"):

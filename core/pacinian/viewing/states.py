@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
@@ -10,14 +11,16 @@ import zmq
 from msgspec import Raw
 
 from pacinian.client.link import connect, make_socket
+from pacinian.client.rendered_scene import RenderedScene
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
-from pacinian.viewing.messages import WRONG, ArrayMessage
+from pacinian.viewing.messages import WRONG, ArrayMessage, SilenceMessage
 from pacinian.viewing.model import Model, make_histogram
 from pacinian.viewing.recent_frames import RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scene_mirror import POSE, SceneMirror
 from pacinian.wire.codec import decode_state
+from pacinian.wire.silence import explain_silence
 from pacinian.wire.state import FRAME, STATE, FrameState, State
 
 if TYPE_CHECKING:
@@ -47,6 +50,9 @@ class StateReader:
         self._emitted: Drive | None = None
         self._regions: Regions | None = None
         self._sent: ArrayMessage | None = None
+        self._rendered = RenderedScene()
+        self._silence: SilenceMessage | None = None
+        self._explained, self._output = -math.inf, ""
         self._stale = False
         self._frame_time = 0.0  # time of the newest frame [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
@@ -67,7 +73,7 @@ class StateReader:
             if self._socket is not None:
                 self._unsubscribe()
                 self._recent.clear()
-                self._drive = None
+                self._drive = self._silence = None
                 self._post(self._hub.set_idle)
             return
         if self._socket is None:
@@ -144,10 +150,24 @@ class StateReader:
                 self._hub.put, "histogram", make_histogram(state.tick_counts, self._told.rate)
             )
         self._recent.see_state(state.time, state.technique, state.hands)
+        self._explain(state, now)
         self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):
             self._recent.clear()
         self._regions = Regions.of(state)
+
+    def _explain(self, state: State, now: float) -> None:
+        """Pass on why the output is silent, if that has changed. Distances are computed now and then."""
+        if now < self._explained + RARELY and state.output == self._output:
+            return
+        self._explained, self._output = now, state.output
+        found = explain_silence(state)
+        if found is not None and found.cause == "nothing in reach":
+            found = explain_silence(state, self._rendered.objects)
+        message = SilenceMessage(**found._asdict()) if found else SilenceMessage()
+        if message != self._silence:
+            self._silence = message
+            self._post(self._hub.put, "silence", message)
 
     def _frame(self, data: bytes) -> None:
         frame, told = decode_state(data), self._told
@@ -181,6 +201,7 @@ class StateReader:
         if told.scene != self._known[0]:  # names may denote other objects there
             self._scenery = before.with_(told.scene, {}, {})
         self._known = told.scene, told.version
+        self._rendered.update(told)
         objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}
         poses = {name: told.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(told.names)}
         self._scenery = self._scenery.with_(told.scene, objects, poses)

@@ -189,6 +189,13 @@ export interface Histogram {
   deadline_ms: number;
 }
 
+/** Why the output is silent, and what to do; both empty while it sounds. */
+export interface Silence {
+  type: "silence";
+  cause: string;
+  text: string;
+}
+
 /** Of a recording: drive and error before the time that is shown. times: float64 [s]; others 0..1, float32; NaN: none. */
 export interface Past {
   type: "history";
@@ -236,6 +243,7 @@ export type FromServer =
   | Volume
   | Skin
   | Histogram
+  | Silence
   | Past
   | Lost
   | Refused

@@ -17,6 +17,7 @@ import type {
   Replay,
   Scenery,
   Session,
+  Silence,
   Skin,
   Slice,
   State,
@@ -38,6 +39,7 @@ export interface Events {
   volume: Volume;
   skin: Skin;
   histogram: Histogram;
+  silence: Silence;
   history: Past;
   refused: Refused;
   record: Recording;
@@ -83,6 +85,7 @@ export class Store {
       return;
     }
     if (message.type === "array" && this.link !== "live") {
+      delete this.newest.silence;
       delete this.newest.state; // of before: it is not so any more
       this.linked("live");
     }

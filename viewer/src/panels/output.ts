@@ -5,11 +5,12 @@ import type { Store } from "../feed/store";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./words";
 
+/** Of recordings, which do not hold the server's own explanation. */
 const WHY: Record<Output, string> = {
-  silent: "nobody has armed it, or there is nothing to feel",
+  silent: "not armed, or nothing can be felt",
   sounding: "something can be felt",
-  stale: "the renderer is late: silent until it goes on",
-  stopped: "emergency stop, until reset",
+  stale: "the renderer is late: sound returns when it catches up",
+  stopped: "stopped by an emergency stop, until reset",
   faulted: "a plug-in or device failed, until reset",
 };
 const NOT = {
@@ -54,6 +55,7 @@ export class OutputPanel {
       if (state.output !== element("output").dataset["output"]) this.show(state);
     });
     store.onBeat("state", (state) => this.show(state));
+    store.onBeat("silence", () => this.show(store.newest.state));
     store.on("link", (link) => {
       if (link === "live") this.show(store.newest.state);
       else this.agree(undefined);
@@ -115,6 +117,12 @@ export class OutputPanel {
     this.show(this.store.newest.state);
   }
 
+  /** The server's own explanation of silence, where there is one. */
+  private why(output: Output): string {
+    const told = output === "sounding" ? "" : this.store.newest.silence?.text;
+    return told || WHY[output];
+  }
+
   private show(state: State | undefined): void {
     const live = this.store.link === "live";
     const output = state?.output;
@@ -122,7 +130,9 @@ export class OutputPanel {
     element("output").dataset["output"] = shown;
     document.body.dataset["link"] = this.store.link;
     say(element("output-name"), name(shown));
-    say(element("output-why"), live && output ? WHY[output] : "");
+    const why = live && output ? this.why(output) : "";
+    say(element("output-why"), why);
+    element("output-why").title = why; // where the line is too short
     const held = output === "stopped" || output === "faulted";
     const mine = Boolean(this.session?.mine);
     const { others } = this;
