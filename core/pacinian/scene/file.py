@@ -3,114 +3,43 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import Any, Literal
 
-import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
-from pacinian.acoustics.air import ATMOSPHERE, Air
-from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector
-from pacinian.checks import check_integer, check_length, check_number
-from pacinian.devices.description import DeviceDescription
+from pacinian.checks import check_number
 from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
-from pacinian.scene.sampling.sources import FINEST
-from pacinian.scene.scene import Scene, Workspace
+from pacinian.scene.scene import Scene
+from pacinian.scene.setup import (
+    Choice,
+    Device,
+    Lattice,
+    Medium,
+    Sampling,
+    Units,
+    Workspace,
+    resolve_path,
+)
 
-if TYPE_CHECKING:
-    from pacinian.acoustics.array import Array
-
-S = TypeVar("S", bound=Struct)
-
-
-class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
-    """A grid of AUTD units: columns in x, rows in y."""
-
-    columns: int = 3
-    rows: int = 3
-    pose: Pose = Pose()
-
-    def make(self) -> Array:
-        """Make the array."""
-        return autd(self.columns, self.rows).transform(self.pose)
-
-
-class Lattice(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="lattice"):
-    """A planar lattice of ideal transducers.
-
-    width, height, pitch: of the lattice [m]. hinge: the axis, "x" or "y", about which it is folded. angle: of the
-    fold [rad]; 0 for a flat lattice.
-    """
-
-    width: float
-    height: float
-    pitch: float = 0.01
-    hinge: str = "x"
-    angle: float = 0.0
-    pose: Pose = Pose()
-
-    def make(self) -> Array:
-        """Make the array."""
-        flat = lattice(self.width, self.height, self.pitch)
-        return (flat.fold(self.hinge, self.angle) if self.angle else flat).transform(self.pose)
-
-
-class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="device"):
-    """A real device.
-
-    file: its `pacinian.DeviceDescription`, relative to the folder of the scene file. pose: of the whole device.
-    """
-
-    file: str
-    pose: Pose = Pose()
-
-    def make(self) -> Array:
-        """Make the array."""
-        return DeviceDescription.load(self.file).array().transform(self.pose)
-
-
-class Medium(Struct, frozen=True, forbid_unknown_fields=True):
-    """The air. Its parameters are those of `pacinian.Air`."""
-
-    temperature: float | None = None
-    humidity: float = 0.5
-    speed_of_sound: float = 0.0
-    density: float = 0.0
-    attenuation: str | float = "spherical"
-    absorption: float | None = None
-    ambient_pressure: float = ATMOSPHERE
-
-    def make(self) -> Air:
-        """Make the medium."""
-        return Air(**msgspec.structs.asdict(self))
-
-
-class Choice(Struct, frozen=True, forbid_unknown_fields=True):
-    """A plug-in, chosen by name, and its own options."""
-
-    name: str
-    options: dict[str, bool | int | float | str] = {}
-
-
-class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
-    """How finely the scene is sampled.
-
-    budget: maximum number of samples. spacing: between samples [m]. The default is one wavelength, or the resolution
-    of the array where that is coarser.
-    """
-
-    budget: int = 256
-    spacing: float | None = None
-
-    def __post_init__(self) -> None:
-        # The same checks as in `Sampler`. Importing `Sampler` takes 0.5 s, and a guard must restart quickly.
-        check_integer("budget", self.budget, low=1)
-        if self.spacing is not None:
-            check_number("spacing", check_length("spacing", self.spacing), low=FINEST)
+__all__ = [
+    "Choice",
+    "Device",
+    "HandPose",
+    "Lattice",
+    "Medium",
+    "Sampling",
+    "SceneFile",
+    "Units",
+    "Workspace",
+    "load_scene_file",
+    "make_schema",
+    "resolve_path",
+]
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
@@ -193,20 +122,3 @@ def _found(item: Object, index: int, path: Path) -> Object:
     except ArgumentError as error:
         raise SceneFileError(path, f"$.objects[{index}]{field}", str(error)) from error
     return found
-
-
-def resolve_path(struct: S, folder: Path) -> S:
-    """Return the struct with its `file` fields, nested ones included, relative to `folder`."""
-    new: dict[str, Any] = {}
-    for name in struct.__struct_fields__:
-        value = getattr(struct, name)
-        if name == "file" and value:
-            new[name] = str(folder / value)
-        elif isinstance(value, Struct):
-            new[name] = resolve_path(value, folder)
-        elif isinstance(value, tuple) and value and isinstance(value[0], Struct):
-            parts = tuple(resolve_path(part, folder) for part in value)
-            same = all(a is b for a, b in zip(parts, value, strict=True))
-            new[name] = value if same else parts
-    changed = {name: value for name, value in new.items() if value is not getattr(struct, name)}
-    return replace(struct, **changed) if changed else struct

@@ -9,41 +9,24 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from msgspec import Struct
-from msgspec.structs import force_setattr
 
-from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import MAX_EXTRAPOLATION, STILL
 from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
+from pacinian.scene.setup import Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pacinian.types import Flags, Floats
+    from pacinian.types import Floats
+
+__all__ = ["Scene", "Workspace"]
 
 DRAWN = 500  # largest number of objects drawn in a notebook
 KINDS = Point, Path, Particles, Surface, Volume
-
-
-class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
-    """The box outside which nothing is felt. lower, upper: its corners [m]. Raises ArgumentError."""
-
-    lower: Vector
-    upper: Vector
-
-    def __post_init__(self) -> None:
-        force_setattr(self, "lower", vector("lower", self.lower))
-        force_setattr(self, "upper", vector("upper", self.upper))
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise ArgumentError("workspace", "must have `lower` below `upper` in x, y and z")
-
-    def holds(self, points: Floats) -> Flags:
-        """Return which of the points, (M, 3) [m], are inside: (M,)."""
-        return np.asarray(((points >= self.lower) & (points <= self.upper)).all(axis=1))
 
 
 @dataclass(frozen=True, eq=False)

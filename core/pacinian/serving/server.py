@@ -15,7 +15,6 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.errors import ServerError
-from pacinian.serving.control.metrics import HOST, Metrics
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
@@ -23,7 +22,9 @@ from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.auth import Authenticator, make_secrets
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
+from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
+from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection import Connection, check_replaceable, locate_connection
 from pacinian.wire.emergency import StopSocket
 
@@ -100,6 +101,7 @@ def serve(
                     log().info("ready", connection=str(path))
                     notify("READY=1")
                     ready(path)
+                    settle_memory()
         finally:
             notify("STOPPING=1")
             control.let_go()
@@ -158,6 +160,8 @@ def _metrics(
 ) -> contextlib.AbstractContextManager[object]:
     if not settings.metrics.port:
         return contextlib.nullcontext()
+    from pacinian.serving.control.metrics import Metrics
+
     return Metrics(
         settings.metrics.port,
         lambda: (control.newest, {**control.counts, **doors.counts}, control.view.traffic),
@@ -183,7 +187,7 @@ def _check_ports(settings: Settings) -> None:
     """Check that the ports are free, before the slow part of the start. Raises ServerError."""
     network = settings.network
     ports = [(network.host, port) for port in (network.control, network.command, network.state)]
-    for host, port in (*ports, (HOST, settings.metrics.port)):
+    for host, port in (*ports, (METRICS_HOST, settings.metrics.port)):
         if port:
             _free(host, port)
 

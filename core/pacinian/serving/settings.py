@@ -13,10 +13,19 @@ from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import check_number
 from pacinian.documents import decode_document
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.file import Choice, Device, Lattice, Medium, Sampling, Units, resolve_path
-from pacinian.scene.scene import Workspace
+from pacinian.scene.setup import (
+    Choice,
+    Device,
+    Lattice,
+    Medium,
+    Sampling,
+    Units,
+    Workspace,
+    resolve_path,
+)
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 
+METRICS_HOST = "127.0.0.1"
 Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
 
 

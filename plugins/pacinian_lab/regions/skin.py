@@ -14,7 +14,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.scene.sampling.sources import FINEST
+from pacinian.scene.setup import FINEST
 from pacinian.session import Session
 from pacinian.solving.felt_regions import HOLE, FeltRegion
 

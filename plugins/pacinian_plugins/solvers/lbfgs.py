@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from msgspec import Meta
-from scipy import optimize
 
 import pacinian as pc
 from pacinian.checks import check_integer, check_number
@@ -15,6 +14,8 @@ from pacinian.solving.phases import choose_phases
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from scipy import optimize
 
     from pacinian.types import Complexes, Floats
 
@@ -97,6 +98,8 @@ class Lbfgs(pc.Solver):
 
     def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
         """Descend from h, (N,), to a local minimum, or until the budget is spent."""
+        from scipy import optimize  # only here: all solvers are loaded before the first client
+
         late = False
 
         def look(intermediate_result: optimize.OptimizeResult) -> None:

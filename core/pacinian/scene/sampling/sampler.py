@@ -26,7 +26,6 @@ from pacinian.scene.sampling.refine import refine
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
-    FINEST,
     Contact,
     PointContacts,
     SinglePoint,
@@ -37,6 +36,7 @@ from pacinian.scene.sampling.sources import (
     measure_spacing,
 )
 from pacinian.scene.sampling.surround import add_surround
+from pacinian.scene.setup import FINEST
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,6 +11,7 @@ import numpy as np
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
+from pacinian.scene.setup import FINEST
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
@@ -27,7 +28,6 @@ ANYWHERE = np.empty((0, 3))
 UNTURNED = np.zeros((1, 3))
 LONE = np.array([ISOLATED])
 UNTURNED.flags.writeable = LONE.flags.writeable = False
-FINEST = 1e-4  # smallest spacing [m], about a hundredth of a wavelength
 
 
 class Source(Protocol):

@@ -8,7 +8,6 @@ does not read its replies loses them.
 from __future__ import annotations
 
 import contextlib
-import gc
 import math
 import random
 import sys
@@ -28,6 +27,7 @@ from pacinian.serving.bus.warmup import warm_up
 from pacinian.serving.ipc import child_process, scheduling
 from pacinian.serving.ipc.auth import Authenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
+from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import Changes, ChangesAck, DeviceStatus, SessionTable, pack
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.wire.codec import encode
@@ -206,8 +206,7 @@ def main() -> None:
     # A priority above clients that flood the server, but below the renderer.
     scheduling.raise_priority(scheduling.EAGER - 1)
     with open_bus(told.settings, told.path, told.secrets) as bus:
-        gc.collect()
-        gc.freeze()
+        settle_memory()
         while not ended.is_set():
             bus.round()
 

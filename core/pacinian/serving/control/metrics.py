@@ -9,6 +9,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from pacinian.errors import ServerError
+from pacinian.serving.settings import METRICS_HOST
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import BusStatus
     from pacinian.wire.state import State
 
-HOST = "127.0.0.1"
 OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 
 
@@ -39,9 +39,11 @@ class Metrics(Collector):
         registry = CollectorRegistry()
         registry.register(self)
         try:
-            self._server, self._thread = start_http_server(self._port, HOST, registry)
+            self._server, self._thread = start_http_server(self._port, METRICS_HOST, registry)
         except OSError as error:
-            raise ServerError(f"metrics on {HOST}:{self._port}: {error.strerror}") from error
+            raise ServerError(
+                f"metrics on {METRICS_HOST}:{self._port}: {error.strerror}"
+            ) from error
         return self
 
     def __exit__(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import BackendError, describe_error
 from pacinian.rendering.clock import SystemClock
-from pacinian.scene.file import Choice as Configured
+from pacinian.scene.setup import Choice as Configured
 from pacinian.serving.ipc import plugin_list
 from pacinian.serving.ipc.messages import check_rate
 from pacinian.serving.ipc.scheduling import raise_priority, start_background_thread

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend
-    from pacinian.scene.file import Choice as Configured
+    from pacinian.scene.setup import Choice as Configured
     from pacinian.wire.replies import Plugin
 
 # Number of hand updates kept for the status.

@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING
 
 from msgspec.msgpack import Decoder
 
-from pacinian.scene.file import Choice
+from pacinian.scene.setup import Choice
 from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backend
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
+from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import DeviceStatus, Permit, RequestedSettings, pack
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
@@ -202,8 +203,7 @@ def main() -> None:
 
 def _settle(rounds: GuardLoop) -> None:
     """Turn off garbage collection and use the real-time class, because from here on the process mostly sleeps."""
-    gc.collect()
-    gc.freeze()
+    settle_memory()
     gc.disable()
     rounds.processor = scheduling.use_realtime_class()
 

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import zmq
 from zmq.auth import create_certificates, load_certificate
-from zmq.auth.thread import ThreadAuthenticator
 
 from pacinian.errors import ArgumentError, ServerError
+from pacinian.serving.ipc.zap import ZapThread
 from pacinian.wire.connection import Connection
 
 if TYPE_CHECKING:
@@ -68,16 +68,16 @@ class Authenticator:
         self._stamp: tuple[tuple[str, int], ...] = ()
         log = logging.getLogger("pacinian.zap")
         log.setLevel(logging.INFO)  # lower levels would log the token
-        self._zap = ThreadAuthenticator(context, log=log)
+        self._zap = ZapThread(context, log)
         self._lock = threading.Lock()
         self._unknown: list[str] = []
 
     def __enter__(self) -> Authenticator:
         self._zap.start()
         if token := self._secrets.get("token"):
-            self._zap.configure_plain(DOMAIN, {USER: token})
+            self._zap.rules.configure_plain(DOMAIN, {USER: token})
         else:
-            self._zap.configure_curve_callback(DOMAIN, self)
+            self._zap.rules.configure_curve_callback(DOMAIN, self)
         return self
 
     def __exit__(

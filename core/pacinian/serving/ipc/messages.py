@@ -27,7 +27,7 @@ from msgspec import Struct
 
 from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
-from pacinian.scene.file import Choice as Configured
+from pacinian.scene.setup import Choice as Configured
 from pacinian.serving.ipc.scheduling import ANY
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin

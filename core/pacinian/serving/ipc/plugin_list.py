@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
     from pacinian.plugins.solver import Solver
-    from pacinian.scene.file import Choice as Configured
+    from pacinian.scene.setup import Choice as Configured
 
 LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 

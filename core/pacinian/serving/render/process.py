@@ -16,6 +16,7 @@ from msgspec.msgpack import Decoder
 
 from pacinian.plugins.backend import Capability
 from pacinian.serving.ipc import child_process, scheduling
+from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import DeviceStatus
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
@@ -64,6 +65,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         scheduling.avoid_cores(device.processor)
         stack.callback(loop.close)
         loop.open()
+        settle_memory()
         scheduling.start_background_thread(functools.partial(_list, loop), "offers")
         # Skip late ticks, so that frames are current and the newest hands are used at once.
         loop.renderer.run(on_tick=loop.run_between, behind=0.0)
