@@ -6,7 +6,7 @@ namespace Pacinian.Haptics
         /// <summary>No server has told.</summary>
         Unknown,
 
-        /// <summary>Nobody has armed it, or there is nothing to feel.</summary>
+        /// <summary>No client has armed the output, or there is nothing to feel.</summary>
         Silent,
 
         /// <summary>Something can be felt.</summary>

@@ -21,7 +21,7 @@ UENUM(BlueprintType)
 enum class EHapticOutput : uint8 {
   /** No server has told. */
   Unknown,
-  /** Nobody has armed it, or there is nothing to feel. */
+  /** No client has armed the output, or there is nothing to feel. */
   Silent,
   /** Something can be felt. */
   Sounding,
