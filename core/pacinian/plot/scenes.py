@@ -90,7 +90,8 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     for k, (angle, box, zoom) in enumerate(looks):
         panel = part.add_subplot(1, len(looks), k + 1, projection="3d")
         eye, view = towards(*angle), View(panel, angle, box, zoom)
-        things = [skin(hand, eye) for hand in scene.hands if not hand.lost]
+        hands = [skin(hand, eye) for hand in scene.hands if not hand.lost]
+        things: list[Discs] = []
         for item in scene.objects:
             pose = find_pose(item, t)
             if k or ((pose.position >= box[0]) & (pose.position <= box[1])).all():
@@ -99,9 +100,9 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
             view.draw([array_of(array)])
             view.draw([felt])
         elif k == 0:
-            view.draw([array_of(array), *things, felt])
+            view.draw([array_of(array), *hands, *things, felt])
         else:
-            view.draw([made.within(box) for made in [array_of(array), *things]])
+            view.draw([*hands, *(made.within(box) for made in [array_of(array), *things])])
             view.draw([felt])  # drawn over everything, because the skin lies behind objects
         views.append(view)
     if len(P):

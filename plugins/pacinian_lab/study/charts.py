@@ -27,31 +27,53 @@ SHOWN_CHARTS = (
     "side_lobe",
     "contrast",
     "yield",
-    "shape_error",
-    "condition",
 )
+# What a chart tells, and whether more of its measure is better.
+MESSAGES = {
+    "width_across_x": ("detail: smaller is finer", False),
+    "width_along": ("depth: smaller is finer", False),
+    "efficiency": ("energy in the pattern: more is better", True),
+    "side_lobe": ("loudest stray lobe: less is better", False),
+    "contrast": ("contrast: more is better", True),
+    "yield": ("pressure per watt: more is better", True),
+}
 AGAINST = ("aperture", "spacing", "transducers")
-ACROSS = 4  # panels per row
+ACROSS = 3  # panels per row
 SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # units that are drawn in another unit
 LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across_x", *AGAINST)
 
 
 def measures(rows: Sequence[Row], path: Path) -> None:
-    """Draw each measure by layout: a dot for every task, a mark at the median, a colour for each plane."""
+    """Draw each measure by layout: a dot for every task, a mark at the median, a colour for each plane.
+
+    A ring is around the best median of the first plane.
+    """
     at = _group_rows(rows)
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
     names.reverse()
     tall = 0.9 + 0.11 * len(names) * max(2, len(planes)) ** 0.5
     down = -(-len(SHOWN_CHARTS) // ACROSS)
-    page = figure(2.2 + 2.0 * ACROSS, 0.4 + tall * down)
+    page = figure(2.2 + 2.4 * ACROSS, 0.6 + 1.1 * tall * down)
     grid = page.subplots(down, ACROSS, sharey=True, squeeze=False)
     for panel, measure in zip(grid.ravel(), SHOWN_CHARTS, strict=True):
+        message, more = MESSAGES[measure]
+        panel.set_title(message, fontsize=SMALL)
+        middles = {
+            y: median(found)
+            for y, name in enumerate(names)
+            if (found := values(at.get((name, planes[0]), ()), measure))
+        }
+        if middles:
+            y = (max if more else min)(middles, key=lambda y: middles[y])
+            panel.plot(
+                middles[y], _height(y, 0, len(planes)), "o", ms=10, mfc="none", mec="0.2", mew=1.0
+            )
         for k, plane in enumerate(planes):
             colour = CURVES[k % len(CURVES)]
             for y, name in enumerate(names):
                 if found := values(at.get((name, plane), ()), measure):
-                    height = y + 0.7 * (0.5 - (k + 0.5) / len(planes))
-                    panel.plot(found, [height] * len(found), ".", color=colour, ms=3, alpha=0.4)
+                    height = _height(y, k, len(planes))
+                    panel.plot(found, [height] * len(found), ".", color=colour, ms=3, alpha=0.25)
                     panel.plot(median(found), height, "|", color=colour, ms=6, mew=1.6)
         _axis(panel, "x", measure)
         panel.grid(color="0.93", linewidth=0.5)
@@ -62,6 +84,11 @@ def measures(rows: Sequence[Row], path: Path) -> None:
         grid[0, 0].plot([], [], "|", color=CURVES[k % len(CURVES)], mew=2, label=plane)
     page.legend(loc="outside upper center", ncols=len(planes), fontsize=SMALL, frameon=False)
     save(page, path, 64)
+
+
+def _height(y: int, k: int, planes: int) -> float:
+    """Return where the k-th plane of layout y is drawn."""
+    return y + 0.7 * (0.5 - (k + 0.5) / planes)
 
 
 def trends(rows: Sequence[Row], path: Path) -> None:
