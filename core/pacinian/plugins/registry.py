@@ -211,7 +211,7 @@ class Plugins:
             raise PluginError(f"{kind} {name!r} cannot be made: {describe_error(error)}") from error
 
 
-def _group_commands(given: Any) -> Iterable[tuple[CommandGroup, Iterable[object]]]:
+def _group_commands(given: Any) -> Iterable[tuple[CommandGroup, Iterable[Any]]]:
     """Return the commands of a plug-in by group. Raises TypeError for an unknown group."""
     if not isinstance(given, Mapping):
         return [("develop", given)]
