@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import struct
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import zmq
-from zmq.utils.monitor import recv_monitor_message
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.auth import receive
@@ -33,6 +33,7 @@ REFUSED = {
 WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
 # Connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
 EVENTS = 1024
+EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
 
 
 class ControlSockets:
@@ -106,17 +107,18 @@ class ControlSockets:
         for monitor in self._monitors:
             for _ in range(EVENTS):
                 try:
-                    event: Any = recv_monitor_message(monitor, zmq.NOBLOCK)
+                    head, _ = monitor.recv_multipart(zmq.NOBLOCK)
                 except zmq.Again:
                     break
-                if event["event"] == zmq.EVENT_ACCEPTED:
+                event, value = EVENT.unpack(head)
+                if event == zmq.EVENT_ACCEPTED:
                     self.counts["connections"] += 1
-                elif event["event"] == zmq.EVENT_DISCONNECTED:
+                elif event == zmq.EVENT_DISCONNECTED:
                     self.counts["disconnections"] += 1
                 else:
-                    why = REFUSED[event["event"]]
+                    why = REFUSED[event]
                     self.counts[f"refused_{why}"] += 1
-                    seen.append((why, f"code {event['value']}"))
+                    seen.append((why, f"code {value}"))
         seen += [("key", key) for key in self._gate.unknown()]
         return seen
 

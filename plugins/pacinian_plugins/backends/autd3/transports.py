@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from pacinian_plugins.backends.autd3.emulated import EmulatedTransport
 from pacinian_plugins.backends.autd3.packages import import_package
-from pacinian_plugins.backends.autd3.udp import UdpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,6 +39,9 @@ def make_transport(
     """Open the transport of a link. Raises BackendError, MissingExtra."""
     if link == "emulator":
         return EmulatedTransport(geometry, clock)
+    # Only here, because asyncio takes 10 MB and the server's guard loads the modules of all backends.
+    from pacinian_plugins.backends.autd3.udp import UdpTransport
+
     api = import_package("autd3")
     if link == "server":
         option = api.ServerLink(port or import_package("autd3.params").SERVER_PORT)
