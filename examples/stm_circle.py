@@ -25,5 +25,7 @@ with pc.Renderer(array, pc.Scene((spark,)), governed=False, clock=clock) as rend
         places.append(renderer.samples.positions if renderer.samples else np.empty((0, 3)))
 last = np.concatenate(places[-10:])
 print(f"{len(last)} places in the last turn, {np.ptp(last[:, 0]) * 1e3:.0f} mm across")
-page = plot.slices(array, np.array(emitted[-10:]), last, title="STM: the mean over one turn")
+page = plot.slices(
+    array, np.array(emitted[-10:]), last, title="STM: the mean over one turn", medium=pc.Air()
+)
 plot.save(page, sys.argv[1] if len(sys.argv) > 1 else "stm_circle.png")

@@ -49,6 +49,7 @@ from .errors import RecordingError as RecordingError
 from .errors import Refused as Refused
 from .errors import SceneFileError as SceneFileError
 from .errors import ServerError as ServerError
+from .errors import SolutionFileError as SolutionFileError
 from .errors import UnknownPlugin as UnknownPlugin
 from .errors import UnsupportedLimit as UnsupportedLimit
 from .errors import WireError as WireError
@@ -93,6 +94,9 @@ from .scene.objects import Path as Path
 from .scene.objects import Point as Point
 from .scene.objects import Surface as Surface
 from .scene.objects import Volume as Volume
+from .scene.point_sets import ball as ball
+from .scene.point_sets import disc as disc
+from .scene.point_sets import grid as grid
 from .scene.sampling.sampler import Sampler as Sampler
 from .scene.sampling.samples import Samples as Samples
 from .scene.scene import Scene as Scene

@@ -13,6 +13,7 @@
     │   └── ConnectionLost (ConnectionError)   the connection was lost, or never existed
     ├── WireError (ValueError)              bytes that are no message; carries the field's path
     ├── RecordingError (ValueError)         a recording that cannot be read
+    ├── SolutionFileError (ValueError)      a solution's file that cannot be read or written
     └── MissingExtra (ImportError)          an optional library is not installed; names the extra
 
 The loop raises nothing: the outcome of a tick is a value (`pacinian.Status`, `pacinian.Fault`).
@@ -174,6 +175,17 @@ class WireError(PacinianError, ValueError):
 
 class RecordingError(PacinianError, ValueError):
     """A recording that cannot be read.
+
+    path: path of the file.
+    """
+
+    def __init__(self, path: Path | str, problem: str) -> None:
+        super().__init__(f"{path}: {problem}")
+        self.path = path
+
+
+class SolutionFileError(PacinianError, ValueError):
+    """A file of a solution that cannot be read or written.
 
     path: path of the file.
     """

@@ -83,7 +83,6 @@ class Session:
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # solved by a solver; its gains are in _work
         self._solved_with: tuple[Solver, Limits, int, float] | None = None
-        self._solved_at = np.empty((0, 3))  # points [m]
 
     @property
     def solver(self) -> Solver:
@@ -111,7 +110,8 @@ class Session:
     ) -> Solution:
         """Find gains that produce `amplitudes` at `points`.
 
-        points: [m], shape (M, 3). amplitudes: peak sound pressures [Pa], not negative, shape (M,).
+        points: [m], shape (M, 3); (3,) for one point. amplitudes: peak sound pressures [Pa], not negative, (M,); one
+        number for all points.
         phases: [rad], broadcast to (M,), NaN where free; None if all are free.
         regions: integers, shape (M,): equal for the points of one surface; -1 for an isolated point; -2 for a point
         beside the surfaces, with amplitude 0, where the sound should stay low. Solvers with `Solver.surrounds` give
@@ -150,13 +150,12 @@ class Session:
             )
         self.last = self._base = self._solve_anew(targets, limits, warm, budget, out, start, ready)
         self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
-        self._solved_at = q.copy()  # the caller may change its array
         return self.last
 
     def _carry_over(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
         """Return the last solution carried over to the points q, (M, 3) [m]; None if they differ too much."""
         if warm.asked_phases is not None and targets.regions is not None:
-            return carry_phases(self.propagator, targets, warm, self._solved_at)
+            return carry_phases(self.propagator, targets, warm, warm.points)
         M = len(warm.sound_pressure)
         if len(q) == M:
             return warm
@@ -166,7 +165,10 @@ class Session:
     def _there(self, warm: Solution) -> Solution:
         """Return the last solution evaluated at the present points, so that points that remain keep their phases."""
         p = self.propagator.apply(warm.gains)
-        return dataclasses.replace(warm, sound_pressure=p, multipliers=None, asked_phases=None)
+        here = self.propagator.points
+        return dataclasses.replace(
+            warm, points=here, sound_pressure=p, multipliers=None, asked_phases=None
+        )
 
     def forget(self) -> None:
         """Discard the last solution and all caches, so that the next solve is a cold start."""
@@ -274,7 +276,7 @@ class Session:
                 and kernels.furthest(q, self.propagator.origin, t) <= MAX_LENGTH * MAX_LENGTH
             ):
                 return q, Targets.make_unchecked(t, number_regions(len(t), regions))
-        q = check_numbers("points", points, (None, 3))
+        q = check_numbers("points", _as_rows(points), (None, 3))
         check_near("points", q, self.propagator.origin)
         return q, Targets.make_checked(len(q), amplitudes, phases, scale, regions)
 
@@ -341,10 +343,11 @@ class Session:
         np.multiply(self._work, c, out=out, casting="unsafe")
         y = base.multipliers
         return Solution(
-            out, targets, c * base.sound_pressure, base.status, base.solver, 0,
+            out, self.array, self.medium, base.points, targets, base.limits,
+            c * base.sound_pressure, base.status, base.solver, 0,
             c * c * base.bound, c * c * base.objective, None if y is None else c * y, base.mu,
             base.violations, self.clock() - start, base.note, base.gain_limit,
-            asked_phases=base.asked_phases, quiet_weight=base.quiet_weight,
+            asked_phases=base.asked_phases, quiet_weight=base.quiet_weight, facing=base.facing,
         )  # fmt: skip
 
     def _solve_anew(
@@ -367,6 +370,8 @@ class Session:
         check_kind(f"{solver.name}.solve(...)", result, Result)
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
+        points = propagator.points.copy()
+        points.flags.writeable = False
         finite, scaled = enforce_limits(
             g, limits, "exact" if limits.solver_limits else targets.scale
         )
@@ -391,11 +396,13 @@ class Session:
                 unproven=result.unproven,
             )  # fmt: skip
         return Solution(
-            out, targets, p, status, shorten(result.solver or solver.name), result.iterations,
+            out, self.array, self.medium, points, targets, limits,
+            p, status, shorten(result.solver or solver.name), result.iterations,
             bound, objective, result.multipliers, result.mu, broken,
             self.clock() - start, shorten(result.note), _top(limits), late=result.late,
             asked_phases=None if asked is targets else asked.phases,
             quiet_weight=result.quiet_weight,
+            facing=propagator.facing,
         )  # fmt: skip
 
     def _check_out_array(self, out: Complexes | None) -> Complexes:
@@ -407,6 +414,15 @@ class Session:
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
             raise ArgumentError("out", f"must be {dtype}, contiguous, writable, of shape ({N},)")
         return out
+
+
+def _as_rows(points: ArrayLike) -> ArrayLike:
+    """Return one point of shape (3,) as an array of shape (1, 3), and anything else as it is."""
+    try:
+        given = np.asarray(points)
+    except ValueError:  # ragged, which the caller refuses
+        return points
+    return given[None] if given.shape == (3,) else points
 
 
 def _top(limits: Limits) -> float:

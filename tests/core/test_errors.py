@@ -40,6 +40,7 @@ SAMPLES = {
     "ConnectionLost": errors.ConnectionLost("the server is gone"),
     "WireError": errors.WireError("must be finite", "$.objects[0].radius"),
     "RecordingError": errors.RecordingError("a.rec", "is cut short"),
+    "SolutionFileError": errors.SolutionFileError("a.solution", "is cut short"),
     "MissingExtra": errors.MissingExtra("matplotlib", "plot"),
 }
 
@@ -86,6 +87,7 @@ def test_every_error_is_a_pacinian_error_in_the_table_of_contents() -> None:
         ("UnknownPlugin", ["solver", "'x'", "auto, gs-pat", "pacinian plugins"]),
         ("UnsupportedLimit", ["'gs-pat'", "limits.gain"]),
         ("RecordingError", ["a.rec", "is cut short"]),
+        ("SolutionFileError", ["a.solution", "is cut short"]),
         ("Refused", ["$.objects", "too many objects", "remove some"]),
         ("WireError", ["$.objects[0].radius", "must be finite"]),
         ("MissingExtra", ["matplotlib is not installed", "python -m pip install", '[plot]"']),

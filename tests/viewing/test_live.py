@@ -81,7 +81,10 @@ def gains(frame: dict[str, bytes]) -> pc.Gains:
 def mean_pressure(page: Page, at: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radiation pressure at points, (..., 3) [Pa]: the mean of the frames of a cycle, as far as the page heard them."""
     cycle = {(frame["phase"], frame["amplitude"]): frame for frame in page.frames}
-    fields = [pc.field(ARRAY, gains(frame), at, precision="double") for frame in cycle.values()]
+    fields = [
+        pc.field(ARRAY, gains(frame), at, precision="double", medium=pc.Air())
+        for frame in cycle.values()
+    ]
     return np.mean([pc.radiation_pressure(p, pc.Air()) for p in fields], axis=0)
 
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.gradients import compute_slope
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
@@ -23,6 +22,7 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
 
@@ -33,16 +33,15 @@ def intensity(
     array: Array,
     gains: ArrayLike,
     points: ArrayLike,
-    medium: Air | None = None,
+    medium: Air,
     facing: SkinFacing | None = None,
 ) -> Floats:
     """Return the active intensity I at M points, (M, 3) [W/m^2]: the direction and density of the energy flow.
 
-    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: `Air()` by default. facing: of the points, if they
+    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: the air. facing: of the points, if they
     are on skin; then only sound counts that arrives on the skin's outward side and that the hand does not block.
     Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
     g, q = _check_arguments(array, gains, points, medium, facing)
     omega = 2.0 * math.pi * array.transducer.frequency  # [rad/s]
     flow = np.empty((len(q), 3))
@@ -61,14 +60,13 @@ def normal_pressure(
     gains: ArrayLike,
     points: ArrayLike,
     facing: SkinFacing,
-    medium: Air | None = None,
+    medium: Air,
 ) -> Floats:
     """Return the radiation pressure along the normals of skin, (M,) [Pa]; 2 E cos^2(theta) for a plane wave.
 
-    array: N transducers. gains: (N,). points: (M, 3) [m]. facing: of the points. medium: `Air()` by default.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. facing: of the points. medium: the air.
     Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
     g, q = _check_arguments(array, gains, points, medium, facing)
     p = np.empty(len(q), dtype=np.complex128)
     for part in _parts(len(q), len(g)):

@@ -139,21 +139,32 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
     return B
 
 
+def check_medium(medium: Air) -> None:
+    """Refuse a medium that is missing: in another air, the same gains make another pressure. Raises ArgumentError."""
+    if not isinstance(medium, Air):
+        raise ArgumentError(
+            "medium",
+            f"must be the Air for which the gains were found, not {medium!r}: use `solution.field(points)`, or pass "
+            "`solution.medium`",
+        )
+
+
 def field(
     array: Array,
     gains: ArrayLike,
     points: ArrayLike,
-    medium: Air | None = None,
+    medium: Air,
     precision: Precision = "single",
 ) -> Complexes:
     """Return the complex sound pressure p = B g [Pa] at any number of points, without storing B.
 
-    array: N transducers. gains: (N,). points: [m], shape (..., 3). medium: `Air()` by default.
+    array: N transducers. gains: (N,). points: [m], shape (..., 3). medium: the air for which
+    the gains were found; a solution has its own `Solution.field`.
     precision: "single" (a fused kernel on all cores, with phase errors of 6e-8 k r rad; points more than 10 m from the
     array use double precision) or "double", which takes 100 times as long.
     Returns shape (...). Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
+    check_medium(medium)
     if precision not in ("single", "double"):
         raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 
@@ -30,17 +30,41 @@ OFF = "0.85"  # colour of silent transducers
 LABELS = {"phase": "phase [rad]", "amplitude": "amplitude |g| (1: full drive)"}
 
 
+@overload
+def drive(
+    array: Array,
+    gains: ArrayLike,
+    show: Part | None = None,
+    *,
+    ax: None = None,
+) -> Figure: ...
+@overload
+def drive(
+    array: Array,
+    gains: ArrayLike,
+    show: Part | None = None,
+    *,
+    ax: Axes,
+) -> Axes: ...
+@overload
+def drive(
+    array: Array,
+    gains: ArrayLike,
+    show: Part | None = None,
+    *,
+    ax: Sequence[Axes],
+) -> Sequence[Axes]: ...
 def drive(
     array: Array,
     gains: ArrayLike,
     show: Part | None = None,
     *,
     ax: Axes | Sequence[Axes] | None = None,
-) -> Figure:
+) -> Figure | Axes | Sequence[Axes]:
     """Plot the phase and amplitude of each transducer; silent ones are grey.
 
-    gains: (N,). show: "phase" [rad] or "amplitude" only. ax: axes to draw into, one per quantity. The view is along
-    the axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
+    gains: (N,). show: "phase" [rad] or "amplitude" only. ax: axes to draw into and return, one per quantity.
+    The view is along the axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
     """
     if show is not None and show not in get_args(Part):
         raise ArgumentError("show", f'must be "phase" or "amplitude", not {show!r}')
@@ -52,13 +76,13 @@ def drive(
     low, high = r.min(axis=0) - WIDE, r.max(axis=0) + WIDE
     tall = float((high - low)[1] / (high - low)[0])
     height = float(np.clip(BELOW + (COLUMN - BESIDE) * tall, MIN_HEIGHT, MAX_HEIGHT))
-    page, axes, ours = panels(ax, [height] * len(parts))
+    page, axes, _ = panels(ax, [height] * len(parts))
     for panel, part in zip(axes, parts, strict=True):
         marks = _marks(panel, array, g, part, (i, j))
         panel.set(xlim=1e3 * np.array([low[0], high[0]]), ylim=1e3 * np.array([low[1], high[1]]))
         panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]", aspect="equal")
         bar(page, marks, panel, LABELS[part])
-    return dress(page) if ours else page
+    return dress(page) if ax is None else ax
 
 
 def across(array: Array) -> tuple[int, int]:

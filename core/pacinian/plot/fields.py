@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
+from pacinian.acoustics.propagation import check_medium as check_air
 from pacinian.checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
@@ -33,6 +34,7 @@ TALLEST = 5.0  # [inch]
 FLAT = 1.5  # width over height, from which a colour bar is below
 
 
+@overload
 def field(
     array: Array,
     gains: ArrayLike,
@@ -42,42 +44,68 @@ def field(
     show: Show = "radiation",
     points: ArrayLike = NONE,
     size: float | tuple[float, float] | None = None,
-    medium: Air | None = None,
+    medium: Air,
+    ax: None = None,
+) -> Figure: ...
+@overload
+def field(
+    array: Array,
+    gains: ArrayLike,
+    plane: str | Pose = "xz",
+    at: ArrayLike | None = None,
+    *,
+    show: Show = "radiation",
+    points: ArrayLike = NONE,
+    size: float | tuple[float, float] | None = None,
+    medium: Air,
+    ax: Axes,
+) -> Axes: ...
+def field(
+    array: Array,
+    gains: ArrayLike,
+    plane: str | Pose = "xz",
+    at: ArrayLike | None = None,
+    *,
+    show: Show = "radiation",
+    points: ArrayLike = NONE,
+    size: float | tuple[float, float] | None = None,
+    medium: Air,
     ax: Axes | None = None,
-) -> Figure:
+) -> Figure | Axes:
     """Plot a slice of the field with its colour bar.
 
     array, gains: (N,), or (K, N) for the mean power over K moments. plane: "xy", "xz" or "yz" through `at`, (3,) [m],
     or a pose, whose xy-plane is used. show: "radiation" pressure on skin [Pa], sound "pressure" [Pa], its "level"
     [dB re 20 µPa], or "phase" [rad]. points: (M, 3) [m], marked if they are close to the plane; by default, `at` is
-    their middle and the slice contains them all. size: of a square, or width and height [m]. medium: default `Air()`.
-    ax: axes to draw into. The colour scale ends at the maximum farther than a wavelength from the transducers.
+    their middle and the slice contains them all. size: of a square, or width and height [m]. medium: the air.
+    ax: axes to draw into and return. The colour scale ends at the maximum farther than a wavelength from transducers.
     Raises ArgumentError, MissingExtra.
     """
-    medium = check_medium(array, medium)
+    check_array_and_medium(array, medium)
     q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
     flat = where.ratio > FLAT
     wide = COLUMN - (LABELS if flat else BESIDE)
     height = min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / where.ratio)
-    page, (panel,), ours = panels(ax, [height])
+    page, (panel,), _ = panels(ax, [height])
     image = draw(panel, where, found, show, limits(found, clear(array, where.points, medium), show))
     mark(panel, where.project_near(q), QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
-    return dress(page) if ours else page
+    return dress(page) if ax is None else ax
 
 
 def slices(
-    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air | None = None, title: str = ""
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air, title: str = ""
 ) -> Figure:
     """Plot the radiation pressure on skin in two planes through the points.
 
     The planes are a horizontal slice at the mean height of the points and a vertical one through the strongest point.
-    array, gains: (N,), or (K, N) for the mean over K moments. points: target positions [m], (M, 3).
+    array, gains: (N,), or (K, N) for the mean over K moments. points: target positions [m], (M, 3). medium: the air.
     Raises ArgumentError, MissingExtra.
     """
-    medium, q = check_medium(array, medium), check_numbers("points", points, (None, 3))
+    check_array_and_medium(array, medium)
+    q = check_numbers("points", points, (None, 3))
     both = cut_both(array, gains, q, medium)
     narrow = both[1][0].ratio
     page = figure(1.6 + 4.4 * (1.0 + narrow), 4.8)
@@ -128,6 +156,12 @@ def draw_both(
     if len(points):
         panels[0].legend(loc="upper right", framealpha=0.5)
     bar(page, image, list(panels), radiation.label)
+
+
+def check_array_and_medium(array: Array, medium: Air) -> None:
+    """Refuse what is no array, and a medium that is missing. Raises ArgumentError."""
+    check_kind("array", array, Array)
+    check_air(medium)
 
 
 def check_medium(array: Array, medium: Air | None) -> Air:

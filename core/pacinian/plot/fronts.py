@@ -6,7 +6,7 @@ import json
 import math
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plot.labels import label
@@ -41,6 +41,26 @@ TALL = 2.8  # [inch]
 Timed = Any  # one solver on one kind of problem: `pacinian_lab.solvers.summary.Cell`, or its form in a file
 
 
+@overload
+def pareto(
+    results: str | Path | Iterable[Timed],
+    *,
+    level: float | None = None,
+    N: int | None = None,
+    M: int | None = None,
+    title: str = "",
+    ax: None = None,
+) -> Figure: ...
+@overload
+def pareto(
+    results: str | Path | Iterable[Timed],
+    *,
+    level: float | None = None,
+    N: int | None = None,
+    M: int | None = None,
+    title: str = "",
+    ax: Axes,
+) -> Axes: ...
 def pareto(
     results: str | Path | Iterable[Timed],
     *,
@@ -49,15 +69,15 @@ def pareto(
     M: int | None = None,
     title: str = "",
     ax: Axes | None = None,
-) -> Figure:
+) -> Figure | Axes:
     """Plot the median run time against the error, with the Pareto front.
 
     The error is that of the proportions, ||a - s t|| / ||s t|| with the best multiple s. A name is followed by s if s
     is not 1.
 
     results: the file `bench.json`, or its cells. level: of the targets; default: the lowest. N, M: numbers of
-    transducers and points; default: one panel for each combination. ax: axes to draw into if both are given. Filled
-    marks: cold start; hollow: warm start; pale: less than 0.9 of the target strength. Errors below 1e-5 % are drawn at
+    transducers and points; default: one panel for each combination. ax: axes to draw into and return, if both are given.
+    Filled marks: cold start; hollow: warm start; pale: less than 0.9 of the target strength. Errors below 1e-5 % are drawn at
     1e-5 %. Failures, and errors above 100 %, are omitted. Raises ArgumentError, RecordingError, MissingExtra.
     """
     cells = shown(read(results) if isinstance(results, (str, Path)) else results)
@@ -85,7 +105,7 @@ def pareto(
     for panels_of_count, count in zip(grid, counts, strict=True):
         for panel, size in zip(panels_of_count, sizes, strict=True):
             _draw(panel, [c for c in cells if size == c.N and count == c.M])
-    return page
+    return page if ax is None else ax
 
 
 def read(path: str | Path) -> list[Timed]:

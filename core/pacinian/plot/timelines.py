@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 
@@ -38,20 +38,41 @@ ABOVE = {
 }
 
 
+@overload
+def timeline(
+    run: Report | Recording | str | Path,
+    show: str | None = None,
+    *,
+    ax: None = None,
+) -> Figure: ...
+@overload
+def timeline(
+    run: Report | Recording | str | Path,
+    show: str | None = None,
+    *,
+    ax: Axes,
+) -> Axes: ...
+@overload
+def timeline(
+    run: Report | Recording | str | Path,
+    show: str | None = None,
+    *,
+    ax: Sequence[Axes],
+) -> Sequence[Axes]: ...
 def timeline(
     run: Report | Recording | str | Path,
     show: str | None = None,
     *,
     ax: Axes | Sequence[Axes] | None = None,
-) -> Figure:
+) -> Figure | Axes | Sequence[Axes]:
     """Plot a run over time, one panel per quantity.
 
     run: a report, for "ticks" (durations of the last 100,000), "error" (of every 64th solve, as emitted) and
     "skipped" (skipped work by reason); a recording, for "drive" (mean and maximum of all amplitudes), "ticks" (time
     between the first and the last reading of the clock, and lateness of the start) and "skipped" (repeated frames and
     missed ticks); or a file: a recording, or a feed of the viewer (.feed), for "drive", "error" (as emitted) and
-    "ticks" (of the last second). show: one quantity only. ax: axes to draw into, one per quantity. Many values are
-    drawn as a min-max band with the median. Raises ArgumentError, RecordingError, MissingExtra.
+    "ticks" (of the last second). show: one quantity only. ax: axes to draw into and return, one per quantity. Many
+    values are drawn as a min-max band with the median. Raises ArgumentError, RecordingError, MissingExtra.
     """
     check_kind("run", run, Report, Recording, str, Path)
     if isinstance(run, Report):
@@ -63,7 +84,7 @@ def timeline(
     if show is not None and show not in drawn:
         raise ArgumentError("show", f"must be one of {', '.join(drawn)}, not {show!r}")
     names = list(drawn) if show is None else [show]
-    page, axes, ours = panels(ax, [TALL] * len(names))
+    page, axes, _ = panels(ax, [TALL] * len(names))
     for panel, name in zip(axes, names, strict=True):
         drawn[name](panel)
     if not isinstance(run, Report):
@@ -71,7 +92,7 @@ def timeline(
             panel.set_xlabel("")
             panel.sharex(axes[-1])
             panel.tick_params(labelbottom=False)
-    return dress(page) if ours else page
+    return dress(page) if ax is None else ax
 
 
 def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:

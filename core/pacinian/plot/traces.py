@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from pacinian.errors import ArgumentError
 from pacinian.plot.fronts import plainly
@@ -33,6 +33,30 @@ TALL = 2.6  # [inch]
 NAME_WIDTH = 6.0  # width of the axis over the most iterations, for names on the right
 
 
+@overload
+def convergence(
+    array: Array,
+    points: ArrayLike,
+    amplitudes: ArrayLike,
+    solvers: Sequence[str | Solver] | None = None,
+    phases: ArrayLike | None = None,
+    *,
+    limits: Limits | None = None,
+    medium: Air | None = None,
+    ax: None = None,
+) -> Figure: ...
+@overload
+def convergence(
+    array: Array,
+    points: ArrayLike,
+    amplitudes: ArrayLike,
+    solvers: Sequence[str | Solver] | None = None,
+    phases: ArrayLike | None = None,
+    *,
+    limits: Limits | None = None,
+    medium: Air | None = None,
+    ax: Axes,
+) -> Axes: ...
 def convergence(
     array: Array,
     points: ArrayLike,
@@ -43,11 +67,11 @@ def convergence(
     limits: Limits | None = None,
     medium: Air | None = None,
     ax: Axes | None = None,
-) -> Figure:
+) -> Figure | Axes:
     """Plot the error against the iterations of one problem, solved from a cold start with more and more iterations.
 
     solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines.
-    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into.
+    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into and return.
     Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
     MissingExtra.
     """
@@ -87,7 +111,7 @@ def convergence(
         dress(page)
     page.draw_without_rendering()  # lays the panel out, so that labels can be placed
     label(panel, texts, others)
-    return page
+    return page if ax is None else ax
 
 
 def trace(

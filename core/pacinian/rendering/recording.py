@@ -14,10 +14,10 @@ from typing import IO, TYPE_CHECKING, Any
 import msgpack
 import numpy as np
 
+from pacinian.acoustics.array_record import from_map
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.rendering.recorded_array import from_map
 from pacinian.rendering.scene_log import Reader, TickInput, Writer
 
 if TYPE_CHECKING:

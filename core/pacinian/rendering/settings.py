@@ -6,8 +6,8 @@ import math
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any
 
+from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
-from pacinian.rendering import recorded_array
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
@@ -33,7 +33,7 @@ def to_config(renderer: Renderer) -> dict[str, Any]:
         "smoothing": asdict(renderer.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},
         "medium": medium,
-        **recorded_array.to_map(session.array),
+        **array_record.to_map(session.array),
     }
 
 

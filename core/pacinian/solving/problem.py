@@ -6,7 +6,7 @@ import functools
 import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
@@ -65,6 +65,10 @@ class Targets:
         regions: ArrayLike | None = None,
     ) -> Targets:
         """Make targets for `count` points from a caller's arguments. Raises ArgumentError."""
+        if isinstance(amplitudes, (float, int, np.generic)) or (
+            isinstance(amplitudes, np.ndarray) and not amplitudes.ndim
+        ):
+            amplitudes = np.full(count, check_number("amplitudes", cast("float", amplitudes)))
         t = check_numbers("amplitudes", amplitudes, (count,)).copy()
         if count and not (low := t.min()) >= 0.0:
             where = int(np.argmin(t))

@@ -1,24 +1,42 @@
-"""The solution: gains, and evidence of how good they are."""
+"""The solution: gains, the problem that they solve, and evidence of how good they are."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 
+from pacinian.acoustics.intensity import normal_pressure
+from pacinian.acoustics.pose import Pose
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.propagation import field
+from pacinian.checks import check_length
+from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.acoustics.propagation import Precision
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.problem import Targets
-    from pacinian.types import Complexes, Floats, Gains
+    from pacinian.solving.problem import Limits, Targets
+    from pacinian.types import ArrayLike, Complexes, Floats, Gains
 
 
+FORCE_SAMPLES = 10  # samples per wavelength along a surface whose force is computed
 AT_LIMIT = 1.0 - 1e-5  # fraction of the gain limit from which a transducer is at its limit
 
 
@@ -57,11 +75,25 @@ class Status(Enum):
         return self.value
 
 
+class Placed(Protocol):
+    """A `pacinian.Surface` or `pacinian.Volume`: a surface at a pose."""
+
+    @property
+    def pose(self) -> Pose:
+        """The pose of the object's own frame."""
+        ...
+
+    def sample_surface(self, spacing: float) -> tuple[Floats, Floats, Floats]:
+        """Return points, (K, 3) [m], normals, (K, 3), and areas, (K,) [m^2], in the object's own frame."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Gains, and the pressures that they achieve.
+    """Gains, the problem that they solve, and the pressures that they achieve.
 
-    gains: (N,), complex64, or complex128 in double precision. targets: the targets of the solve.
+    gains: (N,), complex64, or complex128 in double precision. array, medium: of N transducers, and the air. points:
+    (M, 3) [m], read-only. targets: what was asked at these points. limits: what the gains had to keep.
     sound_pressure: achieved, complex, (M,) [Pa].
     status: how the solve ended. solver: its name. iterations: their number.
     objective: 1/2 ||p - B g||^2 + mu/2 ||g||^2 [Pa^2] for these gains g and the chosen phases of the targets p.
@@ -78,10 +110,16 @@ class Solution:
     least_error: lower bound of `error` over all phases and all gains within the gain limit; NaN unless requested from
     `Session.certify`.
     note: a remark by the solver, for example why `auto` chose it.
+    facing: the skin at the points, if it was given; `sound_pressure` is then that along its normals.
+    versions: of Pacinian, NumPy and Python when the solution was saved; empty unless it was loaded.
     """
 
     gains: Gains
+    array: Array
+    medium: Air
+    points: Floats
     targets: Targets
+    limits: Limits
     sound_pressure: Complexes
     status: Status
     solver: str
@@ -90,7 +128,7 @@ class Solution:
     objective: float = float("nan")
     multipliers: Complexes | None = None
     mu: float = float("nan")
-    violations: Mapping[str, float] = field(default_factory=dict[str, float])
+    violations: Mapping[str, float] = dataclasses.field(default_factory=dict[str, float])
     seconds: float = 0.0
     note: str = ""
     gain_limit: float = math.inf
@@ -99,6 +137,124 @@ class Solution:
     asked_phases: Floats | None = None
     quiet_weight: float = 1.0
     least_error: float = math.nan
+    facing: SkinFacing | None = None
+    versions: Mapping[str, str] = dataclasses.field(default_factory=dict[str, str])
+
+    def field(self, points: ArrayLike, *, precision: Precision = "single") -> Complexes:
+        """Return the complex sound pressure [Pa] of these gains at any points, in the solution's own air.
+
+        points: [m], shape (..., 3). precision: "single" or "double", as for `pacinian.field`. What hides or reflects
+        the sound is not taken into account. Returns shape (...). Raises ArgumentError, PointOnTransducer.
+        """
+        return field(self.array, self.gains, points, self.medium, precision)
+
+    def radiation_pressure(
+        self, points: ArrayLike | None = None, facing: SkinFacing | None = None
+    ) -> Floats:
+        """Return the radiation pressure on skin [Pa] of these gains.
+
+        points: [m], shape (..., 3); by default, those of the solution, with their skin. facing: the skin at the points,
+        whose shape is then (K, 3): the pressure is that along its normals. Returns shape (...). Raises ArgumentError,
+        PointOnTransducer.
+        """
+        if points is None:
+            return radiation_pressure(self.sound_pressure, self.medium)
+        if facing is not None:
+            return normal_pressure(self.array, self.gains, points, facing, self.medium)
+        return radiation_pressure(self.field(points), self.medium)
+
+    def force(self, surface: Placed, *, spacing: float | None = None) -> float:
+        """Return the force on a surface [N]: the integral of the radiation pressure over it.
+
+        surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`; nothing is shaded. spacing: between the
+        places at which the pressure is evaluated [m], by default a tenth of the wavelength. Raises ArgumentError,
+        PointOnTransducer.
+        """
+        pose, sample = getattr(surface, "pose", None), getattr(surface, "sample_surface", None)
+        if not isinstance(pose, Pose) or sample is None:
+            raise ArgumentError("surface", f"must be a Surface or a Volume, not {surface!r}")
+        wavelength = self.medium.wavelength(self.array.transducer.frequency)
+        spacing = (
+            wavelength / FORCE_SAMPLES if spacing is None else check_length("spacing", spacing)
+        )
+        points, _, areas = sample(spacing)
+        return float(self.radiation_pressure(pose.points(points)) @ areas)
+
+    @overload
+    def plot(
+        self,
+        plane: str | Pose = "xz",
+        at: ArrayLike | None = None,
+        *,
+        show: Any = "radiation",
+        ax: None = None,
+    ) -> Figure: ...
+    @overload
+    def plot(
+        self,
+        plane: str | Pose = "xz",
+        at: ArrayLike | None = None,
+        *,
+        show: Any = "radiation",
+        ax: Axes,
+    ) -> Axes: ...
+    def plot(
+        self,
+        plane: str | Pose = "xz",
+        at: ArrayLike | None = None,
+        *,
+        show: Any = "radiation",
+        ax: Axes | None = None,
+    ) -> Figure | Axes:
+        """Plot a slice of the field of these gains, with the points marked; see `pacinian.plot.field`.
+
+        plane: "xy", "xz" or "yz" through `at`, (3,) [m], by default the middle of the points; or a pose, whose xy-plane
+        is used. show: "radiation" pressure [Pa], sound "pressure" [Pa], its "level" [dB] or "phase" [rad]. Returns a
+        figure; the axes if `ax` is given. Raises ArgumentError, MissingExtra.
+        """
+        from pacinian.plot.fields import field as plot_field
+
+        given: Any = {"at": at, "show": show, "points": self.points, "ax": ax}
+        made: Figure | Axes = plot_field(self.array, self.gains, plane, medium=self.medium, **given)
+        return made
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a pandas data frame with one row for each point.
+
+        Its columns are x, y, z [m], target, sound_pressure (amplitudes) [Pa], phase [rad], radiation_pressure [Pa],
+        and region if there are regions. Its `attrs` hold the solver, the status and more. Raises MissingExtra:
+        `pip install "pacinian[tables]"`.
+        """
+        from pacinian.solving.solution_tables import to_dataframe
+
+        return to_dataframe(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return an xarray dataset with the dimensions `point` and `transducer`.
+
+        Its variables are the columns of `to_dataframe`, and gain and gain_phase [rad] of each transducer, each with its
+        unit. All are real, so that it can be written as netCDF. Raises MissingExtra: `pip install "pacinian[tables]"`.
+        """
+        from pacinian.solving.solution_tables import to_xarray
+
+        return to_xarray(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write the solution and its whole problem to one file, for `Solution.load`.
+
+        It holds array, air, points, targets, limits, gains, evidence and versions, as MessagePack (docs/solvers.md).
+        Raises ArgumentError if a directivity is a Python function, SolutionFileError if the file cannot be written.
+        """
+        from pacinian.solving.solution_file import save_solution
+
+        save_solution(self, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Solution:
+        """Read a solution from a file by `save`. All values are checked. Raises SolutionFileError."""
+        from pacinian.solving.solution_file import load_solution
+
+        return load_solution(path)
 
     @property
     def asked(self) -> Complexes:
@@ -145,9 +301,17 @@ class Solution:
         return self.objective - self.bound
 
     def __repr__(self) -> str:
+        t = self.targets.amplitudes
+        ends = (
+            dict.fromkeys(f"{end:.4g}" for end in (t.min(), t.max()))
+            if len(t)
+            else dict[str, None]()
+        )
+        asked = f" ({' to '.join(ends)} Pa)" if ends else ""
+        held = f", {self.saturation:.0%} at their limit" if self.saturation else ""
         return (
-            f"<Solution by {self.solver}: {self.status.name}, error {self.error:.2g}, "
-            f"{len(self.sound_pressure)} points, {len(self.gains)} gains, "
+            f"<Solution by {self.solver}: {self.status.name}, error {self.error:.2g} "
+            f"at {len(t)} points{asked}, {len(self.gains)} transducers{held}, "
             f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
         )
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.propagation import field, matrix
 from pacinian.plugins.backend import Capability
@@ -134,7 +135,7 @@ def measure_errors(array: Array, count: int, level: float, seed: int) -> dict[st
             made = rows @ B.T  # (K, M)
             each = np.linalg.norm(np.abs(made) - p, axis=1).mean() / np.linalg.norm(p)
             mean = np.linalg.norm(np.abs(made.mean(axis=0)) - p) / np.linalg.norm(p)
-            ghost = np.abs(field(array, rows[0], away)).max() / p.max()
+            ghost = np.abs(field(array, rows[0], away, medium=Air())).max() / p.max()
             found[f"{device}; {way}"] = np.array([100.0 * each, 100.0 * mean, ghost], np.float64)
     return found
 

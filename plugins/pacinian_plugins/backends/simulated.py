@@ -110,7 +110,7 @@ class Simulated(pc.Backend):
             return np.zeros(len(self.array), dtype=np.complex64)
         return np.asarray(self.frames[-1].gains(self.capability)[-1])
 
-    def field(self, points: ArrayLike, medium: pc.Air | None = None) -> Complexes:
+    def field(self, points: ArrayLike, medium: pc.Air) -> Complexes:
         """Return the current complex sound pressure [Pa] at points [m], (..., 3); see `pacinian.field`."""
         gains = self.gains
         assert self.array is not None  # checked by `gains`

@@ -141,7 +141,9 @@ def test_intensity_counts_the_responses() -> None:
     array = rig("omni")
     plain = pc.Array(R, NORMALS, KINDS["omni"])
     np.testing.assert_allclose(
-        pc.intensity(array, G, Q), pc.intensity(plain, G * RESPONSE, Q), rtol=1e-12
+        pc.intensity(array, G, Q, medium=pc.Air()),
+        pc.intensity(plain, G * RESPONSE, Q, medium=pc.Air()),
+        rtol=1e-12,
     )
 
 

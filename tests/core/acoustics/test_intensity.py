@@ -69,20 +69,22 @@ def test_a_far_transducer_is_a_plane_wave() -> None:
     q = np.array([[0.0, 0.0, 0.0], [0.01, 0.02, -0.03]])
     p = pc.matrix(array, q) @ [1.5j]
     along = np.abs(p[:, None]) ** 2 / (2 * RHO_C) * direction
-    np.testing.assert_allclose(intensity(array, [1.5j], q), along, rtol=0.01, atol=1e-8)
+    np.testing.assert_allclose(
+        intensity(array, [1.5j], q, medium=pc.Air()), along, rtol=0.01, atol=1e-8
+    )
 
 
 def test_two_that_send_against_each_other_send_nothing_on_balance() -> None:
     array = pc.Array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], transducer=OMNI)
     middle = np.zeros((1, 3))
-    one = intensity(array, [1.0, 0.0], middle)[0, 2]
-    assert np.abs(intensity(array, [1.0, 1.0], middle)).max() < 1e-9 * one
-    assert intensity(array, [0.0, 1.0], middle)[0, 2] == pytest.approx(-one)
+    one = intensity(array, [1.0, 0.0], middle, medium=pc.Air())[0, 2]
+    assert np.abs(intensity(array, [1.0, 1.0], middle, medium=pc.Air())).max() < 1e-9 * one
+    assert intensity(array, [0.0, 1.0], middle, medium=pc.Air())[0, 2] == pytest.approx(-one)
     up = SkinFacing([[0.0, 0.0, 1.0]])
-    seen = intensity(array, [1.0, 1.0], middle, facing=up)[0, 2]
+    seen = intensity(array, [1.0, 1.0], middle, facing=up, medium=pc.Air())[0, 2]
     assert seen == pytest.approx(-one)  # only what comes down on a skin that faces up
     hidden = SkinFacing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02, 0.02]])
-    assert not intensity(array, [1.0, 1.0], middle, facing=hidden).any()
+    assert not intensity(array, [1.0, 1.0], middle, facing=hidden, medium=pc.Air()).any()
 
 
 def test_energy_is_kept_on_its_way() -> None:
@@ -92,7 +94,7 @@ def test_energy_is_kept_on_its_way() -> None:
     z, turn = 1.0 - 2.0 * i / 4000, np.pi * (1 + 5**0.5) * i
     n = np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], -1)
     powers = [
-        4 * math.pi * R * R * (intensity(array, g, R * n) * n).sum(axis=1).mean()
+        4 * math.pi * R * R * (intensity(array, g, R * n, medium=pc.Air()) * n).sum(axis=1).mean()
         for R in (0.3, 0.5, 3.0)
     ]
     np.testing.assert_allclose(powers, powers[0], rtol=1e-3)
@@ -107,11 +109,13 @@ def test_a_plane_wave_presses_with_twice_its_energy_times_the_squared_cosine(the
     p = abs(pc.matrix(array, q)[0, 0])
     E = p**2 / (2 * AIR.density * AIR.speed_of_sound**2)
     exact = 2 * E * max(0.0, math.cos(t)) ** 2
-    assert normal_pressure(array, [1.0], q, facing)[0] == pytest.approx(exact, abs=1e-12)
-    head_on = pc.radiation_pressure(p, AIR)
-    assert normal_pressure(array, [1.0], q, SkinFacing([[0.0, 0.0, -1.0]]))[0] == pytest.approx(
-        head_on
+    assert normal_pressure(array, [1.0], q, facing, medium=pc.Air())[0] == pytest.approx(
+        exact, abs=1e-12
     )
+    head_on = pc.radiation_pressure(p, AIR)
+    assert normal_pressure(array, [1.0], q, SkinFacing([[0.0, 0.0, -1.0]]), medium=pc.Air())[
+        0
+    ] == pytest.approx(head_on)
 
 
 def test_in_the_far_field_it_is_the_velocity_along_the_normal() -> None:
@@ -124,7 +128,7 @@ def test_in_the_far_field_it_is_the_velocity_along_the_normal() -> None:
     near = pc.matrix(array, [h * n, -h * n]) @ g
     v = -(near[0] - near[1]) / (2 * h) / (2j * math.pi * 40e3 * AIR.density)
     exact = pc.radiation_pressure(RHO_C * v, AIR)
-    found = normal_pressure(array, g, np.zeros((1, 3)), SkinFacing([n]))[0]
+    found = normal_pressure(array, g, np.zeros((1, 3)), SkinFacing([n]), medium=pc.Air())[0]
     assert found == pytest.approx(float(exact), rel=0.01)
 
 
@@ -133,25 +137,28 @@ def test_many_points_are_taken_part_by_part() -> None:
     many = np.tile(q, (200, 1))
     facing = SkinFacing(np.tile([0.0, 0.0, -1.0], (6000, 1)))
     few = SkinFacing(facing.normals[:30])
-    np.testing.assert_allclose(intensity(array, g, many)[-30:], intensity(array, g, q))
     np.testing.assert_allclose(
-        normal_pressure(array, g, many, facing)[-30:], normal_pressure(array, g, q, few)
+        intensity(array, g, many, medium=pc.Air())[-30:], intensity(array, g, q, medium=pc.Air())
     )
-    assert intensity(array, g, np.empty((0, 3))).shape == (0, 3)
+    np.testing.assert_allclose(
+        normal_pressure(array, g, many, facing, medium=pc.Air())[-30:],
+        normal_pressure(array, g, q, few, medium=pc.Air()),
+    )
+    assert intensity(array, g, np.empty((0, 3)), medium=pc.Air()).shape == (0, 3)
 
 
 def test_bad_arguments_are_named() -> None:
     array, g, q = rig(OMNI)
     facing = SkinFacing([[0.0, 0.0, 1.0]])
     with pytest.raises(pc.ArgumentError, match="gains"):
-        intensity(array, g[:3], q)
+        intensity(array, g[:3], q, medium=pc.Air())
     with pytest.raises(pc.ArgumentError, match="points"):
-        intensity(array, g, q[0])
+        intensity(array, g, q[0], medium=pc.Air())
     with pytest.raises(pc.ArgumentError, match="facing"):
-        intensity(array, g, q, facing=facing)
+        intensity(array, g, q, facing=facing, medium=pc.Air())
     with pytest.raises(pc.ArgumentError, match="facing"):
-        normal_pressure(array, g, q, q)  # type: ignore[arg-type]
+        normal_pressure(array, g, q, q, medium=pc.Air())  # type: ignore[arg-type]
     q[7] = array.positions[3]
     with pytest.raises(pc.PointOnTransducer) as caught:
-        intensity(array, g, q)
+        intensity(array, g, q, medium=pc.Air())
     assert caught.value.indices == (7,)

@@ -237,10 +237,10 @@ def test_the_field_has_the_shape_of_the_points(precision: Any) -> None:
     array, gains = rig(rng, 20, pc.T4010A1), rng.normal(size=20)
     for shape in ((), (7,), (2, 1, 3), (0,), (2, 0)):
         points = rng.uniform(0.1, 0.3, (*shape, 3))
-        p = pc.field(array, gains, points, precision=precision)
+        p = pc.field(array, gains, points, precision=precision, medium=pc.Air())
         assert p.shape == shape
         for index in np.ndindex(shape):
-            one = pc.field(array, gains, points[index], precision=precision)
+            one = pc.field(array, gains, points[index], precision=precision, medium=pc.Air())
             assert p[index] == pytest.approx(complex(one), rel=1e-12)
     assert pc.matrix(array, []).shape == (0, 20)
     assert single(array, np.empty((0, 3)), pc.Air()).shape == (0, 20)
@@ -251,18 +251,18 @@ def test_many_threads_make_the_field_of_one(M: int, monkeypatch: pytest.MonkeyPa
     rng = np.random.default_rng(16)
     array, points, gains = pc.autd(), somewhere(rng, M), rng.normal(size=249)
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    alone = pc.field(array, gains, points)
+    alone = pc.field(array, gains, points, medium=pc.Air())
     monkeypatch.setattr(propagation, "CHUNK", 100)
     for cores in (None, 2, 5):
         monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
-        assert np.array_equal(pc.field(array, gains, points), alone)
+        assert np.array_equal(pc.field(array, gains, points, medium=pc.Air()), alone)
 
 
 def test_a_field_of_more_than_one_chunk_is_whole() -> None:
     rng = np.random.default_rng(17)
     array, points, gains = pc.autd(), somewhere(rng, 4000), rng.normal(size=249)
-    p = pc.field(array, gains, points)
-    double = pc.field(array, gains, points, precision="double")
+    p = pc.field(array, gains, points, medium=pc.Air())
+    double = pc.field(array, gains, points, precision="double", medium=pc.Air())
     np.testing.assert_allclose(p, double, atol=2e-4 * np.abs(double).max())
     np.testing.assert_allclose(double[3990:], pc.matrix(array, points[3990:]) @ gains, rtol=1e-10)
 
@@ -276,8 +276,8 @@ def test_an_array_a_kilometre_away_makes_the_same_field(
     array, points, gains = rig(rng, 300, kind), somewhere(rng, 50), rng.normal(size=300)
     shift = np.array([1000.0, -1000.0, 500.0])
     far = array.transform(pc.Pose(position=tuple(shift)))
-    here = pc.field(array, gains, points, precision=precision)
-    there = pc.field(far, gains, points + shift, precision=precision)
+    here = pc.field(array, gains, points, precision=precision, medium=pc.Air())
+    there = pc.field(far, gains, points + shift, precision=precision, medium=pc.Air())
     tolerance = 1e-9 if precision == "double" else 3e-5
     scale = (np.abs(pc.matrix(array, points)) @ np.abs(gains)).max()
     np.testing.assert_allclose(there, here, rtol=0.0, atol=tolerance * scale)
@@ -299,7 +299,9 @@ def test_a_point_a_kilometre_away_has_a_finite_field_in_double_precision(
 
 def test_beyond_ten_metres_the_field_is_in_double_precision() -> None:
     for z, dtype in ((9.5, np.complex64), (10.5, np.complex128)):
-        p = pc.field(pc.lattice(0.1, 0.1), np.ones(121), [[0, 0, z]], precision="single")
+        p = pc.field(
+            pc.lattice(0.1, 0.1), np.ones(121), [[0, 0, z]], precision="single", medium=pc.Air()
+        )
         assert p.dtype == dtype
 
 
@@ -338,7 +340,7 @@ def test_all_points_on_a_transducer_are_named_however_many_there_are(precision: 
     points[[7, 700, 999]] = array.positions[[3, 400, 860]]
     for shaped in (points, points.reshape(10, 100, 3)):
         with pytest.raises(pc.PointOnTransducer) as caught:
-            pc.field(array, np.ones(861), shaped, precision=precision)
+            pc.field(array, np.ones(861), shaped, precision=precision, medium=pc.Air())
         assert caught.value.indices == (7, 700, 999)
 
 
@@ -359,7 +361,13 @@ def test_a_point_on_a_transducer_is_fine_where_the_attenuation_is_finite(
 
 @precisions
 def test_a_point_two_micrometres_from_a_transducer_has_a_field(precision: Any) -> None:
-    p = pc.field(pc.Array([[0.3, 0.2, 0.1]]), [1.0], [0.3, 0.2, 0.1 + 2e-6], precision=precision)
+    p = pc.field(
+        pc.Array([[0.3, 0.2, 0.1]]),
+        [1.0],
+        [0.3, 0.2, 0.1 + 2e-6],
+        precision=precision,
+        medium=pc.Air(),
+    )
     assert abs(p) == pytest.approx(5e5, rel=1e-3)
 
 
@@ -388,8 +396,10 @@ def test_a_turned_array_makes_the_turned_field(kind: pc.Transducer, precision: A
     pose = pc.Pose(position=(0.1, -0.2, 0.3), rotation=(0.5, -0.5, 0.1, 0.7))
     scale = (np.abs(pc.matrix(array, points)) @ np.abs(gains)).max()
     np.testing.assert_allclose(
-        pc.field(array.transform(pose), gains, pose.points(points), precision=precision),
-        pc.field(array, gains, points, precision=precision),
+        pc.field(
+            array.transform(pose), gains, pose.points(points), precision=precision, medium=pc.Air()
+        ),
+        pc.field(array, gains, points, precision=precision, medium=pc.Air()),
         rtol=0.0,
         atol=(1e-12 if precision == "double" else 3e-5) * scale,
     )
@@ -416,7 +426,7 @@ def test_a_bad_argument_is_refused_by_name(argument: str, given_as: dict[str, An
     call = {"gains": np.ones(9), "points": [[0, 0, 0.1]]}
     for precision in ("single", "double"):
         with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
-            pc.field(array, **{**call, "precision": precision, **given_as})
+            pc.field(array, **{**call, "precision": precision, **given_as}, medium=pc.Air())
     if argument == "points":
         with pytest.raises(pc.ArgumentError, match="`points`"):
             pc.matrix(array, given_as["points"])
@@ -428,7 +438,7 @@ def test_a_bad_argument_is_refused_by_name(argument: str, given_as: dict[str, An
 def test_a_directivity_of_another_shape_is_refused(directivity: Any) -> None:
     array = pc.lattice(0.02, 0.02, transducer=pc.Transducer(directivity=directivity))
     with pytest.raises(pc.ArgumentError, match="`directivity`"):
-        pc.field(array, np.ones(9), [[0, 0, 0.1]])
+        pc.field(array, np.ones(9), [[0, 0, 0.1]], medium=pc.Air())
 
 
 @precisions

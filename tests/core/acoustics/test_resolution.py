@@ -22,7 +22,7 @@ def first_null(array: pc.Array, q: np.ndarray) -> float:
     found = []
     for angle in np.radians(np.arange(0.0, 180.0, 15.0)):
         way = np.array([np.cos(angle), np.sin(angle), 0.0])
-        p = np.abs(pc.field(array, g, q + d[:, None] * way))
+        p = np.abs(pc.field(array, g, q + d[:, None] * way, medium=pc.Air()))
         found.append(d[1 + np.flatnonzero((p[1:-1] < p[:-2]) & (p[1:-1] <= p[2:]))[0]])
     return float(min(found))
 

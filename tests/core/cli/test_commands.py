@@ -171,7 +171,11 @@ def test_replay_drives_the_array_as_it_was(tmp_path: Path, monkeypatch: Any) -> 
     q = rng.uniform([-0.05, -0.05, 0.05], [0.05, 0.05, 0.2], (10, 3))
     fields = [
         pc.field(
-            device.array, device.frames[19].gains(device.capability)[-1], q, precision="double"
+            device.array,
+            device.frames[19].gains(device.capability)[-1],
+            q,
+            precision="double",
+            medium=pc.Air(),
         )
         for device in (first, again)
     ]

@@ -80,7 +80,9 @@ def test_a_picture_shows_the_mean_of_its_time() -> None:
     emission = Emission(ARRAY, pc.Air(), 1000.0, 0.0, gains, ())
     plane = animations._thin(cut(ARRAY, "xy", (0.0, 0.0, 0.1), np.empty((0, 3)), 0.05))
     found = animations._compute_mean(emission, 1, 4, plane, "radiation")
-    p = np.array([pc.field(ARRAY, g, plane.points, precision="double", medium=pc.Air()) for g in gains[1:4]])
+    p = np.array(
+        [pc.field(ARRAY, g, plane.points, precision="double", medium=pc.Air()) for g in gains[1:4]]
+    )
     P = pc.radiation_pressure(p, pc.Air()).mean(axis=0)
     np.testing.assert_allclose(found, P, atol=1e-3 * P.max())
     phase = animations._compute_mean(emission, 1, 4, plane, "phase")

@@ -75,10 +75,13 @@ def test_a_pose_is_a_plane_of_its_own() -> None:
 def test_several_moments_are_shown_by_their_mean_power() -> None:
     other = pc.solve(ARRAY, POINTS[:1], [250.0], medium=AIR).gains
     both = np.stack([GAINS, other])
-    one, two, mean = (drawn(plot.field(ARRAY, g, "xy", POINTS[0]))[0] for g in (GAINS, other, both))
+    one, two, mean = (
+        drawn(plot.field(ARRAY, g, "xy", POINTS[0], medium=pc.Air()))[0]
+        for g in (GAINS, other, both)
+    )
     np.testing.assert_allclose(mean, (one + two) / 2.0, rtol=1e-5, atol=1e-6)
     p1, p2, rms = (
-        drawn(plot.field(ARRAY, g, "xy", POINTS[0], show="pressure"))[0]
+        drawn(plot.field(ARRAY, g, "xy", POINTS[0], show="pressure", medium=pc.Air()))[0]
         for g in (GAINS, other, both)
     )
     np.testing.assert_allclose(rms, np.sqrt((p1**2 + p2**2) / 2.0), rtol=1e-5)
@@ -86,7 +89,7 @@ def test_several_moments_are_shown_by_their_mean_power() -> None:
 
 def test_only_near_points_are_marked() -> None:
     far = np.array([[0.0, 0.0, 0.15], [0.0, 0.05, 0.15]])
-    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.15), points=far, size=0.1)
+    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.15), points=far, size=0.1, medium=pc.Air())
     (marks,) = page.axes[0].lines
     np.testing.assert_allclose(marks.get_xydata(), [[0.0, 150.0]], atol=1e-9)
 
@@ -94,29 +97,29 @@ def test_only_near_points_are_marked() -> None:
 def test_a_plane_through_the_transducers_has_holes_and_dims_nothing() -> None:
     array = pc.lattice(0.1, 0.1)
     g = pc.solve(array, [[0.0, 0.0, 0.1]], [20.0]).gains
-    page = plot.field(array, g, "xz", (0.0, 0.0, 0.05), size=0.1, show="pressure")
+    page = plot.field(array, g, "xz", (0.0, 0.0, 0.05), size=0.1, show="pressure", medium=pc.Air())
     found, where = drawn(page)
     (image,) = page.axes[0].images
     low, high = image.get_clim()
     assert low == 0.0
     away = where[..., 1] > 0.009
     assert high == pytest.approx(found[away].max(), rel=0.05)
-    flat = plot.field(array, g, "xy", (0.0, 0.0, 0.0), size=0.1)
+    flat = plot.field(array, g, "xy", (0.0, 0.0, 0.0), size=0.1, medium=pc.Air())
     assert np.isfinite(flat.axes[0].images[0].get_clim()).all()
 
 
 def test_what_is_silent_is_dark_and_not_missing() -> None:
-    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.0), size=0.1, show="level")
+    page = plot.field(ARRAY, GAINS, "xz", (0.0, 0.0, 0.0), size=0.1, show="level", medium=pc.Air())
     found, where = drawn(page)
     behind = where[..., 1] < -0.01
     np.testing.assert_array_equal(found[behind], page.axes[0].images[0].get_clim()[0])
-    nothing = plot.field(ARRAY, np.zeros(len(ARRAY)), "xy", show="level")
+    nothing = plot.field(ARRAY, np.zeros(len(ARRAY)), "xy", show="level", medium=pc.Air())
     assert np.isfinite(drawn(nothing)[0]).all()
 
 
 def test_without_points_the_slice_is_before_the_array_wherever_it_faces() -> None:
     down = ARRAY.transform(pc.Pose((0.0, 0.0, 0.5)).rotate("x", math.pi))
-    found = plot.field(down, GAINS, "xy").axes[0].get_title()
+    found = plot.field(down, GAINS, "xy", medium=pc.Air()).axes[0].get_title()
     assert found == "z = 300 mm"
 
 
@@ -128,7 +131,7 @@ def test_every_axis_has_its_unit(plane: str) -> None:
         ("level", "[dB"),
         ("phase", "[rad]"),
     ):
-        (panel,) = plot.field(ARRAY, GAINS, plane, POINTS[0], show=show).axes  # type: ignore[arg-type]
+        (panel,) = plot.field(ARRAY, GAINS, plane, POINTS[0], show=show, medium=pc.Air()).axes  # type: ignore[arg-type]
         (bar,) = panel.child_axes
         assert panel.get_xlabel().endswith("[mm]")
         assert panel.get_ylabel().endswith("[mm]")
@@ -137,8 +140,11 @@ def test_every_axis_has_its_unit(plane: str) -> None:
 
 def test_a_bar_is_as_high_as_its_panel_and_tells_of_values_beyond_its_end() -> None:
     array = pc.lattice(0.1, 0.1)
-    near = plot.field(array, np.ones(len(array)), "xz", (0.0, 0.0, 0.05), size=0.1)
-    for page, extend in ((near, "max"), (plot.field(ARRAY, GAINS, points=POINTS), "neither")):
+    near = plot.field(array, np.ones(len(array)), "xz", (0.0, 0.0, 0.05), size=0.1, medium=pc.Air())
+    for page, extend in (
+        (near, "max"),
+        (plot.field(ARRAY, GAINS, points=POINTS, medium=pc.Air()), "neither"),
+    ):
         page.draw_without_rendering()
         (panel,) = page.axes
         (bar,) = panel.child_axes
@@ -149,18 +155,18 @@ def test_a_bar_is_as_high_as_its_panel_and_tells_of_values_beyond_its_end() -> N
 
 
 def test_the_place_of_a_plane_is_not_rounded_away() -> None:
-    page = plot.field(ARRAY, GAINS, "xy", (0.0, 0.0, 0.1025), size=0.1)
+    page = plot.field(ARRAY, GAINS, "xy", (0.0, 0.0, 0.1025), size=0.1, medium=pc.Air())
     assert page.axes[0].get_title() == "z = 102.5 mm"
 
 
 def test_slices_take_lists() -> None:
-    assert len(plot.slices(ARRAY, GAINS, POINTS.tolist()).axes) == 3
+    assert len(plot.slices(ARRAY, GAINS, POINTS.tolist(), medium=pc.Air()).axes) == 3
 
 
 def test_a_slice_holds_all_points_and_is_no_larger_for_those_beside_it() -> None:
     points = np.array([[0.03, 0.09, 0.15], [-0.03, -0.09, 0.16]])
-    flat = plot.field(ARRAY, GAINS, "xz", points=points).axes[0]
+    flat = plot.field(ARRAY, GAINS, "xz", points=points, medium=pc.Air()).axes[0]
     np.testing.assert_allclose(flat.get_xlim(), (-60.0, 60.0), atol=0.5)
     tilted = pc.Pose((0.0, 0.02, 0.155)).rotate("z", math.pi / 2.0)
-    turned = plot.field(ARRAY, GAINS, tilted, points=points).axes[0]
+    turned = plot.field(ARRAY, GAINS, tilted, points=points, medium=pc.Air()).axes[0]
     np.testing.assert_allclose(turned.get_xlim(), (-140.0, 140.0), atol=1.0)

@@ -34,7 +34,7 @@ def images(page: Any) -> list[Any]:
 
 
 def test_slices_show_the_focus_where_it_is() -> None:
-    page = plot.slices(ARRAY, gains(), FOCUS, title="a focus")
+    page = plot.slices(ARRAY, gains(), FOCUS, title="a focus", medium=pc.Air())
     peak = float(pc.radiation_pressure(np.array([200.0]), pc.Air())[0])
     for image, (i, j) in zip(images(page), ((0, 1), (0, 2)), strict=True):
         P = np.asarray(image.get_array())
@@ -52,7 +52,7 @@ def test_slices_show_the_focus_where_it_is() -> None:
 
 def test_silence_and_nothing_to_feel_can_be_drawn_too() -> None:
     none = np.zeros(len(ARRAY), dtype=np.complex64)
-    page = plot.slices(ARRAY, none, np.empty((0, 3)))
+    page = plot.slices(ARRAY, none, np.empty((0, 3)), medium=pc.Air())
     assert all(not np.asarray(image.get_array()).any() for image in images(page))
     plot.scene(ARRAY, pc.Scene(), felt(pc.Scene()), none)
 
@@ -138,7 +138,7 @@ def test_a_lost_hand_is_left_out() -> None:
 
 
 def test_few_colours_make_a_small_file(tmp_path: Path) -> None:
-    page = plot.slices(ARRAY, gains(), FOCUS)
+    page = plot.slices(ARRAY, gains(), FOCUS, medium=pc.Air())
     sizes = []
     for name, colours in (("all", None), ("few", 64)):
         plot.save(page, tmp_path / f"{name}.png", colours)
@@ -155,7 +155,7 @@ def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
 
 
 def test_vector_files_keep_their_text(tmp_path: Path) -> None:
-    page = plot.field(ARRAY, gains(), "xy", FOCUS[0])
+    page = plot.field(ARRAY, gains(), "xy", FOCUS[0], medium=pc.Air())
     width = page.get_size_inches()[0]
     plot.save(page, tmp_path / "field.svg")
     drawing = (tmp_path / "field.svg").read_text()
@@ -170,7 +170,7 @@ def test_vector_files_keep_their_text(tmp_path: Path) -> None:
 
 
 def test_a_figure_is_as_wide_as_a_papers_column_with_text_of_its_size() -> None:
-    for page in (plot.field(ARRAY, gains()), plot.drive(ARRAY, gains())):
+    for page in (plot.field(ARRAY, gains(), medium=pc.Air()), plot.drive(ARRAY, gains())):
         assert page.get_size_inches()[0] == 3.5
         for panel in page.axes:
             sizes = [panel.xaxis.label.get_size(), panel.yaxis.label.get_size()]
@@ -190,8 +190,8 @@ def test_nothing_is_cut_off_at_the_edge() -> None:
     two = pc.solve(nine, [[0.03, 0.0, 0.2], [-0.03, 0.0, 0.2]], [900.0, 600.0])
     for page in (
         plot.drive(nine, two.gains),
-        plot.field(ARRAY, gains(), "xy", FOCUS[0], show="level"),
-        plot.field(ARRAY, gains(), "xz", FOCUS[0], size=(0.2, 0.1)),
+        plot.field(ARRAY, gains(), "xy", FOCUS[0], show="level", medium=pc.Air()),
+        plot.field(ARRAY, gains(), "xz", FOCUS[0], size=(0.2, 0.1), medium=pc.Air()),
     ):
         width, height = page.bbox.size
         for panel in page.axes:

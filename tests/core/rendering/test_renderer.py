@@ -72,7 +72,7 @@ def test_what_is_emitted_makes_the_pressure_that_was_asked() -> None:
     renderer, device, _ = make()
     with renderer:
         renderer.tick()
-        p = device.field([POINT.position])
+        p = device.field([POINT.position], pc.Air())
         P = pc.radiation_pressure(p, pc.Air())
         assert P[0] == pytest.approx(5.0, rel=0.02)
         assert renderer.report.error < 0.01
@@ -549,7 +549,7 @@ def test_exact_samples_may_be_asked_for_while_sound_comes_up() -> None:
     with renderer:
         running(renderer, clock, 20)
         assert not renderer.report.faults
-        P = pc.radiation_pressure(device.field([POINT.position]), pc.Air())
+        P = pc.radiation_pressure(device.field([POINT.position], pc.Air()), pc.Air())
         assert P[0] == pytest.approx(5.0, rel=0.03)
 
 
@@ -705,7 +705,7 @@ def test_whatever_changes_and_in_whatever_order_what_is_sent_is_what_is_asked(sc
             assert step != "again" or not solves or renderer.report.solves == solves
             for row in device.frames[-1].gains(device.capability):
                 assert np.vdot(row, row).real <= power
-                p = pc.field(ARRAY, row, [(-0.03, 0, 0.15), (0.03, 0, 0.15)])
+                p = pc.field(ARRAY, row, [(-0.03, 0, 0.15), (0.03, 0, 0.15)], medium=pc.Air())
                 for P, wanted in zip(pc.radiation_pressure(p, pc.Air()), ASKED[state], strict=True):
                     if wanted is not None and power == math.inf:
                         assert pytest.approx(wanted, rel=0.03) == P

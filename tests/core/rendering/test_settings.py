@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering import recorded_array
+from pacinian.acoustics import array_record
 from pacinian.rendering.settings import from_config, to_config
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.testing import ManualClock
@@ -21,7 +21,7 @@ def again(renderer: pc.Renderer) -> pc.Renderer:
     """A renderer from its settings as they come out of a file."""
     plain = msgpack.unpackb(msgpack.packb(to_config(renderer)), strict_map_key=False)
     array = renderer.session.array
-    array = recorded_array.from_map(plain, array.positions, array.normals)
+    array = array_record.from_map(plain, array.positions, array.normals)
     return from_config(plain, array, Simulated(rate=1e5), ManualClock())
 
 

@@ -62,7 +62,7 @@ def test_no_tick_is_missing_and_the_same_sounds(scene: Any) -> None:
         assert [len(frame.phase) for frame in second.frames] == [5] * 20
         sequences = [frame.sequence for frame in [*list(first.frames)[:20], *second.frames]]
         assert sequences == list(range(40))
-        a, b = second.field([POINT.position]), alone.field([POINT.position])
+        a, b = second.field([POINT.position], pc.Air()), alone.field([POINT.position], pc.Air())
         np.testing.assert_allclose(np.abs(a), np.abs(b), rtol=0.05, atol=0.02 * np.abs(b).max())
     assert first.silent
     assert second.silent

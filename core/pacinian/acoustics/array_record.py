@@ -1,4 +1,4 @@
-"""Convert an array to and from plain values in a recording, apart from positions and normals."""
+"""Convert an array to and from plain values of a file, apart from positions and normals."""
 
 from __future__ import annotations
 
