@@ -28,6 +28,12 @@ namespace Pacinian.Example
         }
 
         /// <inheritdoc/>
+        public string Problem
+        {
+            get { return _inner.Problem; }
+        }
+
+        /// <inheritdoc/>
         public bool Room(Channel channel)
         {
             return _inner.Room(channel);

@@ -95,6 +95,14 @@ namespace Pacinian.Tests
             }
         }
 
+        public void WhyAConnectionHasEndedIsTold()
+        {
+            _wire.End = Ending.Foreign;
+            _wire.Why = "the peer wants another mechanism";
+            Step(0.0);
+            ClientUnit.Holds(_shared.Inbox.Standing.Problem.EndsWith("or is too busy: the peer wants another mechanism"));
+        }
+
         public void AfterALossNothingResumes()
         {
             Connect();

@@ -9,6 +9,7 @@ namespace Pacinian.Tests
     {
         public readonly Queue<IMessage> Answers = new Queue<IMessage>();
         public Ending End;
+        public string Why = "";
         public bool Full;
         public int Opened;
         public IMessage Last;
@@ -31,6 +32,11 @@ namespace Pacinian.Tests
         public Ending Ended()
         {
             return End;
+        }
+
+        public string Problem
+        {
+            get { return Why; }
         }
 
         public bool Room(Channel channel)

@@ -58,6 +58,7 @@ namespace Pacinian.Tests
             Ends(Ending.Foreign, "does not belong", Greeting31 + Plain + Filler + "04 09 07'WELCOME' 00");
             Ends(Ending.Foreign, "full", Greeting31 + Plain + Filler + "04 0b 05'ERROR' 04'full'");
             Ends(Ending.Foreign, "cannot be read", Greeting31 + Plain + Filler + "04 0b 05'ERROR' 05'full'");
+            Ends(Ending.Foreign, "a?[31mb?", Greeting31 + Plain + Filler + "04 0f 05'ERROR' 08'a' 1b '[31mb' 0a");
             Ends(Ending.Denied, "400", Greeting31 + Plain + Filler + "04 0a 05'ERROR' 03'400'");
             Ends(Ending.Denied, "400", Greeting31 + Plain + Filler + "04 09 '^RROR' 03'400'"); // as libzmq has it
             Ends(Ending.Foreign, "of type PUB", Greeting31 + Plain + Filler + "04 08 07'WELCOME'" + PubReady);

@@ -44,6 +44,12 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
+        public string Problem
+        {
+            get { return _current.Problem; }
+        }
+
+        /// <inheritdoc/>
         public bool Room(Channel channel)
         {
             return _current.Room(channel);

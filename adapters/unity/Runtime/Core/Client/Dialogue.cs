@@ -54,13 +54,15 @@ namespace Pacinian
             bool heard = Hear(Channel.Control, now) | Hear(Channel.Command, now);
             Look();
             Ending ending = _transport.Ended();
+            string why = _transport.Problem;
             if (Begun && (ending == Ending.Nobody || ending == Ending.Foreign))
             {
                 ending = Ending.Gone; // in the middle of the handshake of another connection
+                why = "";
             }
             if (ending != Ending.None && !heard)
             {
-                Lose(Problems.Of(ending, _at), Problems.Refuses(ending));
+                Lose(Problems.Of(ending, _at, why), Problems.Refuses(ending));
             }
             if (Over.Length == 0)
             {

@@ -84,7 +84,7 @@ namespace Pacinian
                 Ending ending = transport.Ended();
                 if (ending != Ending.None)
                 {
-                    return Problems.Of(ending, file.Control);
+                    return Problems.Of(ending, file.Control, transport.Problem);
                 }
                 transport.Wait(end - _options.Clock());
             }

@@ -42,6 +42,9 @@ namespace Pacinian
         /// <summary>How the connection has ended.</summary>
         Ending Ended();
 
+        /// <summary>Why the connection has ended, for people; "" if that is not known, or it has not.</summary>
+        string Problem { get; }
+
         /// <summary>Whether a message can be sent now; if not, the next wait ends when it can.</summary>
         bool Room(Channel channel);
 

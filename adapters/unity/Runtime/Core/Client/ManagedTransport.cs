@@ -44,14 +44,18 @@ namespace Pacinian
         /// <inheritdoc/>
         public Ending Ended()
         {
-            foreach (ZmtpSocket socket in _sockets)
+            ZmtpSocket ended = FindEnded();
+            return ended == null ? Ending.None : ended.Ended;
+        }
+
+        /// <inheritdoc/>
+        public string Problem
+        {
+            get
             {
-                if (socket != null && socket.Ended != Ending.None)
-                {
-                    return socket.Ended;
-                }
+                ZmtpSocket ended = FindEnded();
+                return ended == null ? "" : ended.Problem;
             }
-            return Ending.None;
         }
 
         /// <inheritdoc/>
@@ -118,6 +122,18 @@ namespace Pacinian
         {
             Close();
             _bell.Dispose();
+        }
+
+        private ZmtpSocket FindEnded()
+        {
+            foreach (ZmtpSocket socket in _sockets)
+            {
+                if (socket != null && socket.Ended != Ending.None)
+                {
+                    return socket;
+                }
+            }
+            return null;
         }
 
         private ZmtpSocket Make(Channel channel, IPEndPoint at, string token)

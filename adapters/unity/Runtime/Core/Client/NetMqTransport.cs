@@ -85,6 +85,12 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
+        public string Problem
+        {
+            get { return ""; } // NetMQ does not tell
+        }
+
+        /// <inheritdoc/>
         public bool Room(Channel channel)
         {
             NetMQSocket socket = _sockets[(int)channel];

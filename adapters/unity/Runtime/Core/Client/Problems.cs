@@ -14,8 +14,13 @@ namespace Pacinian
 
         public const string Nothing = "; nothing of this session goes on";
 
-        /// <summary>Why a connection to an address has ended.</summary>
-        public static string Of(Ending ending, string at)
+        /// <summary>Why a connection to an address has ended. why: as the transport tells; "" if it does not.</summary>
+        public static string Of(Ending ending, string at, string why)
+        {
+            return Of(ending, at) + (why.Length > 0 && ending != Ending.Denied ? ": " + why : "");
+        }
+
+        private static string Of(Ending ending, string at)
         {
             switch (ending)
             {

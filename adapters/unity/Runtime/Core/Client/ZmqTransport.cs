@@ -72,6 +72,12 @@ namespace Pacinian
         }
 
         /// <inheritdoc/>
+        public string Problem
+        {
+            get { return ""; } // libzmq does not tell
+        }
+
+        /// <inheritdoc/>
         public bool Room(Channel channel)
         {
             return _sockets[(int)channel]?.Room() ?? false;

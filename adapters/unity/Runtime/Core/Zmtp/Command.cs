@@ -15,6 +15,8 @@ namespace Pacinian.Zmtp
         /// <summary>The largest body of a command that is accepted: a READY with all its properties is some 100 bytes.</summary>
         public const int MaxBytes = 4096;
 
+        private const int MaxShown = 100; // characters
+
         /// <summary>Whether the frame that was read is the command of that name; and where its data are.</summary>
         public static bool Is(FrameReader frame, byte[] name, out int offset, out int count)
         {
@@ -46,6 +48,24 @@ namespace Pacinian.Zmtp
                 return null;
             }
             return Encoding.ASCII.GetString(data, offset + 1, data[offset]);
+        }
+
+        /// <summary>Reads the reason of an ERROR, for people.</summary>
+        public static string ReadReason(byte[] data, int offset, int count)
+        {
+            string text = ReadText(data, offset, count);
+            return text == null ? "an error that cannot be read" : MakeVisible(text);
+        }
+
+        /// <summary>A peer's text as it may be shown to people: not too long, and question marks for what is not visible.</summary>
+        public static string MakeVisible(string text)
+        {
+            char[] characters = text.ToCharArray(0, Math.Min(text.Length, MaxShown));
+            for (int i = 0; i < characters.Length; i++)
+            {
+                characters[i] = characters[i] < ' ' || characters[i] > '~' ? '?' : characters[i];
+            }
+            return new string(characters);
         }
 
         /// <summary>Finds a property by its name, in which case does not count; "" if there is none, null if they are cut off.</summary>

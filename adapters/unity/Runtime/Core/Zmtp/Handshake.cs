@@ -79,7 +79,7 @@ namespace Pacinian.Zmtp
             int offset, count;
             if (Command.IsError(input, out offset, out count))
             {
-                ReadError(Command.ReadText(input.Data, offset, count));
+                ReadError(Command.ReadReason(input.Data, offset, count));
             }
             else if (_step == Step.Welcome && Command.Is(input, Command.Welcome, out offset, out count) && count == 0)
             {
@@ -156,7 +156,7 @@ namespace Pacinian.Zmtp
         private void ReadError(string reason)
         {
             Denied = reason == "300" || reason == "400" || reason == "500";
-            Problem = "the peer refuses: " + (reason ?? "an error that cannot be read");
+            Problem = "the peer refuses: " + reason;
         }
 
         /// <summary>Which types may speak with each other: RFC 37, "The Socket-Type Property".</summary>
@@ -166,7 +166,12 @@ namespace Pacinian.Zmtp
                 ? type == "PUB" || type == "XPUB"
                 : type == "ROUTER" || type == "DEALER" || type == "REP";
             _step = fits ? Step.Done : _step;
-            Problem = fits ? "" : type == null ? "the peer's properties are cut off" : "the peer's socket is of type " + type;
+            if (!fits)
+            {
+                Problem = type == null
+                    ? "the peer's properties are cut off"
+                    : "the peer's socket is of type " + Command.MakeVisible(type);
+            }
         }
     }
 }

@@ -201,7 +201,7 @@ namespace Pacinian.Zmtp
             }
             else if (Command.Is(Input, Command.Error, out offset, out count))
             {
-                Fail(Ending.Gone, "the peer ends it: " + Command.ReadText(Input.Data, offset, count));
+                Fail(Ending.Gone, "the peer ends it: " + Command.ReadReason(Input.Data, offset, count));
             }
         }
 
