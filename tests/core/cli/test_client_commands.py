@@ -18,8 +18,9 @@ from pacinian.cli.status import make_table, status
 from pacinian.cli.stop import stop
 from pacinian.cli.watch import watch
 from pacinian.client import server_session
-from pacinian.wire import control, replies
+from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack
+from pacinian.wire.convert import to_wire
 from pacinian.wire.state import ClientState, State
 
 from ..client.fake import Fake, state
@@ -93,6 +94,35 @@ def test_silence_is_explained(command: click.Command, server: Fake, path: str) -
     assert re.search(r"why\s+not armed: call arm\(\)", text)
     seen = json.loads(run(command, "--connection", path, "--json", *options).splitlines()[0])
     assert seen["silence"] == {"cause": "not armed", "text": "not armed: call arm()"}
+
+
+@pytest.mark.parametrize("command", [status, watch])
+def test_the_nearest_object_is_named_if_the_hand_touches_nothing(
+    command: click.Command, server: Fake, path: str
+) -> None:
+    ball = pc.Volume(shape=pc.Sphere(0.02), radiation_pressure=5.0, name="ball")
+
+    def show(message: commands.Show) -> replies.Shown:
+        return replies.Shown(
+            id=message.id, scene="hall", version=1, names=("ball",),
+            poses=pack([(0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0)]),
+            objects={} if message.since else {"ball": to_wire(ball)},
+        )  # fmt: skip
+
+    joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))).joints
+    assert joints is not None
+    given = {
+        "armed": True, "owner": "game", "scene": "hall", "hands": joints.astype("<f4").tobytes(),
+        "clients": FULL["clients"],
+    }  # fmt: skip
+    server.answers[commands.Show] = show
+    answer(server, **given)
+    numbers = itertools.count(1)
+    server.stream = lambda: state(next(numbers), **given)
+    options = ("--seconds", "0") if command is watch else ()
+    text = run(command, "--connection", path, *options)
+    assert re.search(r'the hand touches no object: "ball" is nearest, 6\d mm away', text)
+    assert len(server.of(commands.Show)) == 2  # the scene once, and that nothing more is new
 
 
 @pytest.mark.parametrize("no_color", [False, True])
