@@ -19,7 +19,7 @@ RIGHTS = (
     "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
 )
-INSTALL = "`pip install` Pacinian again, in a fresh virtual environment"
+INSTALL = "in a fresh virtual environment, run `python -m pip install .` in the folder of Pacinian's sources"
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ bool FServerProcess::Start(FString& Problem) {
   Handle = FPlatformProcess::CreateProc(*Settings->ServerCommand, *Settings->ServerArguments, bDetached, bHidden,
                                         bReallyHidden, nullptr, 0, nullptr, nullptr);
   if (Handle.IsValid()) return true;
-  Problem = FString::Printf(TEXT("%s was not found. Install it (python -m pip install pacinian), or say where it is in "
-                                 "Project Settings, Plugins, Pacinian."),
+  Problem = FString::Printf(TEXT("%s was not found. Install it (python -m pip install . in a checkout of Pacinian), or "
+                                 "say where it is in Project Settings, Plugins, Pacinian."),
                             *Settings->ServerCommand);
   return false;
 }
