@@ -1,0 +1,176 @@
+"""The field and solves for arrays of other libraries: equal to those of NumPy, whatever the library."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import array_api_strict
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian import array_api
+
+try:
+    import torch
+except ImportError:
+    torch = None  # type: ignore[assignment]
+
+CHANCE = np.random.default_rng(4)
+ARRAY = pc.Array(
+    CHANCE.uniform((-0.05, -0.05, 0.0), (0.05, 0.05, 0.01), (30, 3)),
+    CHANCE.normal((0.0, 0.0, 1.0), 0.1, (30, 3)),
+    pc.T4010A1,
+    np.exp(1j * CHANCE.uniform(-1.0, 1.0, 30)),
+)
+K, M, N = 3, 4, len(ARRAY)
+Q = CHANCE.uniform((-0.04, -0.04, 0.08), (0.04, 0.04, 0.2), (K, M, 3))
+G = CHANCE.normal(size=(K, N)) + 1j * CHANCE.normal(size=(K, N))
+T = CHANCE.uniform(5.0, 30.0, (K, M))
+AIR = pc.Air(attenuation="absorbing")
+LIBRARIES = ["numpy", "strict", "torch"]
+
+
+@pytest.fixture(params=LIBRARIES)
+def xp(request: pytest.FixtureRequest) -> Any:
+    """A library of arrays."""
+    if request.param == "torch" and torch is None:
+        pytest.skip("PyTorch is not installed")
+    return {"numpy": np, "strict": array_api_strict, "torch": torch}[request.param]
+
+
+def back(made: Any) -> Any:
+    return np.asarray(made.detach() if hasattr(made, "detach") else made)
+
+
+@pytest.mark.parametrize("air", [AIR, pc.Air(), pc.Air(attenuation="none")])
+@pytest.mark.parametrize(
+    "kind", [pc.T4010A1, pc.IDEAL, pc.Transducer(directivity=pc.Piston(0.005, 700.0))]
+)
+def test_the_field_is_that_of_the_reference(xp: Any, air: pc.Air, kind: pc.Transducer) -> None:
+    array = pc.Array(ARRAY.positions, ARRAY.normals, kind, ARRAY.response)
+    B = array_api.matrix(array, xp.asarray(Q), air)
+    p = array_api.field(array, xp.asarray(G), xp.asarray(Q), air)
+    assert type(p) is type(xp.asarray(Q))
+    for k in range(K):
+        exact = pc.matrix(array, Q[k], air)
+        np.testing.assert_allclose(back(B)[k], exact, rtol=0.0, atol=1e-7 * np.abs(exact).max())
+        np.testing.assert_allclose(
+            back(p)[k], exact @ G[k], rtol=0.0, atol=1e-6 * np.abs(exact).max()
+        )
+
+
+def test_precision_and_broadcasting_are_the_callers(xp: Any) -> None:
+    q, g = xp.asarray(Q.astype(np.float32)), xp.asarray(G[0].astype(np.complex64))
+    p = array_api.field(ARRAY, g, q, AIR)  # one set of gains for all
+    assert p.dtype == xp.complex64
+    exact = np.array([pc.field(ARRAY, G[0], Q[k], AIR, "double") for k in range(K)])
+    np.testing.assert_allclose(back(p), exact, atol=2e-4 * np.abs(exact).max())
+    gains, _ = array_api.solve(ARRAY, q, xp.asarray(T.astype(np.float32)))
+    assert gains.dtype == xp.complex64
+
+
+def test_many_points_are_taken_part_by_part(xp: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = back(array_api.field(ARRAY, xp.asarray(G), xp.asarray(Q), AIR))
+    monkeypatch.setattr(array_api, "MAX_ELEMENTS", 1)
+    np.testing.assert_allclose(
+        back(array_api.field(ARRAY, xp.asarray(G), xp.asarray(Q), AIR)), whole, rtol=1e-12
+    )
+
+
+def test_given_phases_are_solved_as_by_the_solver(xp: Any) -> None:
+    phi = CHANCE.uniform(-3.0, 3.0, (K, M))
+    g, p = array_api.solve(
+        ARRAY, xp.asarray(Q), xp.asarray(T), xp.asarray(phi), medium=AIR, mu=0.0, gain=1e3
+    )
+    np.testing.assert_allclose(back(p), T * np.exp(1j * phi), rtol=1e-6)
+    for k in range(K):
+        alone = pc.solve(
+            ARRAY, Q[k], T[k], phi[k], medium=AIR, solver="pseudo-inverse", precision="double",
+            limits=pc.Limits(gain=1e3),
+        )  # fmt: skip
+        np.testing.assert_allclose(back(g)[k], alone.gains, atol=1e-5 * np.abs(alone.gains).max())
+
+
+def test_free_phases_meet_the_amplitudes_and_the_limit(xp: Any) -> None:
+    g, p = array_api.solve(ARRAY, xp.asarray(Q), xp.asarray(T), medium=AIR, gain=1e3)
+    np.testing.assert_allclose(np.abs(back(p)), T, rtol=1e-3)
+    loud, heard = array_api.solve(ARRAY, xp.asarray(Q), xp.asarray(1e3 * T), medium=AIR, gain=0.5)
+    np.testing.assert_allclose(np.abs(back(loud)).max(axis=-1), 0.5)
+    ratio = np.abs(back(heard)) / T
+    np.testing.assert_allclose(ratio, np.broadcast_to(ratio[:, :1], ratio.shape), rtol=1e-3)
+    for k in range(K):
+        single = array_api.solve(ARRAY, xp.asarray(Q[k]), xp.asarray(T[k]), medium=AIR, gain=1e3)[0]
+        np.testing.assert_allclose(back(single), back(g)[k], atol=1e-9 * np.abs(back(g)).max())
+
+
+@pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
+def test_autograd_agrees_with_the_derivatives() -> None:
+    q = torch.tensor(Q[0], requires_grad=True)
+    g = torch.tensor(G[0], requires_grad=True)
+    p = array_api.field(ARRAY, g, q, AIR)
+    exact = pc.differentiate_radiation_pressure(ARRAY, G[0], Q[0], AIR)
+    P = p.abs() ** 2 / (AIR.density * AIR.speed_of_sound**2)
+    np.testing.assert_allclose(P.detach().numpy(), exact.value, rtol=1e-6)
+    P.sum().backward()
+    assert q.grad is not None
+    assert g.grad is not None
+    np.testing.assert_allclose(
+        q.grad.numpy(), exact.by_points, atol=1e-5 * np.abs(exact.by_points).max()
+    )
+    by_gains = exact.by_gains.sum(axis=0)  # PyTorch has the same convention
+    np.testing.assert_allclose(g.grad.numpy(), by_gains, atol=1e-6 * np.abs(by_gains).max())
+
+
+def test_silence_and_no_points(xp: Any) -> None:
+    g, p = array_api.solve(ARRAY, xp.asarray(Q), xp.asarray(0.0 * T))
+    assert not back(g).any()
+    assert not back(p).any()
+    none = array_api.field(ARRAY, xp.asarray(G[0]), xp.asarray(np.empty((0, 3))))
+    assert none.shape == (0,)
+
+
+def test_a_point_on_a_transducer_is_told(xp: Any) -> None:
+    q = Q[0].copy()
+    q[2] = ARRAY.positions[5]
+    with pytest.raises(pc.PointOnTransducer) as told:
+        array_api.matrix(ARRAY, xp.asarray(q))
+    assert told.value.indices == (2,)
+
+
+@pytest.mark.parametrize(
+    ("argument", "change"),
+    [
+        ("points", {"points": Q[..., :2]}),
+        ("points", {"points": Q[0, 0]}),
+        ("points", {"points": np.nan * Q}),
+        ("points", {"points": 1e3 * Q}),  # millimetres
+        ("points", {"points": np.zeros((2, 3), np.int64)}),
+        ("amplitudes", {"amplitudes": T[:2, :3]}),
+        ("amplitudes", {"amplitudes": -T}),
+        ("amplitudes", {"amplitudes": np.nan * T}),
+        ("phases", {"phases": np.inf * T}),
+        ("gain", {"gain": 0.0}),
+        ("mu", {"mu": -1.0}),
+        ("steps", {"steps": -1}),
+        ("steps", {"steps": 10**9}),
+        ("medium", {"medium": "air"}),
+    ],
+)
+def test_bad_arguments_are_named(xp: Any, argument: str, change: dict[str, Any]) -> None:
+    good: dict[str, Any] = {"points": Q, "amplitudes": T} | change
+    given = {k: xp.asarray(v) if isinstance(v, np.ndarray) else v for k, v in good.items()}
+    with pytest.raises(pc.ArgumentError) as told:
+        array_api.solve(ARRAY, **given)
+    assert told.value.argument == argument
+
+
+def test_libraries_do_not_mix() -> None:
+    with pytest.raises(pc.ArgumentError, match="same library"):
+        array_api.field(ARRAY, G, array_api_strict.asarray(Q))
+    with pytest.raises(pc.ArgumentError, match="array of NumPy"):
+        array_api.matrix(ARRAY, Q.tolist())
+    with pytest.raises(pc.ArgumentError, match="gains"):
+        array_api.field(ARRAY, G[:, :4], Q)
+    with pytest.raises(pc.ArgumentError, match="gains"):
+        array_api.field(ARRAY, np.nan * G, Q)
