@@ -82,6 +82,7 @@ class GuardLoop:
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
         self._told = -TELL  # [s]
+        self._rests = False  # there is no sound, and nothing to do but to look for a permit
         self._orders.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
             import_backend(self._orders.value.backend[1] or configured)
@@ -107,8 +108,14 @@ class GuardLoop:
         return self
 
     def turn(self) -> float:
-        """Run one round; return the time to wait until the next [s]."""
+        """Run one round; return the time to wait until the next [s].
+
+        While there is no sound, and no permit or order has changed, only one round in `TELL` does anything.
+        """
         guard = self.guard
+        news = self._permit.waiting or self._orders.waiting or guard.changed
+        if self._rests and not news and time.perf_counter() - self._told < TELL:
+            return IDLE_INTERVAL
         if self._orders.look():
             self.devices.follow(self._orders.value)
         self.devices.poll()
@@ -124,7 +131,9 @@ class GuardLoop:
             self._told = now
         if switched:
             return 0.0
-        return POLL_INTERVAL if self._permit.value.armed or guard.loud else IDLE_INTERVAL
+        sound = self._permit.value.armed or guard.loud
+        self._rests = bool(known) and not (sound or guard.stuck)
+        return POLL_INTERVAL if sound else IDLE_INTERVAL
 
     def tell(self) -> None:
         """Publish the device status."""

@@ -205,9 +205,14 @@ class RegisterReader(Generic[T]):
         self._file, self._decode = file, decode
         self._number = 0
 
+    @property
+    def waiting(self) -> bool:
+        """Whether there is a value that has not been read. Costs next to nothing."""
+        return self._file.number != self._number
+
     def look(self) -> bool:
         """Read the newest value; return whether it is new. Raises what `decode` raises, once for each value."""
-        if self._file.number == self._number:
+        if not self.waiting:
             return False
         read = self._file.read(self._number)
         if read is None:
