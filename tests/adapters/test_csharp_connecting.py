@@ -82,6 +82,9 @@ def test_where_nobody_is(tmp_path: Path, start: Start) -> None:
         game.until(lambda s: "no token" in s["problem"])
         Connection(pid=0, control="nowhere", command=at, state=at, token="x").write(path)
         game.until(lambda s: "cannot connect to nowhere" in s["problem"])
+        far = "tcp://192.0.2.1:5"  # to which a token would go in clear text
+        Connection(pid=0, control=far, command=far, state=far, token="x").write(path)
+        game.until(lambda s: f"cannot connect to {far}" in s["problem"])
         path.write_text("[]")
         game.until(lambda s: "is no connection file" in s["problem"])
         if sys.platform == "linux":

@@ -31,7 +31,7 @@ namespace Pacinian
             {
                 string address = file.AddressOf((Channel)i);
                 IPEndPoint at = Endpoint.Read(address);
-                if (at == null)
+                if (at == null || !IPAddress.IsLoopback(at.Address)) // a token goes in clear text
                 {
                     Close();
                     return "cannot connect to " + address + ": with a token it must be tcp://ADDRESS:PORT of this machine";
