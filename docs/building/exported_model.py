@@ -66,7 +66,7 @@ def export(folder: Path) -> None:
     (block,) = (found for found in blocks if "plot.export" in found)
     lines = [line for line in block.splitlines() if ".vti" not in line]
     code = "\n".join(lines).replace('"ring.glb"', repr(str(folder / "ring.glb")))
-    exec(compile(code, "docs/plots.md", "exec"), {})  # noqa: S102
+    exec(compile(code, "docs/plots.md", "exec"), {})
 
 
 def draw(path: Path) -> None:
@@ -80,7 +80,12 @@ def draw(path: Path) -> None:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(
                 executable_path=shutil.which("chromium"),
-                args=["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"],
+                args=[
+                    "--headless=new",
+                    "--no-sandbox",
+                    "--use-gl=angle",
+                    "--use-angle=swiftshader",
+                ],
             )
             page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
             page.goto(f"http://127.0.0.1:{server.server_port}/page.html")

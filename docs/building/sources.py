@@ -48,6 +48,7 @@ def rewrite_links(text: str, origin: Path, folder: Path) -> str:
             return f"{image}[{title}]({way}{anchor or ''})"
         if target.is_file():
             return f"{{download}}`{title} <{way}>`"
-        return f"{title} (`{target.relative_to(DOCS.parent)}`)"
+        name = target.relative_to(DOCS.parent).as_posix()
+        return title if title.strip("`") == name else f"{title} (`{name}`)"
 
     return LINK.sub(link, text)

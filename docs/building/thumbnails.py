@@ -12,8 +12,8 @@ WIDTH, HEIGHT = 320, 220  # [px]
 NAMES = re.compile(r"pictures/thumbnails/([\w.-]+)\.webp")
 # Parts of pictures that say more than the whole: left, top, right and bottom, 0 to 1.
 PARTS = {
-    "scene-": (0.55, 0.04, 0.97, 0.45),
-    "example-texture": (0.55, 0.04, 0.97, 0.45),
+    "scene-": (0.55, 0.04, 0.9, 0.45),
+    "example-texture": (0.54, 0.04, 0.93, 0.45),
     "viewer-hand": (0.0, 0.07, 0.75, 0.85),
     "viewer-error": (0.0, 0.07, 0.75, 0.85),
     "regions": (0.0, 0.0, 1.0, 0.5),
