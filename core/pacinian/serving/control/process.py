@@ -40,9 +40,10 @@ if TYPE_CHECKING:
 
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
-MAX_WAIT = 0.005  # longest wait for requests in one round [s]
+# Longest wait for requests in one round, while the output is armed and otherwise [s].
+MAX_WAIT, IDLE_WAIT = 0.005, 0.02
 OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
-MIN_WAIT = 0.001  # wait for requests if a frame is due sooner [s]
+MIN_WAIT = 0.001  # wait for requests if timed work is due sooner [s]
 # Step of the times at which frames are published, in periods.
 GOLDEN = (5.0**0.5 - 1.0) / 2.0
 CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]
@@ -109,7 +110,9 @@ class ControlLoop:
 
     def round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        self._doors.wait(min(MAX_WAIT, max(self._due["frame"] - self._clock(), MIN_WAIT)))
+        longest = MAX_WAIT if self.sessions.lease.permit.armed else IDLE_WAIT
+        due = min(self._due.values()) - self._clock()
+        self._doors.wait(min(longest, max(due, MIN_WAIT)))
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
@@ -322,6 +325,7 @@ class ControlLoop:
 
     def _publish(self, now: float) -> None:
         self._look(now)  # what is published must have been acted on
+        self._due["look"] = now + CHECK_INTERVAL
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
             self.newest = self.publisher.make_next_state(now, self._supervisor.restarts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import struct
 from collections import Counter
 from typing import TYPE_CHECKING
@@ -73,7 +74,7 @@ class ControlSockets:
 
     def wait(self, seconds: float) -> bool:
         """Wait at most `seconds` for a request; return whether there is one."""
-        return bool(self._poller.poll(round(1e3 * seconds)))
+        return bool(self._poller.poll(math.ceil(1e3 * seconds)))
 
     def requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
         """Yield at most `most` requests: peer, user, message. The message is empty unless it was a single part."""
