@@ -6,8 +6,11 @@
 #include "pacinian/scene/hands/skin.hpp"
 #include "pacinian/scene/sampling/broad_phase.hpp"
 #include "pacinian/scene/sampling/contact.hpp"
+#include "pacinian/scene/sampling/nodes.hpp"
+#include "pacinian/scene/sampling/ramps.hpp"
 #include "pacinian/scene/modulation/visit_order.hpp"
 #include "pacinian/scene/shapes/cells.hpp"
+#include "pacinian/solving/changes.hpp"
 #include "pacinian/solving/kernels.hpp"
 #include "pacinian/solving/matvec.hpp"
 #include "pacinian/solving/regions.hpp"
@@ -20,6 +23,7 @@ void define_unbounded(nb::module_& m);  // in unbounded.cpp
 
 static void define(nb::module_& m) {
     define_kernels(m);
+    define_changes(m);
     define_passes(m);
     define_regions(m);
     define_unbounded(m);
@@ -36,6 +40,8 @@ static void define(nb::module_& m) {
     define_capsules(m);
     define_skin(m);
     define_contact(m);
+    define_nodes(m);
+    define_ramps(m);
     define_broad(m);
     define_tour(m);
     define_cells(m);

@@ -1,5 +1,5 @@
 # Made by `python native_build.py --stubs`.
-from pacinian.types import Gains, Levels, Singles
+from pacinian.types import Floats, Gains, Levels, Longs, Singles
 
 
 def quantise(g: Gains, phases: int, top: int, highest: int, threshold: Singles, phase: Levels, amplitude: Levels) -> None:
@@ -21,6 +21,24 @@ def quantise_by(g: Gains, phases: int, size: Singles, slope: Singles, first: Lev
 def dequantise(phase: Levels, amplitude: Levels, unit: Gains, size: Singles, out: Gains) -> None:
     """
     Write the gains that levels stand for, (N,); unit, size: what each phase and amplitude level is.
+    """
+
+LARGEST: float = 1000000.0
+
+SIDE: int = 2000003
+
+def locate(q: Floats, origin: Floats, extent: Floats, farthest: float) -> int:
+    """
+    Return 1 if any point q, (M, 3) [m], is farther than `farthest` [m] from the origin along an axis, plus 2 if any is
+    within `extent`, (3,) [m], along all axes.
+    """
+
+def look_up(q: Floats, size: float, cells: Longs, known: Floats, out: Floats, missing: Longs) -> int:
+    """
+    Write the value of the cell of each point q, (M, 3) [m], to `out`, (M,); return the number of points without one.
+
+    size: of a cell [m]. cells: numbers of those known, ascending, with the values `known`. missing: numbers of the cells
+    without a value, (M,): ((x + LARGEST) SIDE + y + LARGEST) SIDE + z + LARGEST for the cell (x, y, z).
     """
 
 def follow(gains: Gains, step: float, span: int, growth: float, align: bool, settled: bool, loudest: Singles, last: Gains, out: Gains) -> bool:

@@ -106,12 +106,40 @@ def share_out(touched: Longs, force: Floats, indices: Longs, weights: Floats, le
     any. got: by node, (count,) [N]. nodes: (count,).
     """
 
-def around(points: Floats, normals: Floats, count: int, q: Floats, centre: Floats, inner: float, outer: float, which: Longs, nearest: Longs) -> int:
+def around(points: Floats, normals: Floats, count: int, q: Floats, centre: Floats, inner: float, outer: float, capsules: Floats, bone: Longs, slack: Floats, most: int, which: Longs, nearest: Longs) -> int:
     """
     Write which of the first `count` points of a skin lie beside q, (K, 3), and by which of these they are nearest.
 
     points, normals: (N, 3). inner, outer: how far away the nearest of q is [m]. centre: (3,); points that face away from
-    it are left out. which, nearest: (count,). Returns how many there are.
+    it are left out, and so are those inside other flesh. capsules, bone, slack: as for `buried`; no capsules for a mesh.
+    most: largest number of points. which, nearest: (count,). Returns how many there are.
+    """
+
+def thin(touched: Longs, force: Floats, level_count: int, node_area: Floats, rest_area: Floats, area: Floats, points: Floats, capsules: Floats, bone: Longs, slack: Floats, nodes: Longs, pressed: Floats, extent: Floats) -> int:
+    """
+    Keep those of the points `touched`, (I,), that are nodes of a level and not inside other flesh; return how many.
+
+    force: on each, (I,) [N]. level_count: number of points, from the first on, that are nodes. node_area: area of each
+    node at rest, (level_count,) [m^2]. rest_area, area: of each point, at rest and now, (K,) [m^2]. points: (K, 3) [m].
+    capsules, bone, slack: as for `buried`; no capsules for a mesh. nodes, pressed, extent: the nodes kept, the force on
+    each [N] and its area [m^2], with room for I.
+    """
+
+def press_on(nodes: Longs, force: Floats, extent: Floats, least: float, points: Floats, normals: Floats, name: int, P: Floats, area: Floats, positions: Floats, outward: Floats, keys: Longs) -> int:
+    """
+    Write the samples on `nodes`, (I,), whose pressure is at least `least` [Pa]; return how many.
+
+    force, extent: on each node [N], and its area [m^2], (I,). points, normals: of the skin, (K, 3). name: number of the
+    object in the samples' keys. P, area, positions, outward (normals), keys: of the samples, with room for I.
+    """
+
+def ramp(keys: Longs, positions: Floats, regions: Longs, area: Floats, P: Floats, most: Floats, last_keys: Longs, last_positions: Floats, last_regions: Longs, last_area: Floats, last_P: Floats, last_most: Floats, share: float, jump: float, now: Floats, top: Floats, going: Longs, fading: Floats, jumped: Flags) -> int:
+    """
+    Write the pressures and their maxima after one tick, `now` and `top`, (M,) [Pa]; return how many samples fade out.
+
+    keys to most: of the samples asked for. last_keys to last_most: of those of the tick before. share: part of a full ramp
+    that the tick covers. jump: distance from which on a sample starts anew [m]. going, fading, jumped: which of the last
+    samples fade out, with what pressure [Pa], and whether they jumped; room for all, (L,).
     """
 
 def merge(points: Floats, P: Floats, area: Floats, source: Longs, voice: Longs, radius: Floats, pressed: Floats, stands: Floats, kept: Flags) -> int:

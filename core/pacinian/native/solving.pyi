@@ -1,7 +1,7 @@
 # Made by `python native_build.py --stubs`.
 from typing import overload
 
-from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Singles
+from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Na, Singles
 
 
 def gram(B: Gains, start: int, stop: int, scratch: Singles, out: Complexes) -> None:
@@ -27,6 +27,13 @@ def power(g: Complexes) -> float:
     """
 
 @overload
+def held(g: Gains, limit: float) -> int: ...
+
+@overload
+def held(g: Complexes, limit: float) -> int:
+    """The number of gains, (N,), with |g_n| >= limit."""
+
+@overload
 def powers(B: Gains, out: Floats) -> None: ...
 
 @overload
@@ -42,6 +49,18 @@ def restrain(g: Gains, factor: float, highest: float) -> None: ...
 def restrain(g: Complexes, factor: float, highest: float) -> None:
     """
     Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it.
+    """
+
+def moved(points: Floats, before: Floats, rows: Longs) -> int:
+    """
+    Write the indices of the rows in which points and `before`, (M, 3), differ, to `rows`, (M,); return how many.
+    """
+
+def changed(points: Floats, before: Floats, normals: Floats, normals_before: Floats, capsules: Floats, capsules_before: Floats, rows: Longs) -> int:
+    """
+    Like `moved`, with the rows added whose weights by `SkinFacing` may differ; see `SkinFacing.find_changed`.
+
+    normals, normals_before: (M, 3). capsules, capsules_before: (C, 8) [m], any numbers of them.
     """
 
 TILE: int = 256
@@ -76,6 +95,41 @@ def stand_for(B: Complexes, p: Complexes, group: Longs, rows: Complexes) -> None
     Write p_g^H B_g for the samples of each group g, (R, N).
 
     B: (M, N). p, group: of each sample, (M,).
+    """
+
+def number(regions: Longs, out: Longs) -> int:
+    """
+    Write the regions, (M,), renumbered from 0; return 1 if any sample is not isolated, else 0, and -1 for a wrong number.
+    """
+
+def waves(q: Floats, t: Floats, regions: Longs, some: Floats, centre: Floats, k: float, least: float, tilt: float, phases: Floats) -> None:
+    """
+    Write the phases [rad] of the regions' points, (M,), as `converge` does for each region; 0 for all other points.
+
+    q: (M, 3) [m]. t: amplitudes, (M,) [Pa]. regions: numbered from 0, (M,). Others: as for `converge`.
+    """
+
+def join(t: Floats, given: Floats, regions: Longs, wave: Floats, start: Floats, warm: bool, norm: float, group: Longs, phi: Floats, p: Complexes, z: Complexes) -> int:
+    """
+    Write the group of each sample, (M,), the samples of which share one free phase; return the number of groups.
+
+    Samples with given phases are group 0, if there are any; then come the regions, then each isolated sample. t, given,
+    regions: of each sample, (M,); given: NaN where free [rad]. wave: see `waves`. start: phases that the groups start
+    from, (M,); for regions only if `warm`. norm: of t. phi: phases within the groups, (M,). p: t / norm with these
+    phases, (M,), written if there are several groups. z: phase factor of each group, (M + 1,).
+    """
+
+def turn(given: Floats, group: Longs, z: Complexes, phi: Floats) -> None:
+    """
+    Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `join`.
+    """
+
+def carry(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, made: Complexes, reach: float, phases: Floats) -> None:
+    """
+    Write the phase of the nearest earlier point of its kind (isolated, or in a region) to `phases`, (M,) [rad].
+
+    q, now: points, (M, 3) [m], and their regions. before, were, asked: earlier points, (K, 3) [m], their regions and
+    phases. reach: distance from which on the phase of the pressure `made`, (M,), counts instead [m].
     """
 
 def choose(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, p: Complexes, free: Flags) -> float:

@@ -1,6 +1,7 @@
 // Kernels compiled without the assumption that all numbers are finite.
 #define NO_IMPORT_ARRAY
 #include "pacinian/rendering/quantiser.hpp"
+#include "pacinian/rendering/reachability.hpp"
 #include "pacinian/rendering/slew_limiter.hpp"
 #include "pacinian/scene/unbounded.hpp"
 #include "pacinian/solving/unbounded.hpp"
@@ -10,6 +11,7 @@ namespace pacinian::rendering {
 void define(nb::module_& m);
 void define(nb::module_& m) {
     define_levels(m);
+    define_reachability(m);
     define_smooth(m);
 }
 

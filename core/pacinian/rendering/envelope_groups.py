@@ -29,7 +29,7 @@ class EnvelopeGroups:
     def __init__(self, samples: Samples) -> None:
         self.items: list[Object] = []
         self.index: Indices = np.zeros(len(samples), dtype=np.intp)
-        for i in np.unique(samples.objects).tolist():
+        for i in sorted(set(samples.objects.tolist())):
             voice = self._voice(samples.items[i])
             if voice:
                 self.index[samples.objects == i] = voice
@@ -71,7 +71,8 @@ class EnvelopeGroups:
 
 
 def _alike(item: Object, other: Object) -> bool:
-    return item.envelope == other.envelope and item.technique == other.technique
+    a, b = (item.envelope, item.technique), (other.envelope, other.technique)
+    return all(x is y or x == y for x, y in zip(a, b, strict=True))
 
 
 def split_contributions(

@@ -334,7 +334,7 @@ def limits_join(limits: Limits) -> bool:
 def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
     """Return the samples of objects that sound as a whole, and separately those of each object with a technique."""
     items = samples.items
-    moving = [i for i in np.unique(samples.objects).tolist() if not items[i].technique.still]
+    moving = sorted(i for i in set(samples.objects.tolist()) if not items[i].technique.still)
     if not moving:
         return samples, []
     parts = [(items[i], samples.only(samples.objects == i)) for i in moving]
@@ -343,7 +343,7 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
 
 def _growth(samples: Samples) -> float:
     """Return the factor by which the gains will grow once the samples reach the full pressure of their objects."""
-    P, most = samples.radiation_pressure.sum(), samples.most.sum()
+    P, most = float(samples.radiation_pressure.sum()), float(samples.most.sum())
     return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
 
 

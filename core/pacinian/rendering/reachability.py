@@ -10,6 +10,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import matrix
 from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
+from pacinian.native import rendering as kernels
 from pacinian.scene.sampling.array_resolution import WELL, weigh_incidence
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.session import Session
-    from pacinian.types import Flags, Floats
+    from pacinian.types import Flags, Floats, Longs
 
 TOUCHING = 1e-5  # distance within which a sample is on a transducer [m]
 CELL, CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
@@ -32,7 +33,8 @@ class ReachabilityFilter:
         array = session.array
         self._array, self._medium, self._propagator = array, session.medium, session.propagator
         self._some = _choose_subset(array)
-        self._powers: dict[tuple[float, ...], float] = {}
+        self._cells: Longs = np.empty(0, np.int64)  # known cells, ascending
+        self._powers: Floats = np.empty(0)  # in these cells [Pa^2]
         away = np.abs(array.positions - self._propagator.origin)
         self._extent = away.max(axis=0) + TOUCHING  # [m]
 
@@ -42,7 +44,8 @@ class ReachabilityFilter:
         skipped: counts the other points, by reason.
         """
         kept = np.ones(len(q), dtype=np.bool_)
-        if not len(q):
+        found = kernels.locate(q, self._propagator.origin, self._extent, MAX_LENGTH / 2.0)
+        if not found:
             return kept
         d = np.abs(q - self._propagator.origin)
         if d.max() > MAX_LENGTH / 2.0:
@@ -69,20 +72,28 @@ class ReachabilityFilter:
 
     def _free(self, q: Floats) -> Floats:
         """Return the power of the sound at points q, (M, 3) [m], without facing and occlusion, (M,) [Pa^2]."""
-        cells = list(map(tuple, np.floor(q / CELL).tolist()))
-        if len(self._powers) > CELLS:
-            self._powers.clear()
-        new = [cell for cell in dict.fromkeys(cells) if cell not in self._powers]
-        if new:
-            middles = CELL * (np.array(new) + 0.5)
+        if len(self._cells) > CELLS:
+            self._cells, self._powers = self._cells[:0], self._powers[:0]
+        powers, missing = np.empty(len(q)), np.empty(len(q), np.int64)
+        count = kernels.look_up(q, CELL, self._cells, self._powers, powers, missing)
+        if count:
             try:
-                B = matrix(self._some, middles, self._medium)
+                self._learn(np.unique(missing[:count]))
             except PointOnTransducer:  # so close to a transducer, all sound counts
                 return np.full(len(q), MIN_PRESSURE)
-            share = len(self._array) / len(self._some)
-            powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
-            self._powers.update(zip(new, powers.tolist(), strict=True))
-        return np.array([self._powers[cell] for cell in cells])
+            kernels.look_up(q, CELL, self._cells, self._powers, powers, missing)
+        return powers
+
+    def _learn(self, new: Longs) -> None:
+        """Compute the powers of cells of these numbers, ascending, and keep them."""
+        z, rest = new % kernels.SIDE, new // kernels.SIDE
+        place = np.stack([rest // kernels.SIDE, rest % kernels.SIDE, z], axis=1) - kernels.LARGEST
+        B = matrix(self._some, CELL * (place + 0.5), self._medium)
+        share = len(self._array) / len(self._some)
+        powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
+        cells = np.concatenate([self._cells, new])
+        order = np.argsort(cells, kind="stable")
+        self._cells, self._powers = cells[order], np.concatenate([self._powers, powers])[order]
 
 
 def _choose_subset(array: Array) -> Array:

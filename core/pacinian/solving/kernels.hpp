@@ -95,6 +95,14 @@ f8 total_power(View<const std::complex<T>, 1> g) {
 }
 
 template <typename T>
+Index held(View<const std::complex<T>, 1> g, f8 limit) {
+    const T squared = static_cast<T>(std::min(limit * limit, 1e30));
+    Index count = 0;
+    for (Index n = 0; n < g.size(); ++n) count += power(g[n]) >= squared ? 1 : 0;
+    return count;
+}
+
+template <typename T>
 void powers(View<const std::complex<T>, 2> B, View<f8, 1> out) {
     const Index M = B.shape[0], N = B.shape[1];
     require(out.size() == M, "powers: the shapes differ");
@@ -131,6 +139,9 @@ inline void define_kernels(nb::module_& m) {
     const char* power = "||g||^2 of gains (N,), summed in double precision: squares of small gains vanish in single.";
     kernel(m, "power", &total_power<float>, power, "g");
     kernel(m, "power", &total_power<double>, power, "g");
+    const char* number = "The number of gains, (N,), with |g_n| >= limit.";
+    kernel(m, "held", &held<float>, number, "g", "limit");
+    kernel(m, "held", &held<double>, number, "g", "limit");
     const char* rows = "Write sum_n |B_mn|^2 of each row, (M,); summed in B's precision for 64 columns at most.";
     kernel(m, "powers", &powers<float>, rows, "B", "out");
     kernel(m, "powers", &powers<double>, rows, "B", "out");

@@ -124,6 +124,15 @@ class Targets:
         t.flags.writeable = False
         return cls(t, phi, regions=regions)
 
+    def with_phases(self, phases: Floats) -> Targets:
+        """Return the same targets with all phases fixed to `phases`, (M,) [rad], unchecked; keeps the array."""
+        phases.flags.writeable = False
+        made = object.__new__(Targets)
+        made.__dict__.update(self.__dict__, phases=phases)
+        for name in ("free", "all_free"):
+            made.__dict__.pop(name, None)
+        return made
+
     @functools.cached_property
     def beside(self) -> Flags:
         """Whether each point is beside the regions, shape (M,)."""
@@ -173,6 +182,13 @@ def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
     """
     if regions is None:
         return None
+    if isinstance(regions, np.ndarray) and _fits(regions, count):
+        from pacinian.native import solving as kernels
+
+        number = np.empty(count, np.int64)
+        if (found := kernels.number(regions, number)) >= 0:
+            number.flags.writeable = False
+            return number if found else None
     try:
         given = np.asarray(regions)
     except ValueError:
@@ -193,6 +209,11 @@ def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
     number[own] = np.unique(given[own], return_inverse=True)[1]
     number.flags.writeable = False
     return number
+
+
+def _fits(regions: np.ndarray[Any, Any], count: int) -> bool:
+    """Return whether the kernel can number these regions of `count` points."""
+    return regions.shape == (count,) and regions.dtype == np.int64 and regions.flags.c_contiguous
 
 
 def _alike(a: Longs | None, b: Longs | None) -> bool:

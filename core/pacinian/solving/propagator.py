@@ -101,9 +101,8 @@ class Propagator:
             raise ArgumentError("facing", f"must have {len(points)} normals, as many as points")
         if len(points) != len(self._points):
             self._forget(len(points))
-        moved = self._rows if self._fresh else _different(points, self._points)
-        if facing is not self.facing:
-            moved = self._set_facing(points, facing, moved)
+        moved = self._find_changed(points, facing)
+        self.facing = facing
         count = len(moved)
         self.work.rows_built += count
         self.work.rows_kept += len(points) - count
@@ -138,16 +137,20 @@ class Propagator:
         if B is not self._B:
             self._B[rows] = B
 
-    def _set_facing(self, points: Floats, facing: SkinFacing | None, moved: Indices) -> Indices:
-        """Store `facing`; return `moved`, (K,), with the rows added whose weights it changes."""
-        before, self.facing = self.facing, facing
-        if len(moved) == len(points):
-            return moved
-        if facing is None or before is None:
+    def _find_changed(self, points: Floats, facing: SkinFacing | None) -> Indices:
+        """Return the rows of B that `points`, (M, 3) [m], or their facing change."""
+        before, rows = self.facing, np.empty(len(points), np.int64)
+        if self._fresh or (facing is None) != (before is None):
             return self._rows
-        turned = facing.find_changed(before, points)
-        turned[moved] = True
-        return np.flatnonzero(turned)
+        if facing is before or facing is None or before is None:
+            return rows[: kernels.moved(points, self._points, rows)]
+        if facing.edge != before.edge:
+            return self._rows
+        return rows[
+            : kernels.changed(
+                points, self._points, facing.normals, before.normals, facing.capsules, before.capsules, rows
+            )
+        ]  # fmt: skip
 
     @property
     def origin(self) -> Floats:
@@ -237,11 +240,6 @@ class Propagator:
         x = np.empty(self._B.shape[1], dtype=np.complex64)
         kernels.adjoint(self.single, np.ascontiguousarray(y, dtype=np.complex128), x)
         return x
-
-
-def _different(a: Floats, b: Floats) -> Indices:
-    """Return the indices of rows in which a and b, (M, 3), differ."""
-    return np.flatnonzero((a != b).any(axis=1))
 
 
 def _make_read_only(array: A) -> A:

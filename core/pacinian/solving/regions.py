@@ -8,7 +8,7 @@ transducers near the centre would do most of it.
 
 from __future__ import annotations
 
-from dataclasses import replace
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,17 +17,15 @@ from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
-from pacinian.neighbours import find_nearest
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
-from pacinian.solving.problem import BESIDE, ISOLATED
 from pacinian.solving.propagator import gram_matrix
+from pacinian.solving.solution import Solution
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.solving.solution import Solution
-    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
+    from pacinian.types import ArrayLike, Complexes, Floats
 
 
 STILL = 5e-4  # samples that moved by less than this keep their solution [m]
@@ -69,29 +67,11 @@ def joint_phases(
     P = np.ones(len(q))
     if radiation_pressure is not None:
         P = check_numbers("radiation_pressure", radiation_pressure, (len(q),))
-    return _compute_joint_phases(q, P, array.positions, array.centre, k) if len(q) else np.empty(0)
-
-
-def _compute_joint_phases(
-    q: Floats, P: Floats, positions: Floats, centre: Floats, k: float, least: float = MIN_CONVERGENCE,
-    tilt: float = 0.0,
-) -> Floats:  # fmt: skip
-    """Compute `joint_phases`.
-
-    positions: of the transducers, (N, 3) [m], with their centre, (3,). least: smallest d'/d. tilt: sideways shift of
-    the focus f, relative to the array's radius times d'/d.
-    """
     phases = np.empty(len(q))
-    kernels.converge(
-        q,
-        P,
-        positions[:: -(-len(positions) // MAX_SUBSET)].copy(),
-        centre.copy(),
-        k,
-        least,
-        tilt,
-        phases,
-    )
+    if len(q):
+        kernels.converge(
+            q, P, _choose_subset(array), array.centre.copy(), k, MIN_CONVERGENCE, 0.0, phases
+        )  # fmt: skip
     return phases
 
 
@@ -105,45 +85,39 @@ def settle_phases(
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
     """
-    assert targets.regions is not None
-    positions, centre = propagator.array.positions, propagator.origin
+    regions, t, given = targets.regions, targets.amplitudes, targets.phases
+    assert regions is not None
+    array, q, M = propagator.array, propagator.points, len(t)
+    k = propagator.medium.wavenumber(array.transducer.frequency)
     least = MIN_CONVERGENCE if propagator.facing is None else ON_SKIN
-    t, given = targets.amplitudes, ~targets.free
-    M = len(t)
-    k = propagator.medium.wavenumber(propagator.array.transducer.frequency)
-    wave = np.zeros(M)
-    for number in range(int(targets.regions.max()) + 1):
-        own = targets.regions == number
-        wave[own] = _compute_joint_phases(
-            propagator.points[own], t[own] ** 2, positions, centre, k, least, tilt
-        )
-        if propagator.nulls is not None:
+    wave = np.empty(M)
+    kernels.waves(q, t, regions, _choose_subset(array), propagator.origin, k, least, tilt, wave)
+    if propagator.nulls is not None:
+        for number in range(int(regions.max()) + 1):
+            own = regions == number
             wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
-    group, count = _groups(targets.regions, given)
-    alone = (targets.regions == ISOLATED) & ~given
     start, steps = initial_phases(M, None if warm is None else _phases(warm))
-    if warm is None:
-        start = np.where(alone, start, wave)
-    phi = np.where(given, targets.phases, np.where(alone, start, wave))
+    group, phases = np.empty(M, np.int64), np.empty(M)
+    p, z = np.empty(M, np.complex128), np.empty(M + 1, np.complex128)
     # normalised, so that squares in single precision do not overflow
-    p = t / (targets.norm or 1.0) * np.exp(1j * phi)
-    # phase of each group: the weighted mean over its samples of `start` minus `phi`
-    z = np.zeros(count, np.complex128)
-    np.add.at(z, group, t * np.exp(1j * (start - phi)))
-    size = np.abs(z)
-    z = np.where(size > 0.0, z / np.where(size > 0.0, size, 1.0), 1.0)
-    fixed = bool(given.any())
-    if fixed:
-        z[0] = 1.0
+    norm = targets.norm or 1.0
+    count = kernels.join(
+        t, given, regions, wave, start, warm is not None, norm, group, phases, p, z
+    )
     if count > 1:
-        rows = np.empty((count, len(propagator.array)), propagator.dtype)
-        kernels.stand_for(propagator.B, p.astype(np.complex128), group, rows)
+        rows, z = np.empty((count, len(array)), propagator.dtype), z[:count]
+        kernels.stand_for(propagator.B, p, group, rows)
         turns = np.ones(count, np.bool_)
-        turns[0] = not fixed
+        turns[0] = targets.all_free
         kernels.gerchberg_saxton(gram_matrix(rows), turns, steps, z)
-    phases = np.where(given, targets.phases, phi + np.angle(z)[group])
-    phases.flags.writeable = False
-    return replace(targets, phases=phases)
+    kernels.turn(given, group, z, phases)
+    return targets.with_phases(phases)
+
+
+@functools.lru_cache(maxsize=16)
+def _choose_subset(array: Array) -> Floats:
+    """Return the positions of at most MAX_SUBSET transducers, spread over the whole array, (V, 3) [m]."""
+    return array.positions[:: -(-len(array) // MAX_SUBSET)].copy()
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
@@ -193,31 +167,13 @@ def carry_phases(
     same = len(q) == len(before) and np.array_equal(now, were)
     if same and float(np.abs(q - before).max()) < STILL:
         return warm
-    known, nearest = np.zeros(len(q), np.bool_), np.zeros(len(q), np.intp)
-    for kind_now, kind_then in (
-        (now == ISOLATED, were == ISOLATED),
-        (now >= 0, were >= 0),
-    ):
-        here, there = np.flatnonzero(kind_now), np.flatnonzero(kind_then)
-        if len(here) and len(there):
-            away, which = find_nearest(before[there], q[here])
-            known[here], nearest[here] = away < CARRY_DISTANCE, there[which]
-    p = propagator.apply(warm.gains)
-    phases = np.where(known, asked[nearest], np.angle(p))
-    return replace(warm, sound_pressure=p, asked_phases=phases, multipliers=None)
+    p, phases = propagator.apply(warm.gains), np.empty(len(q))
+    kernels.carry(q, now, before, were, asked, p, CARRY_DISTANCE, phases)
+    made = object.__new__(Solution)  # `dataclasses.replace` takes as long as a kernel
+    made.__dict__.update(warm.__dict__, sound_pressure=p, asked_phases=phases, multipliers=None)
+    return made
 
 
 def _phases(warm: Solution) -> Floats:
     """Return the phases given to the solver last, if known, else the achieved ones, (M,) [rad]."""
     return warm.phases if warm.asked_phases is None else warm.asked_phases
-
-
-def _groups(regions: Longs, given: Flags) -> tuple[Longs, int]:
-    """Return the group of each sample, (M,), and the number of groups; the samples of a group share one free phase.
-
-    Samples with given phases form group 0, if there are any.
-    """
-    regions = np.where(regions == BESIDE, 0, regions)  # silence has no phase
-    own = np.where(regions == ISOLATED, regions.max() + 1 + np.arange(len(regions)), regions)
-    names, group = np.unique(np.where(given, ISOLATED, own), return_inverse=True)
-    return group.astype(np.int64), len(names)

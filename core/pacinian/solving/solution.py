@@ -16,6 +16,7 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field
 from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
+from pacinian.native import solving as kernels
 from pacinian.notebook import Card, card
 
 if TYPE_CHECKING:
@@ -269,7 +270,8 @@ class Solution:
     @property
     def saturation(self) -> float:
         """Fraction of transducers at the gain limit, 0..1."""
-        return float((np.abs(self.gains) >= AT_LIMIT * self.gain_limit).mean())
+        held = kernels.held(np.ascontiguousarray(self.gains), AT_LIMIT * self.gain_limit)
+        return held / len(self.gains)
 
     @property
     def phases(self) -> Floats:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pacinian/solving/region_groups.hpp"
 #include "pacinian/solving/kernels.hpp"
 
 namespace pacinian::solving {
@@ -69,6 +70,7 @@ f8 peak(View<const std::complex<T>, 1> g) {
 }
 
 void define_unbounded(nb::module_& m) {
+    define_groups(m);
     kernel(m, "choose", &choose,
            "Write targets p, (M,), with the phases phi, where NaN by Gerchberg-Saxton steps from `start`.\n\n"
            "G: (M, M). t: amplitudes, (M,). free: where a phase may be any, and counts, (M,). Returns ||t||.",

@@ -115,6 +115,26 @@ def nearest(B: Gains, p: Complexes, free: Flags, mu: float, steps: int, enough: 
     Returns the number of steps, negative if more may help.
     """
 
+def ascend(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, h: Singles, made: Floats, tile: Singles, L: Singles, found: Floats, spent: object) -> int:
+    """
+    Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.
+
+    B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. h, made, tile:
+    as of `evaluate`; h is that of y in the end. L: room for the preconditioner, (2, K, K) with K = M rounded up to 2; of
+    size 0 for none. found: whether ||F|| <= 0.005 ||p||; the dual's value; 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2;
+    the number of gains at their limit; ||F||; and the state of L, which later calls for the same B and D keep: 0 at
+    first. spent: returns whether the time is up, asked after the first step and after some products of each.
+    """
+
+def start(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, warm: Complexes, before: Floats, factor: float, p: Complexes, D: Floats, y: Complexes) -> None:
+    """
+    Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.
+
+    t: amplitudes [Pa], phases: [rad], beside: whether a sample is silent, (M,). scale: factor on t. quiet: weight of silent
+    samples. warm, before: earlier multipliers and phases, which turn together, (M,), or of size 0 for none. factor: on
+    these multipliers.
+    """
+
 def begin(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, mu: float, relative: float, unit: float, N: int, p: Complexes, free: Flags, y: Complexes, L: Complexes, found: Floats) -> int:
     """
     Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.

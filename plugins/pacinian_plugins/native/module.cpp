@@ -4,6 +4,7 @@
 #include "pacinian_plugins/solvers/lagrange/dual_newton.hpp"
 #include "pacinian_plugins/solvers/lagrange/weighted_gs.hpp"
 #include "pacinian_plugins/solvers/lagrange/primal_newton.hpp"
+#include "pacinian_plugins/solvers/lagrange/region_newton.hpp"
 
 namespace pacinian::lagrange {
 
@@ -17,6 +18,7 @@ static void define(nb::module_& m) {
     define_equalise(m);
     define_tangent(m);
     define_nearest(m);
+    define_ascend(m);
     define_unbounded(m);
 }
 

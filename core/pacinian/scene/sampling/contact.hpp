@@ -146,7 +146,8 @@ inline Index share_out(View<const i8, 1> touched, View<const f8, 1> force, View<
 }
 
 inline Index around(View<const f8, 2> points, View<const f8, 2> normals, i8 count, View<const f8, 2> q, View<const f8, 1> centre,
-                    f8 inner, f8 outer, View<i8, 1> which, View<i8, 1> nearest) {
+                    f8 inner, f8 outer, View<const f8, 2> capsules, View<const i8, 1> bone, View<const f8, 1> slack, i8 most,
+                    View<i8, 1> which, View<i8, 1> nearest) {
     const Index K = q.shape[0];
     require(points.shape[1] == 3 && normals.shape[0] == points.shape[0] && normals.shape[1] == 3, "around: no skin");
     require(K > 0 && q.shape[1] == 3 && centre.size() == 3, "around: not of space");
@@ -183,7 +184,17 @@ inline Index around(View<const f8, 2> points, View<const f8, 2> normals, i8 coun
         nearest[found] = at;
         ++found;
     }
-    return found;
+    if (!capsules.shape[0] || !found) return std::min<Index>(found, most);
+    std::vector<char> deep(found, 0);
+    buried(capsules, points, bone, slack, {which.data, {found}}, View<bool, 1>{reinterpret_cast<bool*>(deep.data()), {found}});
+    Index kept = 0;
+    for (Index n = 0; n < found && kept < most; ++n) {
+        if (deep[n]) continue;
+        which[kept] = which[n];
+        nearest[kept] = nearest[n];
+        ++kept;
+    }
+    return kept;
 }
 
 inline void define_contact(nb::module_& m) {
@@ -216,8 +227,9 @@ inline void define_contact(nb::module_& m) {
     kernel(m, "around", &around,
            "Write which of the first `count` points of a skin lie beside q, (K, 3), and by which of these they are nearest.\n\n"
            "points, normals: (N, 3). inner, outer: how far away the nearest of q is [m]. centre: (3,); points that face away from\n"
-           "it are left out. which, nearest: (count,). Returns how many there are.",
-           "points", "normals", "count", "q", "centre", "inner", "outer", "which", "nearest");
+           "it are left out, and so are those inside other flesh. capsules, bone, slack: as for `buried`; no capsules for a mesh.\n"
+           "most: largest number of points. which, nearest: (count,). Returns how many there are.",
+           "points", "normals", "count", "q", "centre", "inner", "outer", "capsules", "bone", "slack", "most", "which", "nearest");
 }
 
 }  // namespace pacinian::scene

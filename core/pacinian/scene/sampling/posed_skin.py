@@ -76,23 +76,24 @@ class PosedSkin:
         return inside[:count], force[:count]
 
     def around(
-        self, q: Floats, spacing: float, inner: float, outer: float, centre: Floats
+        self, q: Floats, spacing: float, inner: float, outer: float, centre: Floats, most: int
     ) -> tuple[Indices, Indices]:
         """Find the nodes of the level nearest to `spacing` [m] that lie beside the points q and face `centre`.
 
         q: (K, 3) [m], K > 0. inner, outer: limits of the distance from a node to the nearest point of q [m]. centre:
-        (3,) [m]. Returns the indices of the nodes, (I,), without those inside another finger, and of the nearest
-        point of q to each, (I,).
+        (3,) [m]. most: largest number of nodes. Returns the indices of the nodes, (I,), without those inside another
+        finger, and of the nearest point of q to each, (I,).
         """
         from pacinian.native.scene import around
 
-        count = self.skin.counts[self.skin.level(spacing)]
+        skin = self.skin
+        count = skin.counts[skin.level(spacing)]
         which, nearest = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
         found = around(
-            self.points, self.normals, count, q, centre, inner, outer, which, nearest
+            self.points, self.normals, count, q, centre, inner, outer, self.capsules, skin.bone, skin.slack,
+            most, which, nearest,
         )  # fmt: skip
-        shown = self.find_exposed(which[:found])
-        return which[:found][shown], nearest[:found][shown]
+        return which[:found], nearest[:found]
 
     def find_exposed(self, touched: Indices) -> Flags:
         """Return which of the points `touched` are not inside another finger."""
@@ -115,12 +116,15 @@ class PosedSkin:
 
         The arguments and results are those of `share_forces`. Each force is scaled to the larger area of its node [N].
         """
-        level = self.skin.level(spacing)
-        own = touched < self.skin.counts[level]
-        own[own] = self.find_exposed(touched[own])
-        nodes = touched[own]
-        stretch = self.skin.node_area[level][nodes] / self.skin.area[nodes]
-        return nodes, force[own] * stretch, self.area[nodes] * stretch
+        from pacinian.native.scene import thin
+
+        skin, level = self.skin, self.skin.level(spacing)
+        nodes, pressed, area = np.empty_like(touched), np.empty_like(force), np.empty_like(force)
+        count = thin(
+            touched, force, skin.counts[level], skin.node_area[level], skin.area, self.area, self.points,
+            self.capsules, skin.bone, skin.slack, nodes, pressed, area,
+        )  # fmt: skip
+        return nodes[:count], pressed[:count], area[:count]
 
     def share_forces(
         self, touched: Indices, force: Floats, spacing: float

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.neighbours import find_nearest
+from pacinian.native.scene import ramp
 from pacinian.scene.sampling.samples import Samples, join_samples, no_samples
 
 if TYPE_CHECKING:
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 
 JUMP = 0.02  # a sample that moves farther than this in one tick fades out there and rises anew here [m]
 MAX_TICK = 0.02  # longest time that one tick counts for, because time may jump [s]
-QUARTER = math.pi / 2.0  # a quarter turn [rad]
-MIN_PRESSURE = 1e-300  # prevents division by zero [Pa]
 RAMP_TOLERANCE = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time
 
 
@@ -55,99 +52,34 @@ class PressureRamps:
         share = (
             seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
         )  # part of a full ramp that this tick covers
-        last = self._last
-        was, top, gone, jumped = _match_samples(asked, last)
-        most = np.maximum(asked.most, np.where(was > asked.radiation_pressure, top, was))
-        low, high = _on(was, most, -share), _on(was, most, share)
-        P = np.minimum(np.maximum(asked.radiation_pressure, low), high)
-        going = self._fade_out(last, gone, jumped, share) if gone.any() else None
-        if going is None and (asked.radiation_pressure == P).all():
+        last, M, L = self._last, len(asked), len(self._last)
+        P, most = np.empty(M), np.empty(M)
+        index, fading, jumped = np.empty(L, np.int64), np.empty(L), np.empty(L, np.bool_)
+        count = ramp(
+            asked.keys, asked.positions, asked.regions, asked.area, asked.radiation_pressure, asked.most,
+            last.keys, last.positions, last.regions, last.area, last.radiation_pressure, last.most,
+            share, JUMP, P, most, index, fading, jumped,
+        )  # fmt: skip
+        if not count and np.array_equal(asked.radiation_pressure, P):
             self._last = asked
         else:
-            self._last = replace(asked, radiation_pressure=P, most=most)
-        if going is not None:
+            self._last = asked.changed(radiation_pressure=P, most=most)
+        if count:
+            going = self._fade(last, index[:count], fading[:count], jumped[:count])
             self._last = _with(self._last, going)
         return self._last
 
-    def _fade_out(self, last: Samples, gone: Flags, jumped: Flags, share: float) -> Samples | None:
-        """Return the fading samples, one step fainter; None if none are left.
+    def _fade(self, last: Samples, index: Indices, P: Floats, jumped: Flags) -> Samples:
+        """Return the samples `index`, (K,), of the last ones that fade out, at their new pressures P, (K,) [Pa].
 
         A fading sample keeps its key, so that it rises from its current pressure if it becomes a target again. If its
         target has jumped to another position, it gets a new key.
         """
-        P = last.radiation_pressure
-        P = _on(P, np.maximum(last.most, P), -share)
-        left = gone & (P > 0.0)
-        if not left.any():
-            return None
-        going = last.only(left)
-        keys, new = going.keys.copy(), jumped[left]
-        count = int(new.sum())
-        keys[new] = -1 - self._ghosts - np.arange(count)
+        going = last.only(index)
+        keys, count = going.keys, int(jumped.sum())
+        keys[jumped] = -1 - self._ghosts - np.arange(count)
         self._ghosts += count
-        return replace(going, radiation_pressure=P[left], keys=keys)
-
-
-def _on(P: Floats, most: Floats, share: float) -> Floats:
-    """Advance pressures, (M,), by `share` of a full ramp from 0 to `most`. The ramp is the square of a sine."""
-    if not share:
-        return P
-    way = np.arcsin(np.sqrt(P / np.maximum(most, MIN_PRESSURE))) / QUARTER
-    return np.asarray(most * np.sin(QUARTER * np.clip(way + share, 0.0, 1.0)) ** 2)
-
-
-def _match_samples(asked: Samples, last: Samples) -> tuple[Floats, Floats, Flags, Flags]:
-    """Match the target samples `asked` with the last ones.
-
-    Returns the last pressure and maximum of each target, 0 for new ones, and which of the last samples are gone and
-    which have jumped.
-    """
-    jumped = np.zeros(len(last), dtype=np.bool_)
-    if len(asked) == len(last) and (asked.keys == last.keys).all():
-        near = _find_near(asked.positions, last.positions)
-        was, top = (np.where(near, x, 0.0) for x in (last.radiation_pressure, last.most))
-        return was, top, ~near, ~near
-    gone = np.ones(len(last), dtype=np.bool_)
-    if not (len(last) and len(asked)):
-        return np.zeros(len(asked)), np.zeros(len(asked)), gone, jumped
-    order = np.argsort(last.keys, kind="stable")
-    place = np.minimum(np.searchsorted(last.keys, asked.keys, sorter=order), len(last) - 1)
-    index = order[place]
-    found = last.keys[index] == asked.keys
-    near = found & _find_near(asked.positions, last.positions[index])
-    jumped[index[found & ~near]] = True
-    gone[index[near]] = False
-    was, top = (np.where(near, x[index], 0.0) for x in (last.radiation_pressure, last.most))
-    new = np.flatnonzero(~found & (asked.regions >= 0))
-    if len(new):
-        under = _under(asked.only(new), last)
-        there = under >= 0
-        new, under = new[there], under[there]
-        was[new] = np.minimum(asked.radiation_pressure[new], last.radiation_pressure[under])
-        top[new] = was[new]
-    left = np.flatnonzero(gone & ~jumped & (last.regions >= 0))
-    if len(left):
-        gone[left[_under(last.only(left), asked) >= 0]] = False
-    return was, top, gone, jumped
-
-
-def _under(samples: Samples, others: Samples) -> Indices:
-    """Find for each sample the nearest of `others` in its region, if the sample lies on its area; else -1."""
-    found = np.full(len(samples), -1, dtype=np.intp)
-    for region in np.unique(samples.regions).tolist():
-        own, there = (np.flatnonzero(s.regions == region) for s in (samples, others))
-        if len(there):
-            away, which = find_nearest(others.positions[there], samples.positions[own])
-            nearest = there[which]
-            on = away**2 <= others.area[nearest]
-            found[own] = np.where(on, nearest, -1)
-    return found
-
-
-def _find_near(a: Floats, b: Floats) -> Flags:
-    """Return which of the points, (M, 3) [m], have not jumped, (M,)."""
-    d = a - b
-    return np.asarray(np.einsum("mk,mk->m", d, d) <= JUMP * JUMP)
+        return going.changed(radiation_pressure=P)
 
 
 def _with(asked: Samples, going: Samples) -> Samples:
@@ -162,8 +94,8 @@ def _with(asked: Samples, going: Samples) -> Samples:
             extra.append(item)
     if extra:
         items = (*items, *extra)
-    going = replace(going, objects=used[objects], items=items)
-    return join_samples([replace(asked, items=items), going])
+    going = going.changed(objects=used[objects], items=items)
+    return join_samples([asked.changed(items=items), going])
 
 
 def _alike(item: Object, other: Object) -> bool:

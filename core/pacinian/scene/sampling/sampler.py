@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import zlib
 from collections import Counter
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -178,16 +177,16 @@ class Sampler:
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         if skin:
             self.skipped["samples too faint to feel"] += sum(s.faint for s, _ in sources)
-        return parts[0] if len(hands) < 2 else replace(parts[0], capsules=capsules)
+        return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
     def _focal(self, samples: Samples) -> Samples:
         """Spread the forces of foci over the area that the focus has at each sample."""
         if self._resolving is None:
             return samples
+        if not any(samples.items[i].focal for i in set(samples.objects.tolist())):
+            return samples
         items = [samples.items[i] for i in samples.objects.tolist()]
         which = np.flatnonzero([item.focal for item in items])
-        if not len(which):
-            return samples
         single = np.array([measure_spacing(items[i]) for i in which])
         together = len(items) - sum(map(measure_spacing, items))
         P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
@@ -204,7 +203,7 @@ class Sampler:
             area[rows] = found
         self.skipped["forces beyond the most pressure"] += int((P[which] > self.peak).sum())
         P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
-        return replace(samples, radiation_pressure=P, most=most, area=area)
+        return samples.changed(radiation_pressure=P, most=most, area=area)
 
     def _track_hands(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
         """Return the hands that are present, each with the factor on its pressures, 0..1."""
@@ -351,7 +350,7 @@ class Sampler:
         if not gone:
             return whole
         self.skipped["samples merged"] += gone
-        return replace(whole, radiation_pressure=P, area=area).only(kept)
+        return whole.changed(radiation_pressure=P, area=area).only(kept)
 
 
 def _choose_spacing(extent: float, resolved: float, last: float | None) -> float:

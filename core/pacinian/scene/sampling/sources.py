@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
+from pacinian.native.scene import press_on
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
@@ -159,16 +160,17 @@ class Contact:
         fine = spacing <= self.fine
         among = hand.thin_forces if fine else hand.share_forces
         nodes, force, area = among(self.touched, self.force, spacing)
-        P = force / area
-        felt = self.least <= P
-        K = int(felt.sum())
-        self.faint = len(nodes) - K
-        if self.faint:
-            nodes, P, area = nodes[felt], P[felt], area[felt]
+        K, skin = len(nodes), (hand.points, hand.normals)
+        P, extent, keys = np.empty(K), np.empty(K), np.empty(K, np.int64)
+        points, normals = np.empty((K, 3)), np.empty((K, 3))
+        kept = press_on(
+            nodes, force, area, self.least, *skin, self.name, P, extent, points, normals, keys
+        )
+        self.faint = K - kept
         return Samples(
-            hand.points[nodes], P, hand.normals[nodes], area, np.full(K, self.index),
-            make_keys(self.name, 0.0, nodes), np.full(K, self.item.pressure),
-            np.full(K, number_region(self.item, self.name)), self.items, self.hand.capsules,
+            points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
+            keys[:kept], np.full(kept, self.item.pressure),
+            np.full(kept, number_region(self.item, self.name)), self.items, hand.capsules,
         )  # fmt: skip
 
 

@@ -41,21 +41,26 @@ def add_surround(
     q, every = samples.positions[of], [samples]
     for hand in hands:
         nodes, nearest = hand.around(
-            q, SURROUND_SPACING * resolved, INNER * resolved, OUTER * resolved, centre
-        )  # fmt: skip
-        nodes, nearest = nodes[:most], nearest[:most]
+            q, SURROUND_SPACING * resolved, INNER * resolved, OUTER * resolved, centre, most
+        )
         if len(nodes):
-            silent = _silent(samples, of[nearest], hand.points[nodes], hand.normals[nodes])
-            silent.keys[:] = make_keys(hand.salt % (1 << 31), SURROUND_SPACING * resolved, nodes)
-            every.append(silent)
+            every.append(_silent(samples, of[nearest], hand, nodes, SURROUND_SPACING * resolved))
             most -= len(nodes)
     return join_samples(every)
 
 
-def _silent(samples: Samples, beside: Indices, points: Floats, normals: Floats) -> Samples:
-    """Make silent samples of no area at `points`. Their objects are those of the samples `beside`, (K,)."""
-    made = samples.only(beside)
-    made.positions[:], made.normals[:] = points, normals
-    made.radiation_pressure[:] = made.area[:] = 0.0
-    made.regions[:] = BESIDE
-    return made
+def _silent(
+    samples: Samples, beside: Indices, hand: PosedSkin, nodes: Indices, spacing: float
+) -> Samples:
+    """Make silent samples of no area on `nodes`, (K,). Their objects are those of the samples `beside`, (K,)."""
+    K = len(nodes)
+    return samples.changed(
+        positions=hand.points[nodes],
+        normals=hand.normals[nodes],
+        radiation_pressure=np.zeros(K),
+        area=np.zeros(K),
+        objects=samples.objects[beside],
+        most=samples.most[beside],
+        keys=make_keys(hand.salt % (1 << 31), spacing, nodes),
+        regions=np.full(K, BESIDE),
+    )

@@ -19,13 +19,11 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy import float32 as f4
 
 import pacinian as pc
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.linalg import blas, lapack
 from pacinian.solving.solution import AT_LIMIT
-from pacinian_plugins.native.lagrange import TILE, bend, deliver, evaluate, within
+from pacinian_plugins.native.lagrange import TILE, ascend, deliver, start, within
 from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
 
@@ -33,16 +31,9 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Singles
 
 QUIET = 0.02  # weight of points beside regions
-STOP_RESIDUAL = 5e-3  # ||F|| / ||p|| to stop at: a smaller error cannot be felt
-INEXACT = 0.1  # residual of a Newton system, relative to ||F||
-STRIDE, MAX_SAMPLES = (
-    4,
-    400,
-)  # preconditioner: stride over transducers, and maximum number of samples
-STEPS, PASSES = 15, 300  # maximum number of Newton steps, and of conjugate gradients for each
-MIN_STEPS = 4  # conjugate gradients taken even without time, so that the next call starts closer
-ARMIJO, MIN_STEP = 1e-4, 1e-6  # least share of the expected increase; shortest step
+MAX_SAMPLES = 400  # largest number of samples with a preconditioner
 REFINED = 16  # Newton steps in double precision
+NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 
 
 class Space(NamedTuple):
@@ -50,43 +41,24 @@ class Space(NamedTuple):
 
     tile: Singles
     h: Singles  # gains and |x_n|, (3, N)
-    planes: Singles  # real and imaginary parts of a vector of M, (2, M rounded up to 4)
     made: Floats  # result of the last kernel, (2, M)
+    factor: Singles  # the preconditioner, or nothing
+    found: Floats  # outputs of the kernel `ascend`
 
     @classmethod
     def of(cls, M: int, N: int) -> Space:
         """Allocate the workspace for M samples and N transducers."""
-        rows = M + -M % 4
+        K = M + M % 2 if M <= MAX_SAMPLES else 0
         return cls(
-            np.zeros((2, rows, TILE), np.float32),
+            np.zeros((2, M + -M % 4, TILE), np.float32),
             np.zeros((3, N), np.float32),
-            np.zeros((2, rows), np.float32),
             np.zeros((2, M)),
+            np.zeros((2, K, K), np.float32),
+            np.zeros(6),
         )
 
 
-class Nearly:
-    """Preconditioner: approximate inverse of D + B W B^H at gains h, from one in four transducers, each weighted 4."""
-
-    def __init__(self, B: Gains, D: Floats, h: Singles, mu: float) -> None:
-        size = h[2, ::STRIDE]
-        # a gain at its limit can turn but not grow: one of two directions
-        weight = np.where(size > mu, 0.5 / np.maximum(size, mu), f4(1.0 / mu))
-        some = B[:, ::STRIDE] * np.sqrt(weight * f4(B.shape[1] / len(size)))
-        gram = blas.cherk(1.0, some.T, trans=2)  # upper triangle of the conjugate
-        gram.ravel("K")[:: len(gram) + 1] += D.astype(f4)
-        self._factor, failed = lapack.cpotrf(gram, overwrite_a=True)
-        self._fails = bool(failed)
-
-    def times(self, r: Complexes) -> Complexes:
-        """Multiply the inverse by r, (M,)."""
-        if self._fails:
-            return r
-        solved, _ = lapack.cpotrs(self._factor, r.conj().astype(np.complex64))
-        return np.asarray(solved.conj(), np.complex128)
-
-
-class Descent:
+class Ascent:
     """Newton steps on the multipliers y, (M,), from a given start, for targets p, (M,) [Pa per unit limit].
 
     D: 1 over the weights of the squared errors, (M,).
@@ -96,90 +68,40 @@ class Descent:
         self, B: Gains, p: Complexes, D: Floats, y: Complexes, mu: float, space: Space,
         budget: pc.Budget,
     ) -> None:  # fmt: skip
-        self.B, self.p, self.D, self.y, self.mu = B, p, D, y, mu
-        self.space, self.budget = space, budget
+        self.B, self.p, self.D, self.y, self.mu, self.space = B, p, D, y, mu, space
+        self.budget = budget
         self.steps = 0
-        self.met = False
-        """Whether the steps have converged."""
-        self._nearly: Nearly | None = None
-        self.cost = 0.0
-        """The sum of c(x_n) at y."""
+        space.found[:] = 0.0
 
     def run(self) -> None:
         """Take steps until F is small or nothing improves; the gains are in the workspace."""
-        size, last = float(np.linalg.norm(self.p)), self.steps + STEPS
-        F, value = self._look(self.y)
-        while (missed := float(np.linalg.norm(F))) > STOP_RESIDUAL * size:
-            if self.steps == last or (self.steps > last - STEPS and self.budget.spent):
-                break
-            d = self._direction(F, max(INEXACT * missed, STOP_RESIDUAL * size / 2.0))
-            slope, step = float(np.vdot(F, d).real), 1.0
-            at, before = self.y, value
-            while step > MIN_STEP:
-                F, value = self._look(at + step * d)
-                if value >= before + ARMIJO * step * slope:
-                    break
-                step /= 2.0
-            else:
-                self._look(at)
-                break
-            self.steps += 1
-        self.met = missed <= STOP_RESIDUAL * size
+        space = self.space
+        self.steps += ascend(
+            self.B, self.p, self.D, self.mu, self.y, space.h, space.made, space.tile, space.factor,
+            space.found, lambda: self.budget.spent,
+        )  # fmt: skip
 
     def turn_to(self, p: Complexes) -> Complexes:
         """Continue with other targets, (M,), of the same phases; return the pressures made, (M,)."""
-        self.y = self.y * (np.linalg.norm(p) / np.linalg.norm(self.p))
+        self.y *= np.linalg.norm(p) / np.linalg.norm(self.p)
         self.p = p
         self.run()
-        return self._copy_made()
-
-    def proof(self) -> tuple[float, float]:
-        """Return D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
-        rest = self.p - self._copy_made()
-        dual = float(np.vdot(self.y, self.p).real - np.vdot(self.y, self.D * self.y).real / 2.0)
-        power = float((self.space.h[:2].astype(np.float64) ** 2).sum())
-        return dual - self.cost, (float(np.vdot(rest, rest / self.D).real) + self.mu * power) / 2.0
-
-    def _look(self, y: Complexes) -> tuple[Complexes, float]:
-        """Evaluate y, and store it with its gains; return F and the value D of the dual."""
-        space, self.y = self.space, y
-        self.cost = evaluate(self.B, self._planes(y), self.mu, space.h, space.made, space.tile)
-        Dy = self.D * y
-        value = float(np.vdot(y, self.p).real - np.vdot(y, Dy).real / 2.0) - self.cost
-        return self.p - Dy - self._copy_made(), value
-
-    def _direction(self, F: Complexes, enough: float) -> Complexes:
-        """Solve (D + B W B^H) d = F for d, with a residual of at most `enough`."""
-        space = self.space
-        if self._nearly is None and len(F) <= MAX_SAMPLES:
-            self._nearly = Nearly(self.B, self.D, space.h, self.mu)
-        nearly = self._nearly.times if self._nearly else np.copy
-        d, r = np.zeros_like(F), F.copy()
-        q = nearly(r)
-        square = float(np.vdot(r, q).real)
-        for done in range(PASSES):
-            bend(self.B, self._planes(q), space.h, self.mu, space.made, space.tile)
-            Hq = self.D * q + self._copy_made()
-            a = square / float(np.vdot(q, Hq).real)
-            d += a * q
-            r -= a * Hq
-            rest = float(np.vdot(r, r).real)
-            if rest <= enough * enough or (done >= MIN_STEPS and self.budget.spent):
-                break
-            z = nearly(r)
-            last, square = square, float(np.vdot(r, z).real)
-            q = z + (square / last) * q
-        return d
-
-    def _planes(self, y: Complexes) -> Singles:
-        """Return a vector, (M,), in the layout of the kernels."""
-        planes = self.space.planes
-        planes[0, : len(y)], planes[1, : len(y)] = y.real, y.imag
-        return planes
-
-    def _copy_made(self) -> Complexes:
-        """Return the result of the last kernel, (M,)."""
         return np.asarray(self.space.made[0] + 1j * self.space.made[1])
+
+    @property
+    def met(self) -> bool:
+        """Whether the steps have converged."""
+        return bool(self.space.found[0])
+
+    @property
+    def proof(self) -> tuple[float, float]:
+        """D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2."""
+        return float(self.space.found[1]), float(self.space.found[2])
+
+    @property
+    def held(self) -> int:
+        """Number of gains at their limit."""
+        return int(self.space.found[3])
 
 
 def solve(
@@ -195,40 +117,48 @@ def solve(
     mu = relative * propagator.power
     if not mu:
         return pc.Result(note="no transducer reaches the points")
-    p, norm = targets.complex(targets.phases), targets.norm
+    norm = targets.norm
     # without a gain limit, use a unit that no gain reaches: ||g|| <= ||p|| / (2 sqrt(mu))
     unit = limits.gain or norm / math.sqrt(mu)
     share = within(norm / unit, relative, mu, N)
-    p *= share / unit
-    key = Space, M, N
+    p: Complexes = np.empty(M, np.complex128)
+    y: Complexes = np.empty(M, np.complex128)
+    D, scale = np.empty(M), share / unit
+    before, phases, factor = begin(targets, warm)
+    start(
+        targets.amplitudes, targets.phases, targets.beside, scale, QUIET, before, phases, scale * factor,
+        p, D, y,
+    )  # fmt: skip
+    key = Space, M, N, M <= MAX_SAMPLES
     space = acquire(key, lambda: Space.of(M, N))
-    D = np.where(targets.beside, 1.0 / QUIET, 1.0)
-    descent = Descent(B, p, D, begin(targets, warm) * (share / unit), mu, space, budget)
+    ascent = Ascent(B, p, D, y, mu, space, budget)
     strongest = targets.scale == "max"
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
-        climb(p, reach, descent.turn_to, budget)
+        climb(p, reach, ascent.turn_to, budget)
         share = max(share, 1.0)  # the strength is free
     else:
-        descent.run()
-    p, y, scale, steps = descent.p, descent.y, unit / max(share, 1.0), descent.steps
-    w = 1.0 / np.sqrt(D)  # factors on the rows, so that each error has its weight
-    if not (strongest or descent.met or budget.spent):
-        from pacinian_plugins.solvers.lagrange.convex import least_squares
-
-        answer = least_squares(w[:, None] * propagator.B, w * p, mu=mu, start=y / w, budget=budget)
-        out[:] = scale * answer.h
-        y, bound, objective = w * answer.y, answer.bound, answer.objective
-        steps += answer.steps
-    elif out.dtype == np.complex64:
+        ascent.run()
+    p, y, scale, steps = ascent.p, ascent.y, unit / max(share, 1.0), ascent.steps
+    done = strongest or ascent.met or budget.spent
+    if done and out.dtype == np.complex64:
         deliver(space.h, scale, out)
-        bound, objective = descent.proof()
+        (bound, objective), held = ascent.proof, ascent.held
     else:
-        G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
-        fine = solve_newton(w[:, None] * propagator.B, G, w * p, free, mu, y / w, REFINED, budget)
-        out[:] = scale * fine.h
-        y, bound, objective = w * fine.y, fine.bound, fine.objective
-    held = int((np.abs(out) > AT_LIMIT * scale).sum())
+        w = 1.0 / np.sqrt(D)  # factors on the rows, so that each error has its weight
+        A, start_at = w[:, None] * propagator.B, y / w
+        if done:
+            G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
+            fine = solve_newton(A, G, w * p, free, mu, start_at, REFINED, budget)
+            h, y, bound, objective = fine.h, w * fine.y, fine.bound, fine.objective
+        else:
+            from pacinian_plugins.solvers.lagrange.convex import least_squares
+
+            answer = least_squares(A, w * p, mu=mu, start=start_at, budget=budget)
+            h, y, bound, objective = answer.h, w * answer.y, answer.bound, answer.objective
+            steps += answer.steps
+        out[:] = scale * h
+        held = int((np.abs(out) > AT_LIMIT * scale).sum())
     release(key, space, M * N)
     proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
@@ -244,11 +174,10 @@ def solve(
     )
 
 
-def begin(targets: pc.Targets, warm: pc.Solution | None) -> Complexes:
-    """Return the starting multipliers, (M,) [Pa]: those of `warm`, turned with the phases, or else 0."""
+def begin(targets: pc.Targets, warm: pc.Solution | None) -> tuple[Complexes, Floats, float]:
+    """Return the multipliers to start from, (M,) [Pa], their phases, and a factor: those of `warm`, or nothing."""
     y = None if warm is None else warm.multipliers
     before = None if warm is None else warm.asked_phases
     if warm is None or y is None or before is None or not warm.targets.norm:
-        return np.zeros(len(targets.amplitudes), np.complex128)
-    turn = np.exp(1j * (targets.phases - before))
-    return np.asarray(y * turn * (targets.norm / warm.targets.norm), np.complex128)
+        return NOTHING, NO_PHASES, 0.0
+    return y, before, targets.norm / warm.targets.norm

@@ -1,0 +1,322 @@
+// Least squares of regions under the gain limit: Newton steps on the multipliers y, by preconditioned conjugate gradients.
+//
+// See regions.py for the equations. A step solves (D + B W B^H) d = F. The preconditioner is the Cholesky factor of that
+// matrix for one in four transducers, each weighted 4, in single precision.
+//
+// Common arguments: B, y, h, made, tile: as in fused_passes.hpp. L: lower triangle, real and imaginary parts, (2, K, K) with
+// K = M rounded up to 2; of size 0 for no preconditioner.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pacinian/native/math.hpp"
+#include "pacinian_plugins/solvers/lagrange/fused_passes.hpp"
+
+namespace pacinian::lagrange {
+
+constexpr Index STRIDE = 4;            // of the transducers in the preconditioner
+constexpr f8 STOP_RESIDUAL = 5e-3;     // ||F|| / ||p|| to stop at: a smaller error cannot be felt
+constexpr f8 INEXACT = 0.1;            // residual of a Newton system, relative to ||F||
+constexpr Index MAX_STEPS = 15;        // Newton steps in one call
+constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
+constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
+constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
+constexpr f8 MIN_STEP = 1e-6;          // shortest step
+constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution.AT_LIMIT`
+
+struct Sum {
+    f4 re, im;
+};
+
+// Return sum_k x_k conj(z_k) of two rows by two, in s[row of x][row of z].
+inline void products(const f4* __restrict xr0, const f4* __restrict xi0, const f4* __restrict xr1, const f4* __restrict xi1,
+                     const f4* __restrict zr0, const f4* __restrict zi0, const f4* __restrict zr1, const f4* __restrict zi1,
+                     Index count, Sum (&s)[2][2]) {
+    f4 r00 = 0, i00 = 0, r01 = 0, i01 = 0, r10 = 0, i10 = 0, r11 = 0, i11 = 0;
+    for (Index n = 0; n < count; ++n) {
+        r00 += xr0[n] * zr0[n] + xi0[n] * zi0[n];
+        i00 += xi0[n] * zr0[n] - xr0[n] * zi0[n];
+        r01 += xr0[n] * zr1[n] + xi0[n] * zi1[n];
+        i01 += xi0[n] * zr1[n] - xr0[n] * zi1[n];
+        r10 += xr1[n] * zr0[n] + xi1[n] * zi0[n];
+        i10 += xi1[n] * zr0[n] - xr1[n] * zi0[n];
+        r11 += xr1[n] * zr1[n] + xi1[n] * zi1[n];
+        i11 += xi1[n] * zr1[n] - xr1[n] * zi1[n];
+    }
+    s[0][0] = {r00, i00}, s[0][1] = {r01, i01}, s[1][0] = {r10, i10}, s[1][1] = {r11, i11};
+}
+
+// Write D + B W B^H for one in four transducers, each weighted 4, to the lower triangle L.
+inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, View<f4, 3> tile, View<f4, 3> L) {
+    const Index M = B.shape[0], N = B.shape[1], K = L.shape[1], all = (N + STRIDE - 1) / STRIDE;
+    const f4 share = static_cast<f4>(N) / static_cast<f4>(all);
+    std::fill(L.data, L.data + L.size(), 0.0f);
+    for (Index i = 0; i < K; ++i) L(0, i, i) = i < M ? static_cast<f4>(D[i]) : 1.0f;
+    alignas(64) f4 root[TILE];
+    for (Index first = 0; first < all; first += TILE) {
+        const Index count = std::min(TILE, all - first);
+        const f4* size = h.row(2) + STRIDE * first;
+        for (Index n = 0; n < count; ++n) {  // a gain at its limit can turn but not grow: one of two directions
+            const f4 weight = size[STRIDE * n] > mu ? 0.5f / size[STRIDE * n] : 1.0f / mu;
+            root[n] = std::sqrt(share * weight);
+        }
+        for (Index m = 0; m < M; ++m) {
+            const f4* __restrict row = reinterpret_cast<const f4*>(B.row(m) + STRIDE * first);
+            f4 *__restrict re = tile.row(0, m), *__restrict im = tile.row(1, m);
+            for (Index n = 0; n < count; ++n) {
+                re[n] = row[2 * STRIDE * n] * root[n];
+                im[n] = row[2 * STRIDE * n + 1] * root[n];
+            }
+        }
+        Sum s[2][2];
+        for (Index i = 0; i < K; i += 2)
+            for (Index j = 0; j <= i; j += 2) {
+                products(tile.row(0, i), tile.row(1, i), tile.row(0, i + 1), tile.row(1, i + 1), tile.row(0, j), tile.row(1, j),
+                         tile.row(0, j + 1), tile.row(1, j + 1), count, s);
+                for (int a = 0; a < 2; ++a)
+                    for (int b = 0; b < 2; ++b) {
+                        L(0, i + a, j + b) += s[a][b].re;
+                        L(1, i + a, j + b) += s[a][b].im;
+                    }
+            }
+    }
+}
+
+// Replace the lower triangle L of a Hermitian matrix by its Cholesky factor; return whether it is positive definite.
+inline bool decompose(View<f4, 3> L) {
+    const Index K = L.shape[1];
+    Sum s[2][2];
+    const auto finish = [&](Index i, Index j, Sum sum) {  // the element (i, j), given the sum over all columns before j
+        L(0, i, j) = (L(0, i, j) - sum.re) / L(0, j, j);
+        L(1, i, j) = (L(1, i, j) - sum.im) / L(0, j, j);
+    };
+    const auto pivot = [&](Index i, f4 sum) {
+        const f4 rest = L(0, i, i) - sum;
+        L(0, i, i) = std::sqrt(std::max(rest, 0.0f));
+        L(1, i, i) = 0.0f;
+        return rest > 0.0f;
+    };
+    for (Index i = 0; i < K; i += 2) {
+        for (Index j = 0; j <= i; j += 2) {
+            products(L.row(0, i), L.row(1, i), L.row(0, i + 1), L.row(1, i + 1), L.row(0, j), L.row(1, j), L.row(0, j + 1),
+                     L.row(1, j + 1), j, s);
+            if (j == i) break;
+            const f4 re = L(0, j + 1, j), im = L(1, j + 1, j);
+            for (int a = 0; a < 2; ++a) {
+                finish(i + a, j, s[a][0]);
+                const f4 x = L(0, i + a, j), y = L(1, i + a, j);
+                finish(i + a, j + 1, {s[a][1].re + x * re + y * im, s[a][1].im + y * re - x * im});
+            }
+        }
+        if (!pivot(i, s[0][0].re)) return false;
+        finish(i + 1, i, s[1][0]);
+        if (!pivot(i + 1, s[1][1].re + square(L(0, i + 1, i)) + square(L(1, i + 1, i)))) return false;
+    }
+    return true;
+}
+
+// Solve L L^H x = z in place; z: real and imaginary parts, K each.
+inline void resolve(View<const f4, 3> L, f4* __restrict zr, f4* __restrict zi) {
+    const Index K = L.shape[1];
+    for (Index i = 0; i < K; ++i) {
+        const f4 *__restrict re = L.row(0, i), *__restrict im = L.row(1, i);
+        f4 sr = 0.0f, si = 0.0f;
+        for (Index k = 0; k < i; ++k) {
+            sr += re[k] * zr[k] - im[k] * zi[k];
+            si += re[k] * zi[k] + im[k] * zr[k];
+        }
+        zr[i] = (zr[i] - sr) / re[i];
+        zi[i] = (zi[i] - si) / re[i];
+    }
+    for (Index i = K - 1; i >= 0; --i) {
+        const f4 *__restrict re = L.row(0, i), *__restrict im = L.row(1, i);
+        const f4 xr = zr[i] / re[i], xi = zi[i] / re[i];
+        zr[i] = xr;
+        zi[i] = xi;
+        for (Index k = 0; k < i; ++k) {
+            zr[k] -= re[k] * xr + im[k] * xi;
+            zi[k] -= re[k] * xi - im[k] * xr;
+        }
+    }
+}
+
+using Vector = std::vector<c16>;
+
+inline f8 inner(const Vector& a, const Vector& b) {  // Re(a^H b)
+    f8 total = 0.0;
+    for (std::size_t m = 0; m < a.size(); ++m) total += a[m].real() * b[m].real() + a[m].imag() * b[m].imag();
+    return total;
+}
+
+struct Ascent {
+    View<const c8, 2> B;
+    View<const c16, 1> p;
+    View<const f8, 1> D;
+    f4 mu;
+    View<c16, 1> y;
+    View<f4, 2> h;
+    View<f8, 2> made;
+    View<f4, 3> tile, L;
+    nb::handle spent;
+    f8 cost = 0.0;  // sum of c(x_n) at y
+    std::vector<f4> plane{};
+
+    Index count() const { return p.size(); }
+
+    bool late() const {
+        nb::gil_scoped_acquire held;
+        return nb::cast<bool>(spent());
+    }
+
+    View<const f4, 2> planes(const c16* x) {
+        const Index rows = tile.shape[1];
+        plane.assign(2 * rows, 0.0f);
+        for (Index m = 0; m < count(); ++m) {
+            plane[m] = static_cast<f4>(x[m].real());
+            plane[rows + m] = static_cast<f4>(x[m].imag());
+        }
+        View<const f4, 2> view;
+        view.data = plane.data(), view.shape[0] = 2, view.shape[1] = rows;
+        return view;
+    }
+
+    c16 made_at(Index m) const { return {made(0, m), made(1, m)}; }
+
+    // Evaluate y = at + step d, and write F; return the value D(y) of the dual.
+    f8 look(const Vector& at, f8 step, const Vector& d, Vector& F) {
+        for (Index m = 0; m < count(); ++m) y[m] = at[m] + step * d[m];
+        cost = evaluate(B, planes(y.data), mu, h, made, tile);
+        f8 value = -cost;
+        for (Index m = 0; m < count(); ++m) {
+            value += y[m].real() * p[m].real() + y[m].imag() * p[m].imag() - 0.5 * D[m] * power(y[m]);
+            F[m] = p[m] - D[m] * y[m] - made_at(m);
+        }
+        return value;
+    }
+
+    // Write z = the preconditioner times r. state: 1 if there is a factor.
+    void approximate(const Vector& r, f8 state, Vector& z) {
+        z = r;
+        if (state <= 0.0) return;
+        const Index K = L.shape[1];
+        plane.assign(2 * K, 0.0f);
+        for (Index m = 0; m < count(); ++m) {
+            plane[m] = static_cast<f4>(r[m].real());
+            plane[K + m] = static_cast<f4>(r[m].imag());
+        }
+        resolve(L, plane.data(), plane.data() + K);
+        for (Index m = 0; m < count(); ++m) z[m] = c16(plane[m], plane[K + m]);
+    }
+
+    // Solve (D + B W B^H) d = F with a residual of at most `enough`.
+    void direction(const Vector& F, f8 enough, f8 state, Vector& d) {
+        const Index M = count();
+        std::fill(d.begin(), d.end(), c16(0.0));
+        Vector r = F, z(M), Hq(M);
+        approximate(r, state, z);
+        Vector q = z;
+        f8 weight = inner(r, q);
+        for (Index done = 0; done < MAX_PASSES; ++done) {
+            bend(B, planes(q.data()), h, mu, made, tile);
+            for (Index m = 0; m < M; ++m) Hq[m] = D[m] * q[m] + made_at(m);
+            const f8 a = weight / inner(q, Hq);
+            f8 rest = 0.0;
+            for (Index m = 0; m < M; ++m) {
+                d[m] += a * q[m];
+                r[m] -= a * Hq[m];
+                rest += power(r[m]);
+            }
+            if (rest <= enough * enough || (done >= MIN_PASSES && late())) return;
+            approximate(r, state, z);
+            const f8 last = weight;
+            weight = inner(r, z);
+            for (Index m = 0; m < M; ++m) q[m] = z[m] + (weight / last) * q[m];
+        }
+    }
+};
+
+inline Index ascend(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, View<f4, 2> h,
+                    View<f8, 2> made, View<f4, 3> tile, View<f4, 3> L, View<f8, 1> found, nb::handle spent) {
+    const Index M = B.shape[0], N = B.shape[1], K = M + M % 2;
+    require(p.size() == M && D.size() == M && y.size() == M && found.size() >= 6, "ascend: the shapes differ");
+    require(h.shape[0] == 3 && h.shape[1] == N && made.shape[0] == 2 && made.shape[1] == M, "ascend: the shapes differ");
+    solving::require_tile(tile, M);
+    require(L.shape[0] == 2 && (L.size() == 0 || (L.shape[1] == K && L.shape[2] == K)), "ascend: no room for the factor");
+    require(mu > 0.0f, "ascend: mu is not positive");
+    Ascent ascent{B, p, D, mu, y, h, made, tile, L, spent};
+    f8& state = found[5];
+    f8 size = 0.0;
+    for (Index m = 0; m < M; ++m) size += power(p[m]);
+    size = std::sqrt(size);
+    Vector at(y.data, y.data + M), F(M), d(M), none(M);
+    f8 value = ascent.look(at, 0.0, none, F), missed = std::sqrt(inner(F, F));
+    Index steps = 0;
+    while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
+        if (state == 0.0 && L.size()) {
+            couple(B, D, h, mu, tile, L);
+            state = decompose(L) ? 1.0 : -1.0;
+        }
+        ascent.direction(F, std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0), state, d);
+        const f8 slope = inner(F, d), before = value;
+        std::copy(y.data, y.data + M, at.begin());
+        f8 step = 1.0;
+        for (; step > MIN_STEP; step /= 2.0)
+            if ((value = ascent.look(at, step, d, F)) >= before + ARMIJO * step * slope) break;
+        if (step <= MIN_STEP) {
+            ascent.look(at, 0.0, none, F);
+            break;
+        }
+        ++steps;
+        missed = std::sqrt(inner(F, F));
+    }
+    f8 dual = -ascent.cost, primal = 0.0;
+    for (Index m = 0; m < M; ++m) {
+        dual += y[m].real() * p[m].real() + y[m].imag() * p[m].imag() - 0.5 * D[m] * power(y[m]);
+        primal += power(p[m] - ascent.made_at(m)) / D[m];
+    }
+    f8 strength = 0.0;
+    Index held = 0;
+    for (Index n = 0; n < N; ++n) {
+        const f8 squared = square(static_cast<f8>(h(0, n))) + square(static_cast<f8>(h(1, n)));
+        strength += squared;
+        held += squared > HELD * HELD ? 1 : 0;
+    }
+    found[0] = missed <= STOP_RESIDUAL * size ? 1.0 : 0.0;
+    found[1] = dual;
+    found[2] = 0.5 * (primal + mu * strength);
+    found[3] = static_cast<f8>(held);
+    found[4] = missed;
+    return steps;
+}
+
+inline void start(View<const f8, 1> t, View<const f8, 1> phases, View<const bool, 1> beside, f8 scale, f8 quiet, View<const c16, 1> warm,
+                  View<const f8, 1> before, f8 factor, View<c16, 1> p, View<f8, 1> D, View<c16, 1> y) {
+    const Index M = t.size();
+    require(phases.size() == M && beside.size() == M && p.size() == M && D.size() == M && y.size() == M, "start: the shapes differ");
+    require(!warm.size() || (warm.size() == M && before.size() == M), "start: the shapes differ");
+    for (Index m = 0; m < M; ++m) {
+        p[m] = std::polar(scale * t[m], phases[m]);
+        D[m] = beside[m] ? 1.0 / quiet : 1.0;
+        y[m] = warm.size() ? warm[m] * std::polar(factor, phases[m] - before[m]) : c16(0.0);
+    }
+}
+
+inline void define_ascend(nb::module_& m) {
+    kernel(m, "ascend", &ascend,
+           "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
+           "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. h, made, tile:\n"
+           "as of `evaluate`; h is that of y in the end. L: room for the preconditioner, (2, K, K) with K = M rounded up to 2; of\n"
+           "size 0 for none. found: whether ||F|| <= 0.005 ||p||; the dual's value; 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2;\n"
+           "the number of gains at their limit; ||F||; and the state of L, which later calls for the same B and D keep: 0 at\n"
+           "first. spent: returns whether the time is up, asked after the first step and after some products of each.",
+           "B", "p", "D", "mu", "y", "h", "made", "tile", "L", "found", "spent");
+    kernel(m, "start", &start,
+           "Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.\n\n"
+           "t: amplitudes [Pa], phases: [rad], beside: whether a sample is silent, (M,). scale: factor on t. quiet: weight of silent\n"
+           "samples. warm, before: earlier multipliers and phases, which turn together, (M,), or of size 0 for none. factor: on\n"
+           "these multipliers.",
+           "t", "phases", "beside", "scale", "quiet", "warm", "before", "factor", "p", "D", "y");
+}
+
+}  // namespace pacinian::lagrange

@@ -1,0 +1,122 @@
+"""The kernel `ascend`: its numbers are those of NumPy in double precision, and it stops when the time is up."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.testing import ManualClock
+from pacinian_plugins.solvers.lagrange.regions import Ascent, Space
+
+from ..problems import ARRAY
+
+STRIDE = 4  # of the transducers in the preconditioner
+MU = 5e-3
+
+
+def problem(seed, M, level):
+    """B, targets, D and mu in units of the limit; `level` 1 is about as much as the array can make."""
+    rng = np.random.default_rng(seed)
+    q = np.c_[rng.uniform(-0.02, 0.02, (M, 2)), np.full(M, 0.15)]
+    B = pc.matrix(ARRAY, q).astype(np.complex64)
+    p = level * np.abs(B).sum(axis=1).mean() / 3 * rng.uniform(0.5, 1.0, M)
+    silent = rng.random(M) < 0.2
+    silent[0] = False
+    p = np.where(silent, 0.0, p) * np.exp(1j * pc.joint_phases(ARRAY, q))
+    mu = MU * float((np.abs(B) ** 2).sum()) / M
+    return B, p, np.where(silent, 50.0, 1.0), mu
+
+
+def run(B, p, D, mu, y, budget=None):
+    space = Space.of(*B.shape)
+    ascent = Ascent(B, p, D, y, mu, space, budget or pc.Budget())
+    ascent.run()
+    return ascent, space
+
+
+def gains(B, y, mu):
+    """h(B^H y) and |B^H y|."""
+    x = B.astype(complex).conj().T @ y
+    return x / np.maximum(np.abs(x), mu), np.abs(x)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from([2, 3, 31, 64]), st.floats(0.02, 1.5))
+def test_results_are_those_of_numpy(seed, M, level):
+    B, p, D, mu = problem(seed, M, level)
+    ascent, space = run(B, p, D, mu, np.zeros(M, complex))
+    h, size = gains(B, ascent.y, mu)
+    made = B.astype(complex) @ h
+    missed = np.linalg.norm(p - D * ascent.y - made) / np.linalg.norm(p)
+    cost = np.where(size <= mu, size**2 / (2 * mu), size - mu / 2).sum()
+    dual = np.vdot(ascent.y, p).real - np.vdot(ascent.y, D * ascent.y).real / 2 - cost
+    primal = (np.vdot(p - made, (p - made) / D).real + mu * np.vdot(h, h).real) / 2
+    whole = np.linalg.norm(p) ** 2
+    assert ascent.met == (missed < 5e-3) or missed == pytest.approx(5e-3, rel=0.02)
+    np.testing.assert_allclose(
+        space.made[0] + 1j * space.made[1], made, atol=2e-4 * abs(made).max()
+    )
+    assert ascent.proof == pytest.approx((dual, primal), abs=2e-4 * whole)
+    assert abs(ascent.held - (np.abs(h) > 1 - 1e-5).sum()) <= 0.01 * B.shape[1]
+
+
+@pytest.mark.parametrize("M", [2, 3, 50, 63])
+def test_preconditioner_is_the_cholesky_factor_of_every_fourth_transducer(M):
+    B, p, D, mu = problem(1, M, 0.5)
+    y = 0.01 * p
+    _, size = gains(B, y, mu)
+    some, size = B[:, ::STRIDE].astype(complex), size[::STRIDE]
+    weight = np.where(size > mu, 0.5 / np.maximum(size, mu), 1 / mu)
+    whole = np.diag(D) + (some * (weight * B.shape[1] / len(size))) @ some.conj().T
+    _, space = run(B, p, D, mu, y.copy())
+    factor = np.tril(space.factor[0] + 1j * space.factor[1])[:M, :M].astype(complex)
+    assert space.found[5] == 1.0
+    difference = factor @ factor.conj().T - whole
+    assert np.abs(difference).max() < 1e-4 * np.abs(whole).max()
+
+
+def test_without_time_it_takes_one_step_and_the_next_call_goes_on():
+    B, p, D, mu = problem(2, 40, 1.0)
+    clock = ManualClock()
+    budget = pc.Budget.until(0.0, clock.now)
+    whole, _ = run(B, p, D, mu, np.zeros(40, complex))
+    ascent, space = run(B, p, D, mu, np.zeros(40, complex), budget)
+    assert ascent.steps == 1 < whole.steps
+    for _ in range(20):
+        ascent, space = run(B, p, D, mu, ascent.y, budget)
+    assert ascent.met
+    assert space.found[1] == pytest.approx(whole.proof[0], rel=0.01)
+
+
+class Counts(pc.Budget):
+    """A budget without end that counts how often it is asked."""
+
+    asked = 0
+
+    @property
+    def spent(self):
+        Counts.asked += 1
+        return False
+
+
+def test_it_asks_for_the_time_as_often_in_each_run():
+    B, p, D, mu = problem(3, 40, 1.0)
+    counts = []
+    for _ in range(2):
+        Counts.asked = 0
+        run(B, p, D, mu, np.zeros(40, complex), Counts())
+        counts.append(Counts.asked)
+    assert counts[0] == counts[1] > 0
+
+
+def test_what_a_clock_raises_ends_the_call():
+    B, p, D, mu = problem(4, 40, 1.0)
+
+    class Fails(pc.Budget):
+        @property
+        def spent(self):
+            raise RuntimeError("no clock")
+
+    with pytest.raises(RuntimeError, match="no clock"):
+        run(B, p, D, mu, np.zeros(40, complex), Fails())
