@@ -3,6 +3,27 @@
 `__init__.pyi`, beside this file, lists the public names. Each is imported when it is first used.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+MODULES = "plot", "testing"  # public modules that are imported by themselves
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name. Raises AttributeError, which suggests the names that are meant."""
+    if name in __all__:
+        return _find(name)
+    raise AttributeError(f"module 'pacinian' has no attribute {name!r}{_suggest(name)}")
+
+
+def _suggest(name: str) -> str:
+    if name in MODULES:
+        return f": write `from pacinian import {name}` first"
+    import difflib
+
+    known = {known.lower().replace("_", ""): known for known in reversed(__all__)}
+    plain = name.lower().replace("_", "")
+    close = difflib.get_close_matches(plain, known, 3, 0.7)
+    return f": did you mean {' or '.join(repr(known[word]) for word in close)}?" if close else ""

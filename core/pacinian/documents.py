@@ -32,7 +32,8 @@ def decode_document(path: Path, kind: type[S]) -> S:
     except msgspec.ValidationError as error:
         problem, _, key = str(error).rpartition(" - at `$")
         problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
-        raise SceneFileError(path, key, problem + _advice(kind, problem, key)) from error
+        raw = _decode_plain(path, text)
+        raise SceneFileError(path, key, problem + _advice(kind, problem, key, raw)) from error
     except (msgspec.DecodeError, ValueError, RecursionError) as error:
         raise SceneFileError(path, "", f"is not {path.suffix[1:].upper()}: {error}") from error
     return file
@@ -62,17 +63,63 @@ def read_bytes(path: Path, *suffixes: str, largest: int = MAX_BYTES) -> bytes:
     return text.removeprefix(codecs.BOM_UTF8)
 
 
-def _advice(kind: type[Struct], problem: str, key: str) -> str:
-    """Suggest a correction for an unknown key, type or word."""
+def _decode_plain(path: Path, text: bytes) -> object:
+    """Return a file's contents without types; None if only a part of it is TOML or JSON."""
+    try:
+        return (msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode)(text)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        return None
+
+
+def _advice(kind: type[Struct], problem: str, key: str, raw: object) -> str:
+    """Suggest a correction for an unknown key, type or word; raw: the file's contents."""
+    tags = _list_tags(kind, key, raw)
+    if tags and problem.startswith("Expected `object`"):
+        return f': write {{ type = "...", ... }}, where the type is one of {", ".join(tags)}'
     unknown = re.search(r"unknown field `(.*)`|Invalid (?:enum )?value '(.*)'", problem)
     if not unknown:
         return ""
     word = next(group for group in unknown.groups() if group is not None)
+    if tags and key.endswith(".type"):
+        if close := difflib.get_close_matches(word, tags, 1, 0.6):
+            return f": did you mean `{close[0]}`?"
+        return f": there are {', '.join(tags)}"
     words = _words(kind, re.split(r"[.\[]", key + ".")[1])
     if close := difflib.get_close_matches(word, words, 1, 0.6):
         return f": did you mean `{close[0]}`?"
     known = "see `pacinian schema` for what there is"
     return f": {known if kind.__name__ == 'SceneFile' else 'there are ' + ', '.join(words)}"
+
+
+def _list_tags(kind: type[Struct], key: str, raw: Any) -> list[str]:
+    """Return the types that are allowed at a key such as `$.objects[0].shape.type`; none if it has no types."""
+    schema = _schema(kind)
+    node: Any = {"$ref": schema["$ref"]}
+    try:
+        for name, index in re.findall(r"\.([\w-]+)|\[(\d+)\]", key.removesuffix(".type")):
+            if index:
+                node, raw = node["items"], raw[int(index)]
+                continue
+            mapping = _find_tags(node)
+            reference = mapping[raw["type"]] if mapping else node["$ref"]
+            node = schema["$defs"][reference.removeprefix("#/$defs/")]["properties"][name]
+            raw = raw.get(name)
+        return list(_find_tags(node))
+    except (LookupError, TypeError, AttributeError):
+        return []
+
+
+def _find_tags(node: Any) -> dict[str, str]:
+    """Return the types that a part of a schema distinguishes, each with its definition."""
+    if "discriminator" in node:
+        found: dict[str, str] = node["discriminator"]["mapping"]
+        return found
+    return {tag: way for part in node.get("anyOf", ()) for tag, way in _find_tags(part).items()}
+
+
+@functools.cache
+def _schema(kind: type[Struct]) -> dict[str, Any]:
+    return msgspec.json.schema(kind)
 
 
 def json_schema(kind: type[Struct], title: str) -> dict[str, Any]:

@@ -54,3 +54,28 @@ def test_all_is_the_table_of_contents() -> None:
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="nonsense"):
         pacinian.nonsense  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("pose", "did you mean 'Pose'"),
+        ("Autd", "did you mean 'autd'"),
+        ("radiation_presure", "'radiation_pressure'"),
+        ("load_scenefile", "'load_scene_file'"),
+        ("plot", "from pacinian import plot"),
+        ("qqqq", "no attribute 'qqqq'"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(name: str, said: str) -> None:
+    code = (
+        "import pacinian as pc\ntry: pc." + name + "\nexcept AttributeError as error: print(error)"
+    )
+    text = fresh(code)
+    assert said in text
+    assert ("did you mean" in text) is (name not in ("plot", "qqqq"))
+
+
+def test_hasattr_and_getattr_work_for_missing_names() -> None:
+    assert not hasattr(pacinian, "no_such_name")
+    assert getattr(pacinian, "no_such_name", 1) == 1

@@ -1,5 +1,6 @@
 """The session: arguments, state, and what it guarantees whatever a solver does."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -253,3 +254,24 @@ def test_a_solver_that_returns_no_result_is_named() -> None:
 
     with pytest.raises(pc.ArgumentError, match="mute"):
         pc.solve(ARRAY, POINT, [1.0], solver=Mute())
+
+
+def test_one_number_is_the_amplitude_of_all_points() -> None:
+    points = [[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]]
+    for amplitude in (90.0, 90, np.float32(90.0), np.array(90.0)):
+        solution = pc.solve(ARRAY, points, amplitude)
+        assert (solution.targets.amplitudes == 90.0).all()
+        assert np.abs(solution.sound_pressure) == pytest.approx([90.0, 90.0], rel=0.01)
+
+
+def test_one_point_may_have_shape_3() -> None:
+    for point in ((0.0, 0.0, 0.15), [0, 0, 0.15], np.array([0.0, 0.0, 0.15])):
+        one = pc.solve(ARRAY, point, 300.0)
+        assert one.points.shape == (1, 3)
+        assert one.gains == pytest.approx(pc.solve(ARRAY, [[0.0, 0.0, 0.15]], [300.0]).gains)
+
+
+@pytest.mark.parametrize("amplitude", [math.nan, -1.0, math.inf, "loud", 1j, None, 1e40, [1.0]])
+def test_an_amplitude_that_cannot_be_is_refused(amplitude: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match="`amplitudes`"):
+        pc.solve(ARRAY, [[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]], amplitude)

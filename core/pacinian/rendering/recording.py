@@ -163,10 +163,38 @@ class Recording:
                 self.path, f"has settings from which no array can be made: {error}"
             ) from error
 
+    def __repr__(self) -> str:
+        try:
+            ticks = f"{len(self):,} ticks"
+        except RecordingError:
+            ticks = "damaged"
+        N, rate = len(self.positions), self.capability.rate
+        return f"<Recording {self.path}: {ticks}, {N} transducers, device at {rate:g} Hz>"
+
+    def __len__(self) -> int:
+        """Return the number of ticks, without a last one that is cut short. Raises RecordingError."""
+        count = 0
+        try:
+            with self.path.open("rb") as file:
+                maps = msgpack.Unpacker(file, max_buffer_size=MAX_MAP_BYTES)
+                while True:
+                    maps.skip()
+                    count += 1
+        except msgpack.OutOfData:
+            return max(0, count - 1)  # without the header
+        except OSError as error:
+            raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
+        except Exception as error:  # damaged bytes can raise anything
+            raise RecordingError(self.path, f"is damaged: {error}") from error
+
+    def __bool__(self) -> bool:
+        return True
+
     @card
     def _repr_html_(self) -> Card:
         rows = {
             "file": f"{self.path}, {self.path.stat().st_size / 1e6:.3g} MB",
+            "ticks": f"{len(self):,}",
             "array": f"{len(self.positions)} transducers",
             "device": self.capability,
         }

@@ -93,6 +93,8 @@ class Renderer:
     ) -> None:
         if not (isinstance(scene, Scene) or callable(scene)):
             raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")
+        if isinstance(scene, Scene):
+            scene.check_files()
         self.scene = scene
         self.clock = clock or SystemClock()
         self.tape = RecordingClock(self.clock.now)
@@ -118,6 +120,20 @@ class Renderer:
         self._emitter = FailSafeOutput(made, self._stages)
         self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
         self._opened = False
+
+    def __repr__(self) -> str:
+        report, fault = self.report, self.halted
+        count = (
+            f"{len(self.scene.objects)} objects"
+            if isinstance(self.scene, Scene)
+            else "a moving scene"
+        )
+        halted = "" if fault is None else f", halted: {fault}"
+        return (
+            f"<Renderer of {count} by {self.session.solver.name} on {type(self.backend).__name__}, "
+            f"{len(self.session.array)} transducers, {1.0 / self.period:g} Hz: "
+            f"{report.ticks:,} ticks, {report.late_ticks:,} late{halted}>"
+        )
 
     @property
     def backend(self) -> Backend:

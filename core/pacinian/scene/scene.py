@@ -6,9 +6,11 @@ import functools
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
+from pathlib import Path as PathOfFile
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from msgspec import Struct
 
 from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
@@ -19,7 +21,7 @@ from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volu
 from pacinian.scene.setup import Workspace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from pacinian.types import Floats
 
@@ -107,6 +109,16 @@ class Scene:
         """Bounding spheres of the objects, (objects, 8): centre [m], velocity [m/s], time [s], radius [m]."""
         return _bounds(self.objects)
 
+    def check_files(self) -> None:
+        """Refuse objects whose files (waves, meshes, pictures) do not exist. Raises ArgumentError, which names them."""
+        for number, item in enumerate(self.objects):
+            for field, file in _find_files(item):
+                if not PathOfFile(file).is_file():
+                    name = repr(item.name) if item.name else f"number {number}"
+                    raise ArgumentError(
+                        field, f"of object {name} needs {file}, which is not there, or not a file"
+                    )
+
     @functools.cached_property
     def _index(self) -> dict[str, int]:
         return {item.name: i for i, item in enumerate(self.objects) if item.name}
@@ -149,6 +161,18 @@ class Scene:
         made = object.__new__(Scene)
         made.__dict__.update(objects=objects, workspace=self.workspace, hands=self.hands, **cached)
         return made
+
+
+def _find_files(part: Struct, field: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the files of an object and its parts, each with the object's field that needs it."""
+    for name in part.__struct_fields__:
+        value = getattr(part, name)
+        if name == "file" and isinstance(value, str) and value:
+            yield field, value
+        for inner in value if isinstance(value, tuple) else (value,):
+            if not isinstance(inner, Struct):
+                break  # tuples are of one kind, and may be long
+            yield from _find_files(inner, field or name)
 
 
 def _kind(item: Object) -> str:

@@ -7,13 +7,15 @@ refuses messages that are nested deeper than Python's recursion limit. If a key 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import msgspec
+import numpy as np
 from msgspec import Struct
 from msgspec.msgpack import Decoder, Encoder
 
 from pacinian.errors import WireError
+from pacinian.wire import shapes, time
 from pacinian.wire.commands import AnyCommand
 from pacinian.wire.control import CONTROLS, AnyControl
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES, MAX_REPLY_BYTES, Id
@@ -37,13 +39,36 @@ WRONG = (
 )
 
 
+def _list_tags(*unions: Any) -> list[str]:
+    """Return the types of the structs in some unions, in order and once."""
+    structs = [kind for union in unions for kind in get_args(union) if isinstance(kind, type)]
+    tags = [str(kind.__struct_config__.tag) for kind in structs if issubclass(kind, Struct)]
+    return list(dict.fromkeys(tags))
+
+
+TAGS = {
+    "shape": _list_tags(shapes.Shell, shapes.Solid, shapes.Curve),
+    "along": _list_tags(shapes.Curve),
+    "envelope": _list_tags(time.Envelope),
+    "technique": _list_tags(time.Technique),
+}
+"""Types of the parts of objects, by the name of the field."""
+
+
 class _Known(Struct):
     """The only field that is read from an invalid message."""
 
     id: Id = 0
 
 
-_encoder = Encoder()
+def _make_plain(value: object) -> object:
+    """Return a NumPy scalar as a number of Python. Raises TypeError for other values."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"a value of type {type(value).__name__} cannot be sent")
+
+
+_encoder = Encoder(enc_hook=_make_plain)
 _commands: Decoder[AnyCommand] = Decoder(AnyCommand)
 _controls: Decoder[AnyControl] = Decoder(AnyControl)
 _replies: Decoder[AnyReply | State] = Decoder(AnyReply | State)
@@ -123,4 +148,8 @@ def _convert_error(error: Any) -> WireError:
     path = path.rstrip("`").removeprefix("key` in `")
     if field := FIELD.match(problem):
         path = f"{path}.{field[1]}"
+    if problem.startswith("Invalid value '") and path.endswith(".type"):
+        kind = path.removesuffix(".type").rpartition(".")[2]
+        if known := TAGS.get(kind):
+            problem = f"{problem[: PROBLEM // 3]}: there are {', '.join(known)}"
     return WireError(problem[:PROBLEM], path[:PATH])

@@ -57,6 +57,28 @@ def alike(a: pc.Frame, b: pc.Frame) -> bool:
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)
 
 
+def test_its_length_is_the_number_of_its_ticks(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    record(path, ticks=7)
+    recording = pc.Recording(path)
+    assert len(recording) == len(list(recording.ticks())) == 7
+    assert repr(recording) == f"<Recording {path}: 7 ticks, 36 transducers, device at 1000 Hz>"
+    whole = path.read_bytes()
+    for cut in (1, 100):  # the last tick is not whole
+        path.write_bytes(whole[:-cut])
+        assert len(pc.Recording(path)) == len(list(pc.Recording(path).ticks()))
+    path.write_bytes(whole[: whole.index(b"sequence") - 2])
+    assert len(pc.Recording(path)) == 0
+    assert pc.Recording(path)
+    path.write_bytes(whole + b"\xc1")
+    assert "damaged" in repr(recording)
+    with pytest.raises(pc.RecordingError, match="damaged"):
+        len(recording)
+    path.unlink()
+    with pytest.raises(pc.RecordingError, match="read"):
+        len(recording)
+
+
 @pytest.mark.parametrize("rows", [1, 3])
 def test_every_tick_is_there(tmp_path: Path, rows: int) -> None:
     sent = record(tmp_path / "run.pac", rows=rows)

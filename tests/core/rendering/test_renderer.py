@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.errors import MAX_TEXT
@@ -768,3 +769,40 @@ def test_ticks_without_time_to_solve_do_not_end_it_for_those_that_have(busy: ran
     assert errors[-1] < 1e-3
     assert renderer.player.steady
     assert renderer.report.solves < 40
+
+
+def test_its_text_says_what_it_renders_and_how_it_goes() -> None:
+    renderer = pc.Renderer(ARRAY, pc.Scene((POINT,)), clock=ManualClock())
+    assert repr(renderer).startswith("<Renderer of 1 objects by auto on Simulated, ")
+    assert f"{len(ARRAY)} transducers, 1000 Hz: 0 ticks, 0 late>" in repr(renderer)
+    renderer.run(0.003)
+    assert ": 3 ticks, " in repr(renderer)
+    assert "halted" not in repr(renderer)
+    assert "a moving scene" in repr(pc.Renderer(ARRAY, lambda t: pc.Scene()))
+    samples = renderer.samples
+    assert samples is not None
+    assert repr(samples).startswith("<1 samples of 1 objects, ")
+    assert "Pa, " in repr(samples)
+    assert repr(pc.Sampler().sample(pc.Scene())) == "<0 samples of 0 objects>"
+
+
+@pytest.mark.parametrize(
+    ("item", "field", "file"),
+    [
+        (
+            replace(POINT, envelope=pc.Wave("no.wav"), name="bell"),
+            "envelope",
+            "'bell' needs no.wav",
+        ),
+        (pc.Volume(shape=pc.Mesh("no.stl"), force=0.1), "shape", "number 0 needs no.stl"),
+        (
+            pc.Volume(shape=pc.Union((pc.Sphere(0.01), pc.Placed(pc.Mesh("no.obj")))), force=0.1),
+            "shape",
+            "needs no.obj",
+        ),
+    ],
+)
+def test_a_missing_file_is_told_before_the_run(item: Any, field: str, file: str) -> None:
+    with pytest.raises(pc.ArgumentError, match=file) as caught:
+        pc.Renderer(ARRAY, pc.Scene((item,)))
+    assert caught.value.argument == field

@@ -546,7 +546,7 @@ HERE = "$.objects[0]"
         (POINT + "forc = 1", HERE, ["forc", "did you mean `force`?"]),
         (POINT.replace("point", "pont"), f"{HERE}.type", ["pont", "did you mean `point`?"]),
         (UNION_OF_DISC, f"{HERE}.shape.parts[0].type", ["disc"]),
-        (SURFACE + "shape = { type = 'cube' }", f"{HERE}.shape.type", ["cube", "schema"]),
+        (SURFACE + "shape = { type = 'cube' }", f"{HERE}.shape.type", ["cube", "there are rectangle, disc"]),
         (BUZZ + "{ type = 'sin', frequency = 1 }", f"{HERE}.envelope.type", ["`sine`?"]),
         (BUZZ + "'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
         # what is missing or of another kind
@@ -593,6 +593,22 @@ HERE = "$.objects[0]"
         (NO_HEIGHTS, f"{HERE}.shape", ["no.npy"]),
         (DISC + "texture = { file = 'no.png', size = [1, 1] }", f"{HERE}.texture", ["no.png"]),
         (DISC + "envelope = { type = 'wave', file = 'hand.stl' }", f"{HERE}.envelope", ["WAV"]),
+        # kinds that there are not, or not here
+        (SURFACE + "shape = { type = 'dsc' }", f"{HERE}.shape.type", ["did you mean `disc`"]),
+        (
+            SURFACE + "shape = { type = 'banana' }",
+            f"{HERE}.shape.type",
+            ["rectangle, disc, sphere"],
+        ),
+        (
+            SURFACE + "shape = { type = 'box', size = [1, 1, 1] }",
+            f"{HERE}.shape.type",
+            ["height-map"],
+        ),
+        (SURFACE + "shape = 'disc'", f"{HERE}.shape", ['type = "..."', "rectangle, disc, sphere"]),
+        (DISC + "envelope = { type = 'melody' }", f"{HERE}.envelope.type", ["noise, wave"]),
+        ("[[objects]]\ntype = 'cloud'", f"{HERE}.type", ["point, path, particles"]),
+        ("array = { type = 'ring' }", "$.array.type", ["autd, lattice, device"]),
         # what several share
         (POINT + "force = 1\nname = 'a'\n" + POINT + "force = 1\nname = 'a'", "$", ["'a'"]),
         ("hands = [{ side = 'right' }, { side = 'right' }]", "$", ["`hands`", "'right'"]),

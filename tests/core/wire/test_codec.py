@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import msgpack
 import msgspec
+import numpy as np
 import pytest
 
 from pacinian.errors import WireError
-from pacinian.wire import commands, control, objects, protocol, replies, shapes, state
+from pacinian.wire import codec, commands, control, objects, protocol, replies, shapes, state
 from pacinian.wire.codec import (
     check_part,
     decode_command,
@@ -279,3 +280,57 @@ def test_a_part_is_checked_by_its_path() -> None:
     with pytest.raises(WireError) as caught:
         check_part(decoder, objects.Material(-1.0), "$.material")
     assert caught.value.path == "$.material.stiffness"
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.float16, np.int64, np.uint8])
+def test_numpy_s_scalars_are_numbers(kind: Any) -> None:
+    plain = objects.Point(position=(0.0, 0.0, 0.25), radiation_pressure=2.0)
+    x, y, z = kind(0), kind(0), np.float64(0.25)
+    numpy = objects.Point(position=(x, y, z), radiation_pressure=kind(2))
+    one, two = (
+        commands.Put(session=bytes(16), sequence=1, time=0.0, objects={"a": p})
+        for p in (plain, numpy)
+    )
+    assert decode_command(encode(two)) == decode_command(encode(one))
+
+
+def test_a_truth_of_numpy_is_a_truth() -> None:
+    values = msgspec.msgpack.decode(codec._encoder.encode([np.bool_(True), np.str_("a")]))
+    assert values == [True, "a"]
+
+
+@pytest.mark.parametrize("value", [np.ones(2), object(), 1j, np.complex128(1j), {1, 2}.__iter__])
+def test_other_values_are_refused_with_their_kind(value: Any) -> None:
+    point = objects.Point(position=(0.0, 0.0, 0.2), radiation_pressure=value)
+    with pytest.raises(WireError):
+        encode(commands.Put(session=bytes(16), sequence=1, time=0.0, objects={"a": point}))
+
+
+@pytest.mark.parametrize(
+    ("field", "known"),
+    [
+        ("shape", ["rectangle", "disc", "sphere", "height-map", "mesh", "box", "union", "line"]),
+        ("envelope", ["sine", "wave", "noise"]),
+        ("technique", ["am", "stm", "lm", "simultaneous"]),
+    ],
+)
+def test_a_misspelt_type_is_answered_with_those_that_there_are(
+    field: str, known: list[str]
+) -> None:
+    surface = {
+        "type": "surface",
+        "shape": {"type": "disc", "radius": 0.01},
+        "radiation_pressure": 1.0,
+    }
+    surface[field] = {"type": "bananaa"}
+    message = {
+        "type": "put",
+        "session": bytes(16),
+        "sequence": 1,
+        "time": 0.0,
+        "objects": {"a": surface},
+    }
+    error = refused(decode_command, msgspec.msgpack.encode(message), f"$.objects[...].{field}.type")
+    for name in known:
+        assert name in error.problem
+    assert len(error.problem) <= codec.PROBLEM

@@ -95,7 +95,8 @@ class Wave(
         try:
             stat = Path(self.file).stat()
         except (OSError, ValueError) as error:
-            raise ArgumentError("wave", f"{self.file} cannot be read: {error}") from error
+            problem = error.strerror if isinstance(error, OSError) else error
+            raise ArgumentError("wave", f"{self.file} cannot be read: {problem}") from error
         return _load(self.file, stat.st_mtime_ns, stat.st_size, self.loop, self.mode)
 
 

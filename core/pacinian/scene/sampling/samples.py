@@ -49,6 +49,13 @@ class Samples:
         """Total force of the samples [N]."""
         return float(self.radiation_pressure @ self.area)
 
+    def __repr__(self) -> str:
+        P = self.radiation_pressure
+        felt = (
+            f", {P.min():.3g} to {P.max():.3g} Pa, {1e3 * self.force:.3g} mN" if len(self) else ""
+        )
+        return f"<{len(self)} samples of {len(set(self.objects.tolist()))} objects{felt}>"
+
     @card
     def _repr_html_(self) -> Card:
         P, items = self.radiation_pressure, len(set(self.objects.tolist()))
