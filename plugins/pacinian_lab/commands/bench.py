@@ -12,6 +12,7 @@ from click.core import ParameterSource
 from pacinian_lab.commands.bench_devices import devices
 from pacinian_lab.commands.bench_expiry import expiry
 from pacinian_lab.commands.bench_faults import faults, hostile
+from pacinian_lab.commands.bench_footprint import footprint
 from pacinian_lab.commands.bench_regions import regions
 from pacinian_lab.commands.bench_scenes import scenes
 from pacinian_lab.commands.bench_server import bus
@@ -243,5 +244,5 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-for command in (scenes, regions, bus, view, devices, expiry, faults, hostile):
+for command in (scenes, regions, bus, view, devices, expiry, footprint, faults, hostile):
     bench.add_command(command)

@@ -1,0 +1,122 @@
+"""Measure what a server takes from a game: the wait until it is ready, its memory, and its share of the processor."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from typing import TYPE_CHECKING
+
+import psutil
+from msgspec import Struct
+
+from pacinian.acoustics.pose import Pose
+from pacinian.client.client import Client
+from pacinian.errors import Refused
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Volume
+from pacinian.scene.setup import Units
+from pacinian.scene.shapes import Sphere
+from pacinian.serving.settings import Log, Settings
+from pacinian.testing import run_server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+UPDATE_INTERVAL = 1.0 / 90.0  # of the game [s]
+SETTLE = 3.0  # before each window, until the spare guard is ready and ramps have ended [s]
+LOOP = 1_000_000  # additions of the calibration loop
+BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
+STATES = "idle", "armed", "moved", "hand"
+
+
+class Row(Struct, frozen=True):
+    """A server in one state.
+
+    state: nothing armed (idle); a still ball without hands (armed); the ball moved at 90 Hz (moved); a hand moved over
+    the ball at 90 Hz (hand). ready: from the start until clients can connect [s]. memory: PSS of each process [MB].
+    cores: share of a processor of each process. calibration: processor time of a fixed Python loop just before [s]:
+    compare machines by `ready / calibration`. The game's own work is not included, but its messages are.
+    """
+
+    state: str
+    ready: float
+    memory: dict[str, float]
+    cores: dict[str, float]
+    calibration: float
+
+
+def measure(side: int, seconds: float, rounds: int = 1) -> Iterator[Row]:
+    """Yield a row for each state of `rounds` servers of `side` x `side` units, from windows of `seconds` [s].
+
+    Raises ServerError.
+    """
+    settings = Settings(array=Units(side, side), log=Log(level="warning"))
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        with run_server(settings) as server:
+            ready = time.perf_counter() - begin
+            window = partial(_window, server.process.pid, ready, seconds)
+            yield window("idle", time.sleep)
+            with Client(server.connection, name="game") as game:
+                game.put(BALL)
+                game.arm()
+                for state in STATES[1:]:
+                    yield window(state, partial(_play, game, state))
+
+
+def calibrate() -> float:
+    """Return the processor time of a fixed Python loop [s]."""
+    begin, total = time.process_time(), 0
+    for i in range(LOOP):
+        total += i
+    return time.process_time() - begin
+
+
+def _window(
+    pid: int, ready: float, seconds: float, state: str, play: Callable[[float], object]
+) -> Row:
+    calibration = calibrate()
+    play(SETTLE)
+    processes = list_processes(pid)
+    before, begin = _times(processes), time.perf_counter()
+    play(seconds)
+    after, passed = _times(processes), time.perf_counter() - begin
+    cores = {name: round((after[name] - before[name]) / passed, 4) for name in processes}
+    memory = {name: round(_read_memory(each), 1) for name, each in processes.items()}
+    return Row(state, round(ready, 3), memory, cores, round(calibration, 4))
+
+
+def list_processes(pid: int) -> dict[str, psutil.Process]:
+    """Return the processes of the server whose first process is `pid`, by name; the younger guard is the spare."""
+    first = psutil.Process(pid)
+    found = {"control": first}
+    for child in sorted(first.children(), key=lambda child: (child.create_time(), child.pid)):
+        name = child.cmdline()[-1].removeprefix("pacinian.serving.").removesuffix(".process")
+        found["spare" if name in found else name] = child
+    return found
+
+
+def _times(processes: dict[str, psutil.Process]) -> dict[str, float]:
+    return {name: sum(each.cpu_times()[:2]) for name, each in processes.items()}
+
+
+def _read_memory(process: psutil.Process) -> float:
+    memory = process.memory_full_info()
+    return float(getattr(memory, "pss", memory.uss)) / 1e6
+
+
+def _play(game: Client, state: str, seconds: float) -> None:
+    """Renew the lease for `seconds` [s], and move what moves in this state."""
+    begin = now = time.perf_counter()
+    while now < begin + seconds:
+        x = 0.02 * ((now % 2.0) - 1.0)
+        try:
+            if state == "moved":
+                game.move("ball", Pose((x, 0.0, 0.175)), wait=False)
+            elif state == "hand":
+                game.hands(Hand.open("right", Pose((x, 0.0, 0.215))), wait=False)
+            game.renew()
+        except Refused:  # the game was late on a busy machine
+            game.arm()
+        time.sleep(UPDATE_INTERVAL)
+        now = time.perf_counter()
