@@ -86,6 +86,7 @@ bool ZmtpConnection::read(std::vector<std::uint8_t>& into) {
 bool ZmtpConnection::send(std::string_view body) {
   if (!has_room()) return false;
   output_.write_message(body);
+  is_full_ = output_.frames() >= settings_.max_frames;
   return true;
 }
 

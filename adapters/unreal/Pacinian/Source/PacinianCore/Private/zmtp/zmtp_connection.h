@@ -37,9 +37,11 @@ class ZmtpConnection {
   /// Why it has ended, for people; "" if the peer has closed it, or it has not ended.
   const std::string& problem() const { return problem_; }
 
-  /// Whether a message can be sent now.
+  /// Whether a message can be sent now. Once it was full there is room again when half of the frames are sent, so that
+  /// what a peer does not read stays where newer messages can take its place.
   bool has_room() const {
-    return is_established_ && ending_ == Ending::none && output_.frames() < settings_.max_frames;
+    const std::size_t limit = is_full_ ? settings_.max_frames / 2 + 1 : settings_.max_frames;
+    return is_established_ && ending_ == Ending::none && output_.frames() < limit;
   }
 
   /// Bytes were added to `input`, which were there at that time.
@@ -85,6 +87,7 @@ class ZmtpConnection {
   double unanswered_ = never;     // the first of our heartbeats since the peer was heard
   double peer_deadline_ = never;  // by the peer's last heartbeat, if nothing has come since
   bool is_established_ = false, is_in_message_ = false, is_wanted_ = false;
+  bool is_full_ = false;     // as of the last message that was sent
   bool is_cut_off_ = false;  // what comes after a fatal command is not read
   Ending ending_ = Ending::none;
   std::string problem_;
