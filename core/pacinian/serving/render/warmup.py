@@ -17,6 +17,7 @@ from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.serving.render.background_loader import load_object
+from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 
@@ -39,13 +40,17 @@ NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
 
 def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, rate: float) -> None:
-    """Render a few scenes of all kinds without a device, with and without quiet zones and a power limit."""
+    """Render a few scenes of all kinds without a device, with and without quiet zones and a power limit.
+
+    As in the loop, BLAS has one thread. With more, they wait for each other, and the warm-up takes twice the time.
+    """
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
     x, y, z = (place + 0.1).tolist()
     kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), QUIET),))
-    for scene, limits in product(_scenes(place), kinds):
-        _render(array, medium, solver, capability, rate, scene, limits)
+    with limit_blas_threads():
+        for scene, limits in product(_scenes(place), kinds):
+            _render(array, medium, solver, capability, rate, scene, limits)
 
 
 def _render(
