@@ -1,4 +1,4 @@
-"""The server: four processes that no client and no plug-in can keep loud. One folder each; none imports another.
+"""The server: five processes that no client and no plug-in can keep loud. One folder each; none imports another.
 
   server.py    starts and ends the server
   settings.py  contents of a configuration file

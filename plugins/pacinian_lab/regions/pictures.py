@@ -117,9 +117,9 @@ class Picture:
             panel.plot(x, made[middle], color=colour, linewidth=LINE, label=way)
         panel.set(
             xlabel=self.view.labels[0], ylabel="pressure [Pa]", title="along the middle",
-            xlim=(x[0], x[-1]), ylim=(0.0, 2.2 * self.pressure), box_aspect=1.0,
+            xlim=(x[0], x[-1]), ylim=(0.0, 2.2 * self.pressure),
         )  # fmt: skip
-        panel.legend(loc="upper center", framealpha=0.8)
+        panel.legend(loc="upper center", frameon=False, ncols=2)
 
 
 def draw_overview(pictures: Sequence[Picture]) -> Figure:
