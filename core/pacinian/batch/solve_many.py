@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import time
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
 MAX_PROBLEMS = 1_000_000  # problems in one call
 MAX_GAINS = 1 << 31  # gains of all solutions together: 16 GiB in single precision
 MAX_TRIED = 0.05  # time after which problems are no longer solved one by one [s]
-MAX_IN_THREADS = 3.0  # time for which starting processes does not pay [s]
+MAX_IN_THREADS = 2.0  # time for which starting processes does not pay [s]
+MIN_IN_PROCESSES = 3e-4  # time of a problem from which the transfer of its solution pays [s]
 MAX_PART = 0.1  # time of the problems that a process gets at once [s]
 
 
@@ -102,9 +104,10 @@ def solve_many(
     for `solve`. workers: number of problems solved at the same time; default: the number of cores.
 
     The gains are those of `solve`, bit for bit; with more than a million elements of B (M N), where BLAS would use all
-    cores for one problem, they may differ by rounding. Batches that take more than 3 s run in other processes, which
-    start in a second, because Python code of a solver does not run in two threads at once; others run in threads. The
-    solver must keep no state between calls. No solution depends on the time, so there is no deadline.
+    cores for one problem, they may differ by rounding. Batches that take more than 2 s also run in other processes,
+    which start in about a second, because Python code of a solver does not run in two threads at once; others, and
+    those of problems below 0.3 ms, run in threads. The solver must keep no state between calls. No solution depends on
+    the time, so there is no deadline.
     Raises what `solve` raises, with a note that gives the number of the problem; and PluginError if a process dies.
     """
     task = _check_task(
@@ -133,7 +136,8 @@ def _solve_all(task: Task, workers: int) -> list[Solution]:
         each = (time.perf_counter() - begin) / (first - 1)  # [s]
         rest = K - first
         workers = min(workers, rest)
-        packed = pack_task(task) if each * rest > MAX_IN_THREADS else None
+        long = each * rest > MAX_IN_THREADS and each > MIN_IN_PROCESSES
+        packed = pack_task(task) if long else None
         if packed is None:
             numbers = iter(range(first, K))  # shared by the threads: each takes the next number
             _run([lambda: _take(task, numbers, found)] * workers, numbers)
@@ -150,17 +154,19 @@ def _take(task: Task, numbers: Iterator[int], found: dict[int, Solution]) -> Non
 def _solve_in_processes(
     task: Task, packed: bytes, first: int, size: int, workers: int, found: dict[int, Solution]
 ) -> None:
-    """Solve the problems from `first` on in `workers` processes, `size` at once."""
+    """Solve the problems from `first` on in this process and in others, `workers` in all, `size` at once."""
     K = len(task.points)
     parts = iter([range(k, min(k + size, K)) for k in range(first, K, size)])
-    processes = [WorkerProcess(task, packed) for _ in range(workers)]
+    processes: list[WorkerProcess] = []
 
     def drain(process: WorkerProcess) -> None:
         for part in parts:
             found.update(process.solve(part))
 
     try:
-        _run([partial(drain, process) for process in processes], parts)
+        processes += (WorkerProcess(task, packed) for _ in range(workers - 1))
+        here = partial(_take, task, itertools.chain.from_iterable(parts), found)
+        _run([here, *(partial(drain, process) for process in processes)], parts)
     finally:
         for process in processes:
             process.close()

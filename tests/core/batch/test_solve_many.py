@@ -26,8 +26,10 @@ AMPLITUDES = CHANCE.uniform(50.0, 300.0, (K, M))
 def place(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
     """Where the problems are solved, and the number of workers."""
     monkeypatch.setattr(module, "MAX_TRIED", 0.0)
+    monkeypatch.setattr(module, "MIN_IN_PROCESSES", 0.0)
+    monkeypatch.setattr(module, "MAX_PART", 0.0)  # one problem at once
     monkeypatch.setattr(module, "MAX_IN_THREADS", 0.0 if request.param == "processes" else np.inf)
-    return 1 if request.param == "one by one" else 2
+    return {"one by one": 1, "threads": 2, "processes": 3}[request.param]
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -148,8 +150,8 @@ def test_what_only_a_script_knows_stays_in_its_process(monkeypatch: pytest.Monke
     monkeypatch.setattr(Clumsy, "__module__", "__main__")
     assert pack_task(task) is None
     odd = pc.Transducer(directivity=lambda cosine: cosine)
-    monkeypatch.setattr(module, "MAX_TRIED", 0.0)
-    monkeypatch.setattr(module, "MAX_IN_THREADS", 0.0)
+    for limit in ("MAX_TRIED", "MAX_IN_THREADS", "MIN_IN_PROCESSES"):
+        monkeypatch.setattr(module, limit, 0.0)
     made = pc.solve_many(replace(ARRAY, transducer=odd), POINTS, AMPLITUDES / 10.0, workers=2)
     assert all(one.status is pc.Status.ok for one in made)
 
