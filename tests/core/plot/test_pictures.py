@@ -150,7 +150,7 @@ def test_few_colours_make_a_small_file(tmp_path: Path) -> None:
 
 def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(pc.MissingExtra, match=r"pacinian\[plot\]"):
+    with pytest.raises(pc.MissingExtra, match=r"\[plot\]"):
         plot.figure(1.0, 1.0)
 
 
