@@ -27,6 +27,7 @@ def place(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> in
     """Where the problems are solved, and the number of workers."""
     monkeypatch.setattr(module, "MAX_TRIED", 0.0)
     monkeypatch.setattr(module, "MIN_IN_PROCESSES", 0.0)
+    monkeypatch.setattr(module, "MIN_IN_THREADS", 0.0)
     monkeypatch.setattr(module, "MAX_PART", 0.0)  # one problem at once
     monkeypatch.setattr(module, "MAX_IN_THREADS", 0.0 if request.param == "processes" else np.inf)
     return {"one by one": 1, "threads": 2, "processes": 3}[request.param]
