@@ -10,6 +10,7 @@ import numpy as np
 
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
+from pacinian.neighbours import find_nearest
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -207,9 +208,7 @@ class FeltPlaces:
         try:
             propagator.set_points(self.points, self.facing)
         except PointOnTransducer:
-            from scipy.spatial import KDTree
-
-            away = KDTree(propagator.array.positions).query(self.points)[0]
+            away = find_nearest(propagator.array.positions, self.points)[0]
             left = np.flatnonzero(away > ON)
         else:
             return self

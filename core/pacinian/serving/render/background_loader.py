@@ -124,6 +124,8 @@ def load_object(item: Object) -> Object:
         item.distance(points, math.inf, math.inf)
         item.distance(points, item.thickness, item.thickness)
         item.sample_surface(max(COARSE, item.bounding_radius / 10.0))
+        if item.texture is not None:
+            item.texture.at(points)  # loads SciPy's interpolation
     return item
 
 
