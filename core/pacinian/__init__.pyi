@@ -35,7 +35,7 @@ from .batch.solve_many import Solutions as Solutions
 from .batch.solve_many import solve_many as solve_many
 from .client.client import Client as Client
 from .client.emergency import emergency_stop as emergency_stop
-from .devices.description import Board as Board
+from .devices.board import Board as Board
 from .devices.description import DeviceDescription as DeviceDescription
 from .devices.description import Wiring as Wiring
 from .errors import ArgumentError as ArgumentError
