@@ -23,6 +23,7 @@ SAYS = {
     "hand_session": " 0 differ",
     "custom_solver": "superposition",
     "temperature": "degrees wrong",
+    "how_sure": "Pa at the focus",
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
