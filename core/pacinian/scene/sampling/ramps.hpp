@@ -52,7 +52,8 @@ inline std::vector<Index> beneath(const Set& samples, const std::vector<Index>& 
 inline f8 advance(f8 P, f8 most, f8 share) {
     if (share == 0.0) return P;
     const f8 way = std::asin(std::sqrt(std::min(P / std::max(most, 1e-300), 1.0))) / M_PI_2 + share;
-    return most * square(std::sin(M_PI_2 * std::min(std::max(way, 0.0), 1.0)));
+    if (way >= 1.0) return most;  // exactly, whatever the sine's rounding
+    return way > 0.0 ? most * square(std::sin(M_PI_2 * way)) : 0.0;
 }
 
 inline Index ramp(View<const i8, 1> keys, View<const f8, 2> positions, View<const i8, 1> regions, View<const f8, 1> area,
