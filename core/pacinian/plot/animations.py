@@ -11,6 +11,7 @@ import numpy as np
 from pacinian.checks import check_number
 from pacinian.errors import ArgumentError
 from pacinian.plot.emissions import Emission, Run, collect_emission
+from pacinian.plot.fields import BELOW, BESIDE, FLAT, LABELS, TALLEST
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import DPI, figure
 from pacinian.plot.planes import Plane, cut, draw, middle_of
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 MAX_PICTURES = 1000  # pictures of one animation; more fill the memory
 MAX_MOMENTS = 8  # rows whose mean one picture shows
 COARSE = 2  # the grid is this many times coarser than that of a single picture
-BELOW, BESIDE = 0.6, 1.25  # [inch] for the axis and the title; for the axis and the colour bar
-TALLEST = 5.0  # [inch]
 QUALITY = 80  # of WebP
 PILLOW = ".gif", ".webp", ".png"
 KINDS = *PILLOW, ".mp4"
@@ -159,12 +158,14 @@ def _draw_pictures(
     ends = limits(np.array(found), np.broadcast_to(near, (len(found), *near.shape)), show)
     if top is not None and show != "phase":
         ends = min(ends[0], top - 1.0) if show == "level" else 0.0, top
-    page = figure(COLUMN, min(TALLEST, BELOW + (COLUMN - BESIDE) / plane.ratio))
+    flat = plane.ratio > FLAT
+    wide = COLUMN - (LABELS if flat else BESIDE)
+    page = figure(COLUMN, min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / plane.ratio))
     canvas: Any = FigureCanvasAgg(page)
     panel: Any = page.subplots()
     brightest = max(found, key=np.nanmax)  # so that the bar tells of values beyond its end
     image = draw(panel, plane, brightest, show, ends)
-    bar(page, image, panel, QUANTITIES[show].label)
+    bar(page, image, panel, QUANTITIES[show].label, below=flat)
     digits = 0 if len(found) < 2 or np.diff(rows).min() >= 0.01 * emission.rate else 1
     for k, (row, part) in enumerate(zip(rows, found, strict=True)):
         image.set_data(np.maximum(part, ends[0]))
