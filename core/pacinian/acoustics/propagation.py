@@ -139,7 +139,7 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
     return B
 
 
-def check_medium(medium: Air) -> None:
+def check_medium(medium: object) -> None:
     """Refuse a medium that is missing: in another air, the same gains make another pressure. Raises ArgumentError."""
     if not isinstance(medium, Air):
         raise ArgumentError(

@@ -61,7 +61,8 @@ def disc(radius: float, spacing: float, centre: ArrayLike = ORIGIN) -> Floats:
     turn it, use `Pose.points`. Raises ArgumentError, also for more than 20 million points.
     """
     spacing, middle = _check_spacing(spacing), vector("centre", centre)
-    return Disc(check_length("radius", radius)).sample_surface(spacing).points + middle
+    points = Disc(check_length("radius", radius)).sample_surface(spacing).points
+    return np.asarray(points + middle, np.float64)
 
 
 def ball(radius: float, spacing: float, centre: ArrayLike = ORIGIN) -> Floats:
@@ -78,7 +79,7 @@ def ball(radius: float, spacing: float, centre: ArrayLike = ORIGIN) -> Floats:
     Z, Y, X = np.meshgrid(x, x, x, indexing="ij")
     points = np.stack([X.ravel(), Y.ravel(), Z.ravel()], axis=1)
     within = (points * points).sum(axis=1) <= (radius * (1.0 + EDGE)) ** 2
-    return np.asarray(points[within] + middle)
+    return np.asarray(points[within] + middle, np.float64)
 
 
 def _check_spacing(spacing: float) -> float:

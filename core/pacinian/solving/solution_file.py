@@ -159,9 +159,10 @@ def save_solution(solution: Solution, path: str | Path) -> None:
             "`pacinian.t4010a1` or `pacinian.omni`",
         )
     facing, quiet, targets = solution.facing, kept.quiet, solution.targets
-    values = {name: getattr(solution, name) for name in PLAIN}
+    values: dict[str, Any] = {name: getattr(solution, name) for name in PLAIN}
+    values |= {"status": solution.status.name, "violations": dict(solution.violations)}
     record = SolutionRecord(
-        **values | {"status": solution.status.name, "violations": dict(solution.violations)},
+        **values,
         format="pacinian solution",
         version=VERSION,
         versions=current_versions(),
@@ -268,9 +269,10 @@ def _make_solution(record: SolutionRecord) -> Solution:
     if phases is not None and phases.shape != (M,):
         raise ArgumentError("asked_phases", f"must have shape ({M},)")
     plain: dict[str, Any] = {name: getattr(record, name) for name in PLAIN}
+    plain["status"] = Status[record.status]
+    plain["felt"] = tuple(FeltRegion(*part) for part in record.felt)
     return Solution(
-        **plain
-        | {"status": Status[record.status], "felt": tuple(FeltRegion(*part) for part in record.felt)},
+        **plain,
         gains=_finite("gains", _unpack(record.gains, "c"), N),
         array=array,
         medium=medium,
