@@ -117,7 +117,8 @@ def compute_spectrum(values: Floats, rate: float) -> tuple[Floats, Floats]:
     """Return frequencies above 0 [Hz] and the amplitudes of the sines in values at `rate` [Hz], (T,); (F,) each."""
     window = np.hanning(len(values) + 1)[:-1] if len(values) > 1 else np.ones(1)
     size = PADDING * len(values)
-    amplitude = 2.0 * np.abs(np.fft.rfft((values - values.mean()) * window, size)) / window.sum()
+    steady = (values * window).sum() / window.sum()
+    amplitude = 2.0 * np.abs(np.fft.rfft((values - steady) * window, size)) / window.sum()
     frequency = np.fft.rfftfreq(size, 1.0 / rate)
     return np.asarray(frequency[1:], np.float64), np.asarray(amplitude[1:], np.float64)
 
