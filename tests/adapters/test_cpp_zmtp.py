@@ -54,10 +54,10 @@ def programs() -> Path:
 def start(programs: Path) -> Start:
     def started(
         kind: str, address: str, token: str = "", ping: float = 0.0, timeout: float = PATIENCE, *,
-        again: bool = False,
+        again: bool = False, handshake: float = PATIENCE,
     ) -> Game:  # fmt: skip
         often = "again" if again else "once"
-        words = [kind, address, token, str(ping), str(timeout), often]
+        words = [kind, address, token, str(ping), str(timeout), str(handshake), often]
         return Game([programs / "zmtp_answers", *words])
 
     return started

@@ -76,7 +76,8 @@ def start(request: pytest.FixtureRequest) -> Callable[[str, str, str], Game]:
         program = [tools.cmake("sanitized", ["zmtp_answers"], *settings) / "zmtp_answers"]
     else:
         program = ["mono", "--debug", request.getfixturevalue("driver")]
-    return lambda kind, at, token: Game([*program, kind, at, token, "0", str(PATIENCE), "once"])
+    times = "0", str(PATIENCE), str(PATIENCE)
+    return lambda kind, at, token: Game([*program, kind, at, token, *times, "once"])
 
 
 def connect(start: Callable[[str, str, str], Game], kind: str, options: str, address: str) -> Game:

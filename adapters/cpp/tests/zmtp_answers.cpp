@@ -1,6 +1,6 @@
 // A socket that does what its standard input says, a command a line, and tells what happens in lines of JSON. Arguments:
-// Dealer or Sub, address, password ("" for NULL), time between heartbeats [s] and their timeout [s], `again` to reconnect.
-// A Sub begins to connect when it is told what to subscribe to.
+// Dealer or Sub, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of connecting
+// and of the handshake [s], `again` to reconnect. A Sub begins to connect when it is told what to subscribe to.
 
 #include <unistd.h>
 
@@ -111,15 +111,16 @@ class Driver {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count < 7) return 2;
+  if (count < 8) return 2;
   Settings settings;
   settings.kind = std::string(arguments[1]) == "Sub" ? Kind::sub : Kind::dealer;
   settings.login = {"pacinian", arguments[3]};
   settings.is_plain = !settings.login.password.empty();
   settings.ping_interval = std::atof(arguments[4]);
   settings.ping_timeout = std::atof(arguments[5]);
+  settings.connect_timeout = settings.handshake_timeout = std::atof(arguments[6]);
   const auto at = read_endpoint(arguments[2]);
   if (!at) return 2;
-  for (Driver driver(settings, *at, std::string(arguments[6]) == "again"); !driver.ends();) driver.step();
+  for (Driver driver(settings, *at, std::string(arguments[7]) == "again"); !driver.ends();) driver.step();
   return 0;
 }

@@ -120,6 +120,9 @@ void addresses() {
   EXPECT(local && local->address == found->address && local->port == 1);
   const auto v6 = read_endpoint("tcp://[::1]:5555");
   EXPECT(v6 && v6->is_v6 && v6->address[0] == 0 && v6->address[15] == 1);
+  EXPECT(found->is_loopback() && v6->is_loopback());
+  for (const char* far : {"tcp://192.0.2.1:5", "tcp://128.0.0.1:5", "tcp://[::2]:5", "tcp://[::ffff:127.0.0.1]:5"})
+    EXPECT(read_endpoint(far) && !read_endpoint(far)->is_loopback());
   for (const char* wrong :
        {"", "nowhere", "tcp://", "tcp://:1", "tcp://127.0.0.1", "tcp://127.0.0.1:", "tcp://127.0.0.1:0",
         "tcp://127.0.0.1:65536", "tcp://127.0.0.1:-1", "tcp://127.0.0.1: 1", "tcp://127.0.0.1:+1", "tcp://::1:5",

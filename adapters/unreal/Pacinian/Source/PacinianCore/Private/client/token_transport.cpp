@@ -39,7 +39,7 @@ class TokenTransport final : public Transport {
     for (std::size_t i = 0; i < (to_all ? sockets_.size() : 1); ++i) {
       const Channel channel = channels[i];
       const auto at = zmtp::read_endpoint(connection.at(channel));
-      if (!at) {
+      if (!at || !at->is_loopback()) {  // a token goes in clear text
         loss = {"cannot connect to " + connection.at(channel) +
                     ": with a token it must be tcp://ADDRESS:PORT of this machine",
                 true};

@@ -10,6 +10,8 @@ namespace pacinian::zmtp {
 namespace {
 
 constexpr std::string_view tcp = "tcp://";
+constexpr std::uint8_t loopback_v4 = 127;  // the first byte
+constexpr std::array<std::uint8_t, 16> loopback_v6 = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
 
 std::optional<std::uint16_t> read_port(std::string_view text) {
   std::uint16_t port = 0;
@@ -20,6 +22,8 @@ std::optional<std::uint16_t> read_port(std::string_view text) {
 }
 
 }  // namespace
+
+bool Endpoint::is_loopback() const { return is_v6 ? address == loopback_v6 : address[0] == loopback_v4; }
 
 std::optional<Endpoint> read_endpoint(std::string_view text) {
   const std::size_t colon = text.rfind(':');

@@ -13,6 +13,9 @@ struct Endpoint {
   bool is_v6 = false;
   std::array<std::uint8_t, 16> address{};  ///< in the network's order; of IPv4 the first four
   std::uint16_t port = 0;
+
+  /// Whether it is on this machine.
+  bool is_loopback() const;
 };
 
 /// Reads `tcp://ADDRESS:PORT`, where the address is an IP address or `localhost`; nothing if it is none.
