@@ -11,10 +11,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from pacinian.rendering.report import Report
-
 REFRESH = 0.5  # period of redraws, which the loop's own thread does [s]
 PAGE = "ZMQInteractiveShell"  # class name of IPython's shell in a notebook
+
+
+class TickCounts(Protocol):
+    """What a bar shows of a run, such as a `Report`."""
+
+    ticks: int
+    late_ticks: int
 
 
 class Bar(Protocol):
@@ -32,7 +37,7 @@ class Bar(Protocol):
 @contextmanager
 def progress(
     what: str, seconds: float, clock: Callable[[], float] = time.perf_counter
-) -> Generator[Callable[[Report], object]]:
+) -> Generator[Callable[[TickCounts], object]]:
     """Show a progress bar during the `with` block, which receives the `on_tick` for `Renderer.run`.
 
     what: title of the bar. seconds: duration of the run [s]. clock: steady clock [s]. In a terminal the bar is on
@@ -42,7 +47,7 @@ def progress(
     begin = seen = clock()
     state = ""
 
-    def on_tick(report: Report) -> None:
+    def on_tick(report: TickCounts) -> None:
         nonlocal seen, state
         state = f"{report.ticks} ticks, {report.late_ticks} late"
         if (now := clock()) - seen >= REFRESH:

@@ -19,6 +19,7 @@ from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
 from pacinian.rendering.scene_log import TickInput
+from pacinian.rendering.settings import to_config
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
@@ -181,8 +182,6 @@ class Renderer:
 
     def open(self) -> None:
         """Open the device, silently, and warm up, so that the first tick is not slow."""
-        from pacinian.rendering.settings import to_config
-
         if self._opened:
             return
         self.backend.open(self.session.array)

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.errors import RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
-from pacinian.rendering.settings import from_config
+from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import ClassVar
 
     from pacinian.acoustics.array import Array
+    from pacinian.rendering.clock import Clock
     from pacinian.rendering.recording import Recording, Tick
-    from pacinian.rendering.renderer import Renderer
 
 
 class CaptureBackend(Backend):
@@ -105,3 +110,22 @@ def iterate_rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
 def are_equal(a: Frame, b: Frame) -> bool:
     """Return whether two frames have the same levels."""
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)
+
+
+def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
+    """Make a renderer with these settings and an empty scene; array: as recorded. May raise any Exception."""
+    if settings["transducer"]["directivity"] is None:
+        raise ValueError("the transducers had a user-defined directivity, which cannot be recorded")
+    return Renderer(
+        array,
+        Scene(),
+        medium=Air(**settings["medium"]),
+        backend=backend,
+        rate=settings["rate"],
+        sampler=Sampler(**settings["sampler"]),
+        smoothing=Smoothing(**settings["smoothing"]),
+        governed=settings["governed"],
+        cycle=settings.get("cycle", 1),
+        peak=settings.get("peak", math.inf),
+        clock=clock,
+    )

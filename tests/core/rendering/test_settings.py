@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics import array_record
-from pacinian.rendering.settings import from_config, to_config
+from pacinian.rendering.rerender import from_config
+from pacinian.rendering.settings import to_config
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
