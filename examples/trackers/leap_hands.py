@@ -1,8 +1,10 @@
 """Hands of a Leap Motion Controller, through Ultraleap's leapc-python-bindings. Start `pacinian serve` first."""
 
+# pyright: basic, reportMissingImports=false
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import leap
 import numpy as np
@@ -14,7 +16,7 @@ PLACE = pc.Pose((0.0, -0.15, 0.0)).rotate("x", math.pi / 2.0)
 MM = 1e-3
 
 
-class HandReader(leap.Listener):
+class HandReader(leap.Listener):  # type: ignore[misc]
     """Keeps the hands of the newest frame. Ultraleap's thread calls `on_tracking_event`."""
 
     def __init__(self) -> None:
@@ -38,7 +40,7 @@ def make_hand(hand: leap.datatypes.Hand) -> pc.Hand:
     ]
     widths = [[bone.width for bone in digit.bones] for digit in hand.digits]
     wrist = list(hand.arm.next_joint)
-    side = "left" if hand.type == leap.HandType.Left else "right"
+    side: Literal["left", "right"] = "left" if hand.type == leap.HandType.Left else "right"
     return pc.Hand.leap(
         MM * np.array(bones), MM * np.array(widths), MM * np.array(wrist), side
     ).transform(PLACE)

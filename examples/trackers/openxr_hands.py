@@ -1,10 +1,12 @@
 """Hands of an OpenXR runtime, without graphics, through pyopenxr. Start `pacinian serve` and the runtime first."""
 
+# pyright: basic, reportMissingImports=false
 from __future__ import annotations
 
 import ctypes
 import math
 import time
+from typing import Any, Literal
 
 import numpy as np
 import xr
@@ -19,7 +21,8 @@ EXTENSIONS = [
     xr.KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME,  # Linux
 ]
 VALID = xr.SPACE_LOCATION_POSITION_VALID_BIT
-SIDES = {"left": xr.HandEXT.LEFT, "right": xr.HandEXT.RIGHT}
+Side = Literal["left", "right"]
+SIDES: dict[Side, Any] = {"left": xr.HandEXT.LEFT, "right": xr.HandEXT.RIGHT}
 
 
 class HandReader:
@@ -36,7 +39,7 @@ class HandReader:
         self.stage = xr.create_reference_space(
             self.session, xr.ReferenceSpaceCreateInfo(xr.ReferenceSpaceType.STAGE)
         )
-        self.trackers = {
+        self.trackers: dict[Side, Any] = {
             side: xr.create_hand_tracker_ext(self.session, xr.HandTrackerCreateInfoEXT(hand=hand))
             for side, hand in SIDES.items()
         }
@@ -88,7 +91,7 @@ class HandReader:
                 self.begun = False
 
 
-def make_hand(locations: xr.HandJointLocationsEXT, side: str) -> pc.Hand:
+def make_hand(locations: xr.HandJointLocationsEXT, side: Side) -> pc.Hand:
     """Return a hand. Joints without a valid position are NaN: such a hand counts as lost."""
     joints, radii = np.full((26, 3), np.nan), np.empty(26)
     for k, joint in enumerate(locations.joint_locations):

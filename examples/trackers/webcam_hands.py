@@ -1,15 +1,20 @@
 """Hands in a webcam's picture, through MediaPipe. Start `pacinian serve` first; needs the file hand_landmarker.task."""
 
+# pyright: basic, reportMissingImports=false
 from __future__ import annotations
 
 import math
 import time
+from typing import TYPE_CHECKING, Any, Literal
 
 import cv2
 import mediapipe as mp
 import numpy as np
 
 import pacinian as pc
+
+if TYPE_CHECKING:
+    from pacinian.types import Floats
 
 # The camera's place in the array's frame: 60 cm above the middle, looking down, with the top of its picture at +y.
 PLACE = pc.Pose((0.0, 0.0, 0.6)).rotate("x", math.pi)
@@ -55,7 +60,9 @@ class HandReader:
         ]
 
 
-def make_hand(local: list, seen: list, side: str, width: int, height: int) -> pc.Hand:
+def make_hand(
+    local: list[Any], seen: list[Any], side: Literal["left", "right"], width: int, height: int
+) -> pc.Hand:
     """Return a hand. local: landmarks about the hand's middle [m]; seen: the same in the picture, 0 to 1."""
     points = np.array([[p.x, p.y, p.z] for p in local])
     pixels = np.array([[width * (p.x - 0.5), height * (p.y - 0.5)] for p in seen])
@@ -67,7 +74,7 @@ def make_hand(local: list, seen: list, side: str, width: int, height: int) -> pc
     return pc.Hand(joints, side=side).transform(PLACE)
 
 
-def find_translation(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+def find_translation(points: Floats, slopes: Floats) -> Floats:
     """Return where the hand's middle is in the camera's frame (x right, y down, z ahead) [m].
 
     points: (21, 3) [m]; slopes: x/z and y/z at which the camera sees them, (21, 2). A least-squares fit of
@@ -76,7 +83,8 @@ def find_translation(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     rows, rest = np.zeros((21, 2, 3)), slopes * points[:, 2:] - points[:, :2]
     rows[:, 0, 0] = rows[:, 1, 1] = 1.0
     rows[:, :, 2] = -slopes
-    return np.linalg.lstsq(rows.reshape(42, 3), rest.reshape(42), rcond=None)[0]
+    found = np.linalg.lstsq(rows.reshape(42, 3), rest.reshape(42), rcond=None)[0]
+    return np.asarray(found, np.float64)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ NOTEBOOK = [
     "solution = pc.solve(array, points, [300.0, 200.0])\n"
     "print(hashlib.sha256(solution.gains.tobytes()).hexdigest())\n"
     "solution",
-    "plot.field(array, solution.gains, points=points)",
+    "plot.field(array, solution.gains, medium=solution.medium, points=points)",
     "session = pc.Session(array)\n"
     "for _ in range(2):\n"
     "    again = session.solve(points, [300.0, 200.0])\n"

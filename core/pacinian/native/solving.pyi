@@ -1,7 +1,7 @@
 # Made by `python native_build.py --stubs`.
 from typing import overload
 
-from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Na, Singles
+from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Singles
 
 
 def gram(B: Gains, start: int, stop: int, scratch: Singles, out: Complexes) -> None:

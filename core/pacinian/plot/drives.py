@@ -64,7 +64,8 @@ def drive(
     """Plot the phase and amplitude of each transducer; silent ones are grey.
 
     gains: (N,). show: "phase" [rad] or "amplitude" only. ax: axes to draw into and return, one per quantity.
-    The view is along the axis that most transducers face; those farther along it are drawn last. Raises ArgumentError, MissingExtra.
+    The view is along the axis that most transducers face; those farther along it are drawn last. Raises ArgumentError,
+    MissingExtra.
     """
     if show is not None and show not in get_args(Part):
         raise ArgumentError("show", f'must be "phase" or "amplitude", not {show!r}')

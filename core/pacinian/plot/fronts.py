@@ -76,9 +76,11 @@ def pareto(
     is not 1.
 
     results: the file `bench.json`, or its cells. level: of the targets; default: the lowest. N, M: numbers of
-    transducers and points; default: one panel for each combination. ax: axes to draw into and return, if both are given.
-    Filled marks: cold start; hollow: warm start; pale: less than 0.9 of the target strength. Errors below 1e-5 % are drawn at
-    1e-5 %. Failures, and errors above 100 %, are omitted. Raises ArgumentError, RecordingError, MissingExtra.
+    transducers and points; default: one panel for each combination. ax: axes to draw into and return, if both are
+    given. Filled marks: cold start; hollow: warm start; pale: less than 0.9 of the target strength. Errors below 1e-5 %
+    are drawn at 1e-5 %. Failures, and errors above 100 %, are omitted.
+
+    Raises ArgumentError, RecordingError, MissingExtra.
     """
     cells = shown(read(results) if isinstance(results, (str, Path)) else results)
     level = min((c.level for c in cells), default=0.0) if level is None else level

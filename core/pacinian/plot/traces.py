@@ -71,8 +71,8 @@ def convergence(
     """Plot the error against the iterations of one problem, solved from a cold start with more and more iterations.
 
     solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines.
-    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into and return.
-    Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
+    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into and
+    return. Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
     MissingExtra.
     """
     chosen = list(_all() if solvers is None else solvers)

@@ -168,7 +168,7 @@ def test_moved_places_positions_and_turns_normals() -> None:
 def test_translate_shifts_positions_only() -> None:
     array = pc.lattice(0.02, 0.03)
     moved = array.translate((1.0, 2.0, 3.0))
-    np.testing.assert_array_equal(moved.positions, array.positions + [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(moved.positions, array.positions + np.array([1.0, 2.0, 3.0]))
     np.testing.assert_array_equal(moved.normals, array.normals)
 
 

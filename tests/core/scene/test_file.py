@@ -546,7 +546,11 @@ HERE = "$.objects[0]"
         (POINT + "forc = 1", HERE, ["forc", "did you mean `force`?"]),
         (POINT.replace("point", "pont"), f"{HERE}.type", ["pont", "did you mean `point`?"]),
         (UNION_OF_DISC, f"{HERE}.shape.parts[0].type", ["disc"]),
-        (SURFACE + "shape = { type = 'cube' }", f"{HERE}.shape.type", ["cube", "there are rectangle, disc"]),
+        (
+            SURFACE + "shape = { type = 'cube' }",
+            f"{HERE}.shape.type",
+            ["cube", "there are rectangle, disc"],
+        ),
         (BUZZ + "{ type = 'sin', frequency = 1 }", f"{HERE}.envelope.type", ["`sine`?"]),
         (BUZZ + "'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
         # what is missing or of another kind

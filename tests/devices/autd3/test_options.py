@@ -85,7 +85,7 @@ def test_without_the_packages_it_says_which_extra_to_install(
 ) -> None:
     name = "autd3" if link == "udp" else "autd3_emulator"
     monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(pc.MissingExtra, match=r"pip install 'pacinian\[autd3\]'"):
+    with pytest.raises(pc.MissingExtra, match=r'pip install .*\[autd3\]"'):
         Autd3(link=link).open(pc.autd())
 
 

@@ -120,7 +120,7 @@ def test_without_pyftdi_the_extra_is_named_and_the_chip_given_back(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyftdi.ftdi", None)
     it = Setup()
-    with pytest.raises(pc.MissingExtra, match=r"pip install 'pacinian\[devices\]'"):
+    with pytest.raises(pc.MissingExtra, match=r'pip install .*\[devices\]"'):
         it.open()
     assert (it.bus.open, it.chip.holder, it.chip.writes) == (0, None, [])
 

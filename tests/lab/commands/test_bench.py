@@ -46,7 +46,7 @@ def test_a_tiny_run_writes_and_tells_everything(tmp_path: Path) -> None:
     good = [row for row in rows if row.solver == "pseudo-inverse"]
     assert all(row.error < 1e-4 and row.samples >= 1 for row in good)
     assert {row.mode for row in good} == {"cold", "warm", "one moved", "rescaled"}
-    names = {"bench.csv", "bench.json", "pareto-0.5.png", "growth.png"}
+    names = {"bench.csv", "bench.json", "pareto-0.5.png", "pareto-0.5-all.png", "growth.png"}
     assert {Path(file).name for file in told["files"]} == names
     assert names == {file.name for file in tmp_path.iterdir()}
 
@@ -195,11 +195,13 @@ def test_ctrl_c_keeps_the_scenes_that_were_measured() -> None:
 
 def test_pictures_of_scenes_are_drawn_into_a_folder(tmp_path: Path) -> None:
     result = run(
-        "scenes", "--scene", "empty", "--units", "1", "--pictures", str(tmp_path / "new"), "--json"
-    )
+        "scenes", "--scene", "empty", "--scene", "static-focus", "--units", "1",
+        "--pictures", str(tmp_path / "new"), "--json",
+    )  # fmt: skip
     assert result.exit_code == 0, result.output
-    assert json.loads(result.stdout) == [str(tmp_path / "new" / "scene-empty.png")]
-    assert (tmp_path / "new" / "scene-empty.png").read_bytes().startswith(b"\x89PNG")
+    picture = tmp_path / "new" / "scene-static-focus.png"  # the empty scene shows nothing
+    assert json.loads(result.stdout) == [str(picture)]
+    assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(

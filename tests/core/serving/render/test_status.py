@@ -46,7 +46,9 @@ def test_it_is_a_state_and_says_what_is_emitted() -> None:
     assert [told.objects[i] for i in np.frombuffer(told.index, "<i4")] == ["a", "b"]
     device = renderer.backend
     assert isinstance(device, Simulated)
-    p = device.field(floats(told.points, 3), pc.Air())  # the device's own levels, in double precision
+    p = device.field(
+        floats(told.points, 3), pc.Air()
+    )  # the device's own levels, in double precision
     achieved = floats(told.achieved)[:, 0]
     np.testing.assert_allclose(achieved, pc.radiation_pressure(p, pc.Air()), rtol=1e-3)
     np.testing.assert_allclose(achieved, [4.0, 2.0], rtol=0.05)
