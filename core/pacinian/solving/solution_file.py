@@ -1,11 +1,13 @@
 """Solution files: one MessagePack map that holds a solution and its whole problem.
 
 msgspec decodes the map and checks its types; the constructors of the parts check the values. Arrays are stored as type,
-shape and little-endian bytes, so that any MessagePack library can read them.
+shape and little-endian bytes, so that any MessagePack library can read them. The file ends with the SHA-256 of all
+bytes before it.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
 import platform
 from importlib.metadata import PackageNotFoundError, version
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 FORMAT = "pacinian solution"
 VERSION = 1
 MAX_BYTES = 256 << 20  # size of a file [bytes]
+DIGEST_BYTES = 32  # of SHA-256
 
 
 class Numbers(Struct, frozen=True, forbid_unknown_fields=True):
@@ -99,7 +102,10 @@ class FacingRecord(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class SolutionRecord(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The contents of a solution file; the names are those of `Solution`."""
+    """The contents of a solution file; the names are those of `Solution`.
+
+    digest: last, the SHA-256 of the file's bytes before it. Another program may leave it out; then nothing is compared.
+    """
 
     format: Literal["pacinian solution"]
     version: int
@@ -128,6 +134,7 @@ class SolutionRecord(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     asked_phases: Numbers | None
     quiet_weight: float
     least_error: float
+    digest: bytes = b""
 
 
 class _Header(Struct):
@@ -184,8 +191,10 @@ def save_solution(solution: Solution, path: str | Path) -> None:
         sound_pressure=_pack(solution.sound_pressure),
         multipliers=_pack_optional(solution.multipliers),
         asked_phases=_pack_optional(solution.asked_phases),
+        digest=bytes(DIGEST_BYTES),
     )  # fmt: skip
-    data = msgspec.msgpack.encode(record)
+    data = msgspec.msgpack.encode(record)[:-DIGEST_BYTES]
+    data += hashlib.sha256(data).digest()
     if len(data) > MAX_BYTES:
         raise SolutionFileError(path, f"would be larger than {MAX_BYTES >> 20} MiB")
     try:
@@ -208,7 +217,10 @@ def load_solution(path: str | Path) -> Solution:
             path, f"has version {header.version}, not {VERSION}: update Pacinian"
         )
     try:
-        return _make_solution(_decoder.decode(data))
+        record = _decoder.decode(data)
+        if record.digest and record.digest != hashlib.sha256(data[:-DIGEST_BYTES]).digest():
+            raise ArgumentError("digest", "differs from that of the other bytes")
+        return _make_solution(record)
     except Exception as error:  # damaged bytes can raise anything
         raise SolutionFileError(path, f"is damaged: {describe_error(error)}") from error
 
