@@ -1,4 +1,4 @@
-"""Write all generated files: the wire's messages in C# and C++, a feature table, docs, schemas and byte vectors.
+"""Write all generated files: messages in C# and C++, tables, docs, schemas, byte vectors and Unity's .meta files.
 
     python adapters/generate/main.py            writes the files that differ
     python adapters/generate/main.py --check    writes nothing; fails if a file differs
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import cpp
 import csharp
 import features_table
+import meta
 import published
 import wire
 
@@ -46,6 +47,11 @@ def main(arguments: list[str]) -> int:
             if not check:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(data)
+    for path in meta.find_differing(meta.PACKAGE):  # last: of the files that were just written, too
+        wrong += 1
+        sys.stdout.write(f"{'differs' if check else 'written or removed'}: {path}\n")
+    if not check:
+        meta.write(meta.PACKAGE)
     return 1 if wrong and check else 0
 
 

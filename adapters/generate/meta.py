@@ -1,4 +1,4 @@
-"""Writes the .meta file of each file and folder of the Unity package: `python adapters/generate/meta.py [--check]`.
+"""Writes the .meta file of each file and folder of the Unity package.
 
 Unity finds an asset by the GUID in its .meta file. Here that comes from its path, so it is always the same.
 """
@@ -6,7 +6,6 @@ Unity finds an asset by the GUID in its .meta file. Here that comes from its pat
 from __future__ import annotations
 
 import hashlib
-import sys
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1] / "unity"
@@ -75,17 +74,3 @@ def write(package: Path) -> None:
             path.write_text(metas[path], encoding="utf-8", newline="\n")
         else:
             path.unlink()
-
-
-def main(check: bool) -> int:
-    """Write, or only check; 1 if something differs."""
-    if not check:
-        write(PACKAGE)
-    differ = find_differing(PACKAGE)
-    for path in differ:
-        print(f"{path}: run `python adapters/generate/meta.py`", file=sys.stderr)  # noqa: T201
-    return 1 if differ else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main("--check" in sys.argv[1:]))

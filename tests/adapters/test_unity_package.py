@@ -14,7 +14,7 @@ from . import tools
 from .unity import PACKAGE
 
 ROOT = tools.ADAPTERS.parent
-META = tools.ADAPTERS / "generate" / "meta.py"
+GENERATE = tools.ADAPTERS / "generate" / "main.py"
 BUILT_IN = {"0000000000000000e000000000000000", "0000000000000000f000000000000000"}
 ENGINE = {"Unity.XR.Hands", "UnityEngine.TestRunner", "UnityEditor.TestRunner"}
 LARGEST = 200_000  # [bytes] of a picture
@@ -38,8 +38,8 @@ def guids() -> dict[str, Path]:
 
 
 def test_each_asset_has_its_meta_file_and_none_is_of_nothing() -> None:
-    done = subprocess.run([sys.executable, META, "--check"], check=False, capture_output=True)
-    assert done.returncode == 0, done.stderr.decode()
+    done = subprocess.run([sys.executable, GENERATE, "--check"], check=False, capture_output=True)
+    assert done.returncode == 0, done.stdout.decode()
     assets = set(guids().values())
     for path in PACKAGE.rglob("*"):
         hidden = path.name == "Samples~" or "Documentation~" in path.parts or path.suffix == ".meta"

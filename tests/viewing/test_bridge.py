@@ -103,7 +103,7 @@ def test_an_older_server_has_neither_objects_nor_fields(fake: Fake, url: str) ->
 def test_silence_is_explained_as_everywhere_else(fake: Fake, url: str) -> None:
     """By the state alone; of a hand that touches nothing, with the nearest object of the scene."""
 
-    def told(page: Page) -> str:
+    def read_reason(page: Page) -> str:
         return str(page.newest.get("silence", {}).get("text"))
 
     def show(message: Any) -> replies.Shown:
@@ -115,7 +115,7 @@ def test_silence_is_explained_as_everywhere_else(fake: Fake, url: str) -> None:
         )
 
     with Page(url) as page:
-        page.until(lambda: told(page) == "not armed: call arm()")
+        page.until(lambda: read_reason(page) == "not armed: call arm()")
         joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))).joints
         assert joints is not None
         hands, client = joints.astype("<f4").tobytes(), replace(CLIENT, objects=1)
@@ -123,9 +123,9 @@ def test_silence_is_explained_as_everywhere_else(fake: Fake, url: str) -> None:
         fake.stream = lambda: state(
             armed=True, owner="game", scene="hall", hands=hands, clients=(client,)
         )
-        page.until(lambda: '"ball" is nearest, 6' in told(page))
+        page.until(lambda: '"ball" is nearest, 6' in read_reason(page))
         fake.stream = lambda: state(output="sounding", armed=True, owner="game", scene="hall")
-        page.until(lambda: told(page) == "")
+        page.until(lambda: read_reason(page) == "")
 
 
 def test_a_server_that_is_busy_is_asked_again(fake: Fake, url: str) -> None:

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
 from pacinian.acoustics.pressure import SKIN, radiation_pressure
 from pacinian.acoustics.propagation import field
@@ -34,6 +33,7 @@ from pacinian.errors import ArgumentError
 from pacinian.types import Complexes, Floats
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike
 
@@ -59,16 +59,15 @@ class Gradient(Generic[V]):
 
 
 def differentiate_field(
-    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air | None = None
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air
 ) -> Gradient[Complexes]:
     """Return the complex sound pressure p [Pa] at M points, with its derivatives, in double precision.
 
-    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: `Air()` by default.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: the air.
     Returns value: p, complex, (M,) [Pa]; by_gains: dp/dg = B, complex, (M, N) [Pa]; by_points: dp/dq, complex, (M, 3)
     [Pa/m]. p depends on g but not on its conjugate, so that p changes by B dg. Where a directivity has a kink, the
     derivative is the mean of both sides. Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
     q = check_numbers("points", points, (None, 3))
     check_near("points", q, array.centre)
     M, N = len(q), len(array)
@@ -89,11 +88,11 @@ def differentiate_field(
 
 
 def differentiate_amplitude(
-    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air | None = None
+    array: Array, gains: ArrayLike, points: ArrayLike, medium: Air
 ) -> Gradient[Floats]:
     """Return the peak sound pressure |p| [Pa] at M points, with its derivatives, in double precision.
 
-    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: `Air()` by default.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: the air.
     Returns value: |p|, (M,) [Pa]; by_gains: d|p|/dRe(g) + j d|p|/dIm(g), complex, (M, N) [Pa]; by_points: d|p|/dq,
     (M, 3) [Pa/m]. To first order, a change dg changes |p| by Re(conj(by_gains) dg). Where p is 0, |p| has no
     derivative, and both are 0. Raises ArgumentError, PointOnTransducer.
@@ -108,18 +107,17 @@ def differentiate_radiation_pressure(
     array: Array,
     gains: ArrayLike,
     points: ArrayLike,
-    medium: Air | None = None,
+    medium: Air,
     *,
     alpha: float = SKIN,
 ) -> Gradient[Floats]:
     """Return the radiation pressure P = alpha |p|^2 / (2 rho c^2) at M points, with its derivatives.
 
-    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: `Air()` by default. alpha: about 2 on skin.
+    array: N transducers. gains: (N,). points: (M, 3) [m]. medium: the air. alpha: about 2 on skin.
     Returns value: P, (M,) [Pa]; by_gains: dP/dRe(g) + j dP/dIm(g), complex, (M, N) [Pa]; by_points: dP/dq, (M, 3)
     [Pa/m], all in double precision. To first order, a change dg changes P by Re(conj(by_gains) dg).
     Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
     alpha = check_number("alpha", alpha, low=0.0, above=True)
     found = differentiate_field(array, gains, points, medium)
     factor = alpha / (medium.density * medium.speed_of_sound**2)  # [1/Pa]

@@ -94,7 +94,7 @@ def predict_sound_pressure(
     gains: ArrayLike,
     points: ArrayLike,
     uncertainty: Uncertainty,
-    medium: Air | None = None,
+    medium: Air,
     *,
     confidence: float = 0.95,
     samples: int = 2000,
@@ -103,7 +103,7 @@ def predict_sound_pressure(
     """Return a band of the peak sound pressure |p| at M points, (M,) [Pa].
 
     array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
-    medium: `Air()` by default. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands.
+    medium: the air. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands.
     Raises ArgumentError, PointOnTransducer.
     """
     problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
@@ -115,7 +115,7 @@ def predict_radiation_pressure(
     gains: ArrayLike,
     points: ArrayLike,
     uncertainty: Uncertainty,
-    medium: Air | None = None,
+    medium: Air,
     *,
     alpha: float = SKIN,
     confidence: float = 0.95,
@@ -125,7 +125,7 @@ def predict_radiation_pressure(
     """Return a band of the radiation pressure at M points, (M,) [Pa].
 
     array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
-    medium: `Air()` by default. alpha: about 2 on skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds
+    medium: the air. alpha: about 2 on skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds
     give equal bands. The mean is exact unless the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
     """
     problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
@@ -138,7 +138,7 @@ def predict_force(
     points: ArrayLike,
     areas: ArrayLike,
     uncertainty: Uncertainty,
-    medium: Air | None = None,
+    medium: Air,
     *,
     alpha: float = SKIN,
     confidence: float = 0.95,
@@ -149,7 +149,7 @@ def predict_force(
 
     array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m], at most half a wavelength apart.
     areas: of the parts of the surface that they stand for, (M,) [m^2], or one for all. Errors at different points are
-    not independent, and this counts. uncertainty: what is not known. medium: `Air()` by default. alpha: about 2 on
+    not independent, and this counts. uncertainty: what is not known. medium: the air. alpha: about 2 on
     skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands. The mean is exact unless
     the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
     """
@@ -170,9 +170,9 @@ class _Problem:
 
     def __init__(
         self, array: Array, gains: ArrayLike, points: ArrayLike, uncertainty: Uncertainty,
-        medium: Air | None, confidence: float, samples: int, seed: int,
+        medium: Air, confidence: float, samples: int, seed: int,
     ) -> None:  # fmt: skip
-        self.array, self.air = array, medium or Air()
+        self.array, self.air = array, medium
         check_kind("uncertainty", uncertainty, Uncertainty)
         self.given = uncertainty
         self.q = check_numbers("points", points, (None, 3))

@@ -14,7 +14,7 @@ from pacinian.acoustics.directivity import SEGMENTS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-CHANCE = np.random.default_rng(5)
+AIR, CHANCE = pc.Air(), np.random.default_rng(5)
 N, M = 12, 6
 R = CHANCE.uniform((-0.1, -0.1, -0.01), (0.1, 0.1, 0.01), (N, 3))
 NORMALS = CHANCE.normal((0.0, 0.0, 1.0), 0.2, (N, 3))
@@ -120,21 +120,21 @@ def test_an_optimiser_climbs_along_them() -> None:
     array, point = rig("omni"), Q[:1]
     g = np.exp(1j * CHANCE.uniform(-np.pi, np.pi, N))
     for _ in range(200):
-        step = pc.differentiate_radiation_pressure(array, g, point).by_gains[0]
+        step = pc.differentiate_radiation_pressure(array, g, point, AIR).by_gains[0]
         g = g + 0.3 * step / np.abs(step).max()
         g /= np.abs(g)
-    best = np.abs(pc.matrix(array, point)).sum()
-    assert abs(pc.matrix(array, point) @ g)[0] == pytest.approx(best, rel=1e-6)
+    best = np.abs(pc.matrix(array, point, AIR)).sum()
+    assert abs(pc.matrix(array, point, AIR) @ g)[0] == pytest.approx(best, rel=1e-6)
 
 
 def test_silence_has_no_slope() -> None:
     array = rig()
     for function in FUNCTIONS:
-        found = function(array, np.zeros(N), Q)
+        found = function(array, np.zeros(N), Q, AIR)
         assert not found.value.any()
         assert not found.by_points.any()
         assert np.isfinite(found.by_gains).all()
-    assert not pc.differentiate_amplitude(array, np.zeros(N), Q).by_gains.any()
+    assert not pc.differentiate_amplitude(array, np.zeros(N), Q, AIR).by_gains.any()
 
 
 def test_intensity_counts_the_responses() -> None:
@@ -150,10 +150,10 @@ def test_intensity_counts_the_responses() -> None:
 def test_many_points_are_taken_part_by_part() -> None:
     array, many = pc.autd(), np.tile(Q, (100, 1))
     g = np.ones(len(array))
-    one, all_ = (pc.differentiate_radiation_pressure(array, g, q) for q in (Q, many))
+    one, all_ = (pc.differentiate_radiation_pressure(array, g, q, AIR) for q in (Q, many))
     np.testing.assert_allclose(all_.by_points[-M:], one.by_points, rtol=1e-9)
     np.testing.assert_allclose(all_.by_gains[-M:], one.by_gains, rtol=1e-9)
-    none = pc.differentiate_field(array, g, np.empty((0, 3)))
+    none = pc.differentiate_field(array, g, np.empty((0, 3)), AIR)
     assert (none.value.shape, none.by_gains.shape) == ((0,), (0, len(array)))
     assert none.by_points.shape == (0, 3)
 
@@ -174,7 +174,7 @@ def test_bad_arguments_are_named(function: Any) -> None:
         ("points", {"points": np.zeros((20_000_000, 3))}),
     ):
         with pytest.raises(pc.ArgumentError) as told:
-            function(**({"array": array, "gains": G, "points": Q} | change))
+            function(**({"array": array, "gains": G, "points": Q, "medium": AIR} | change))
         assert told.value.argument == argument
     with pytest.raises(pc.ArgumentError, match="alpha"):
-        pc.differentiate_radiation_pressure(array, G, Q, alpha=0.0)
+        pc.differentiate_radiation_pressure(array, G, Q, AIR, alpha=0.0)

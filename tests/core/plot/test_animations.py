@@ -32,7 +32,7 @@ def renderer(scene: Any = SCENE, array: pc.Array = ARRAY) -> pc.Renderer:
     return pc.Renderer(array, scene, governed=False, clock=ManualClock())
 
 
-def read(path: Path) -> list[Any]:
+def read_pictures(path: Path) -> list[Any]:
     """The pictures of a file, (height, width, 3) each."""
     with Image.open(path) as found:
         pictures = []
@@ -56,7 +56,7 @@ def test_a_focus_runs_along_its_circle(kind: str, tmp_path: Path) -> None:
     # one turn in 20 ms, 10 times slower, at 25 pictures per second: 5 pictures, a fifth of a turn each
     made = plot.animate(renderer(), path, start=0.02, duration=0.02, slower=10.0, fps=25.0)
     assert made == path
-    pictures = read(path)
+    pictures = read_pictures(path)
     assert len(pictures) == 5
     with Image.open(path) as found:
         found.seek(1)
@@ -100,7 +100,7 @@ def test_outlines_move_with_their_objects(tmp_path: Path) -> None:
     path = plot.animate(
         renderer(scene), tmp_path / "ball.png", "xz", duration=0.1, slower=10.0, fps=2.0
     )
-    left, right = read(path)
+    left, right = read_pictures(path)
     dashes = np.abs(left - right).sum(axis=2) > 60.0
     columns = np.flatnonzero(dashes[30:].any(axis=0))  # below the title
     width = left.shape[1]
@@ -110,7 +110,7 @@ def test_outlines_move_with_their_objects(tmp_path: Path) -> None:
 
 def test_the_colours_end_where_told(tmp_path: Path) -> None:
     whole, dim = (
-        read(plot.animate(renderer(), tmp_path / f"{top}.png", duration=0.05, top=top))[0]
+        read_pictures(plot.animate(renderer(), tmp_path / f"{top}.png", duration=0.05, top=top))[0]
         for top in (None, 100.0)
     )
     assert (whole[..., 0] > 200).sum() > (dim[..., 0] > 200).sum()

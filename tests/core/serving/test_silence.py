@@ -51,14 +51,14 @@ def ball(height: float, pressure: float = 3.0) -> pc.Volume:
 def becomes(client: pc.Client, cause: Cause | None, *hands: pc.Hand) -> Silence | None:
     """Wait until the answer is this cause; return it. hands: what the tracker sees, in each frame of the game."""
 
-    def told() -> tuple[Silence | None] | None:
+    def ask() -> tuple[Silence | None] | None:
         client.renew()
         if hands:
             client.hands(*hands)
         found = client.explain_silence()
         return (found,) if (found.cause if found else None) == cause else None
 
-    found = eventually(told)
+    found = eventually(ask)
     assert found is not None
     return found[0]
 

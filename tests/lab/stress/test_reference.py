@@ -14,7 +14,7 @@ from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.reference import Reference
 
 mp.dps = 60
-FEW = SMALL_ARRAY.remove_transducers(range(9, 36))
+NINE = SMALL_ARRAY.remove_transducers(range(9, 36))
 AIR = pc.Air()
 
 
@@ -45,8 +45,8 @@ def test_the_best_without_a_limit_is_that_of_60_digits(
     condition: float, mu: float, rounding: float
 ) -> None:
     q, p = row(condition), np.exp(1j * np.arange(5.0) ** 2)
-    best = Reference.of(pc.matrix(FEW, q)).best(p, mu, rounding, np.inf, np.zeros(9))
-    assert best == pytest.approx(least(exact(FEW, q), p, mp.mpf(mu), mp.mpf(rounding)), rel=1e-6)
+    best = Reference.of(pc.matrix(NINE, q)).best(p, mu, rounding, np.inf, np.zeros(9))
+    assert best == pytest.approx(least(exact(NINE, q), p, mp.mpf(mu), mp.mpf(rounding)), rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -55,7 +55,7 @@ def test_the_best_within_a_limit_is_that_of_clarabel(seed: int, level: float) ->
     rng = np.random.default_rng(seed)
     q = scatter_points(4, seed)
     q[1] = q[0] + rng.choice([0.0, 1e-9, 1e-4])
-    B = pc.matrix(FEW, q)
+    B = pc.matrix(NINE, q)
     p = rng.normal(size=4) + 1j * rng.normal(size=4)
     p *= level * np.abs(B).sum(axis=1).mean() / np.linalg.norm(p)
     mu = 1e-4 * np.linalg.norm(B) ** 2 / 4
@@ -77,13 +77,13 @@ def test_the_best_within_a_limit_is_that_of_clarabel(seed: int, level: float) ->
 def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precision: Any) -> None:
     q = scatter_points(3)
     if place == "near":
-        q[0] = FEW.positions[4] + [0.0, 0.0, 1.1e-6]
+        q[0] = NINE.positions[4] + [0.0, 0.0, 1.1e-6]
     elif place == "coincident":
         q[1] = q[0] + [1e-9, 0.0, 0.0]
     elif place == "distant":
         q[2] = [1.0, -2.0, 9.0]
     pose = pc.Pose((offset, -offset, offset))
-    array, q = FEW.transform(pose), np.asarray(pose.points(q))
+    array, q = NINE.transform(pose), np.asarray(pose.points(q))
     case = Case("", array, q, np.ones(3), precision=precision)
     propagator = pc.Propagator(array, AIR, precision)
     propagator.set_points(q)
