@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from PIL import Image
 
 import pacinian as pc
-from pacinian.scene.file import Units
+from pacinian.scene.setup import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing.server import run_server
 

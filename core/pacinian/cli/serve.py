@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
 
     from pacinian.plugins.registry import Kind
-    from pacinian.scene.file import Choice
+    from pacinian.scene.setup import Choice
     from pacinian.serving.settings import Settings
 
 FAREWELL = 5.0  # time for the viewer to end [s]

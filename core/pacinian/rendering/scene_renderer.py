@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from pacinian.errors import ArgumentError, PluginError, SceneFileError
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import RAMP, Renderer
-from pacinian.scene.file import Choice
 from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.setup import Choice
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:

@@ -26,21 +26,6 @@ from pacinian.scene.setup import (
     resolve_path,
 )
 
-__all__ = [
-    "Choice",
-    "Device",
-    "HandPose",
-    "Lattice",
-    "Medium",
-    "Sampling",
-    "SceneFile",
-    "Units",
-    "Workspace",
-    "load_scene_file",
-    "make_schema",
-    "resolve_path",
-]
-
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):
     """A hand.

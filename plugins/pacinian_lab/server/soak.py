@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from pacinian.scene.file import Units
+from pacinian.scene.setup import Units
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server.game import SCENE, Heard, Play, Window

@@ -15,7 +15,7 @@ from pacinian.devices.description import Element, Steps
 from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
-from pacinian.scene.file import Medium
+from pacinian.scene.setup import Medium
 from pacinian_lab.study.layouts import AnyLayout, Device
 from pacinian_lab.study.patterns import AnyPattern
 from pacinian_lab.study.planes import Plane

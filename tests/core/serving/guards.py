@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pacinian.acoustics.array import lattice
-from pacinian.scene.file import Choice, Lattice
+from pacinian.scene.setup import Choice, Lattice
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.messages import (
     CAPACITIES,

@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.scene.file import Units
+from pacinian.scene.setup import Units
 from pacinian.testing import run_server
 
 from ...waiting import eventually

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from pacinian.scene.file import Choice, Units
+from pacinian.scene.setup import Choice, Units
 from pacinian.serving.ipc import child_process, shared_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from pacinian.scene.file import Choice as Configured
+from pacinian.scene.setup import Choice as Configured
 from pacinian.serving.control.output_lease import Session
 from pacinian.serving.control.selection import MAX_PENDING, MAX_SELECTION_TIME, SUSPECT, Selection
 from pacinian.serving.settings import Settings

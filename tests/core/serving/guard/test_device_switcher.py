@@ -7,7 +7,7 @@ from typing import ClassVar
 import pytest
 
 import pacinian as pc
-from pacinian.scene.file import Choice as Configured
+from pacinian.scene.setup import Choice as Configured
 from pacinian.serving.guard.device_switcher import (
     AGAIN,
     MAX_HANGING,

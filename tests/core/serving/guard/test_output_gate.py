@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.file import Choice
+from pacinian.scene.setup import Choice
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
 from pacinian.serving.guard.process import GuardLoop
 from pacinian.serving.ipc.messages import (

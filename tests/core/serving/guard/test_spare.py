@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from pacinian.scene.file import Choice
+from pacinian.scene.setup import Choice
 from pacinian.serving.guard.spare import CHECK_INTERVAL, HangDetector
 from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
 from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack

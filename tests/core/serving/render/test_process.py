@@ -13,7 +13,7 @@ import pytest
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer
-from pacinian.scene.file import Units
+from pacinian.scene.setup import Units
 from pacinian.serving.ipc import child_process, messages
 from pacinian.serving.ipc.messages import (
     AnyChange,
