@@ -23,7 +23,7 @@ from pacinian.session import Session
 from pacinian.solving.problem import Targets, number_regions
 
 if TYPE_CHECKING:
-    from pacinian.rendering.modulator import CachedSolution
+    from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Flags, Floats, Gains
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from pacinian.rendering.modulator import CachedSolution
+    from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
 from pacinian.rendering.mixing import (
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
-    from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
@@ -41,32 +41,6 @@ BETTER = 0.99  # largest ratio of new to old error at which a late solution coun
 TRIES = 6  # most successive solves without improvement; a busy processor may spoil some
 
 Step = tuple[object, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class CachedSolution:
-    """Gains for a set of samples.
-
-    gains: at full envelope, (N,). voices: the samples' groups by envelope; None if the gains contain the envelopes.
-    parts: contribution of each voice, (voices + 1, N), if there is more than one. solution: with its evidence. samples:
-    those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
-    because the solver had enough time, or more time did not help. vain: number of successive solves without
-    improvement.
-    """
-
-    gains: Gains
-    voices: EnvelopeGroups | None
-    parts: Gains | None
-    solution: Solution
-    samples: Samples
-    steady: bool
-    final: bool
-    vain: int = 0
-
-    @property
-    def nbytes(self) -> int:
-        """Size of its gains [bytes]."""
-        return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
 
 
 class Modulator:

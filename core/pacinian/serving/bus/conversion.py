@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from pacinian.errors import WireError, describe_error
-from pacinian.serving.bus.pending_changes import WRAPPED
 from pacinian.serving.bus.stored_object import encode_object, make_error_reply
 from pacinian.wire.convert import envelope_to_scene
 from pacinian.wire.replies import Ok
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from concurrent.futures import Executor, Future
 
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.bus.shared_scene import SharedScene
     from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.wire.replies import Reply
     from pacinian.wire.time import Envelope
@@ -28,16 +26,10 @@ Converted = list[tuple["StoredObject", bytes]]
 
 
 class Job(ABC):
-    """The slow conversion for one command. objects: those that wait for it."""
+    """The slow conversion for one command. objects: those that wait for it. id: of the command; 0: no reply."""
 
-    def __init__(
-        self,
-        room: SharedScene,
-        things: list[StoredObject],
-        client: Client,
-        id: int,  # noqa: A002
-    ) -> None:
-        self.scene, self.objects, self.client, self.id = room, things, client, id
+    def __init__(self, objects: list[StoredObject], client: Client, id: int) -> None:  # noqa: A002
+        self.objects, self.client, self.id = objects, client, id
 
     def trim(self) -> bool:
         """Drop the objects that are gone or have something newer; return whether any are left."""
@@ -62,7 +54,13 @@ class Job(ABC):
 
 
 class ObjectConversion(Job):
-    """Converts objects that were put."""
+    """Converts objects that were put. drop: removes objects from their scene."""
+
+    def __init__(
+        self, objects: list[StoredObject], client: Client, id: int, drop: Callable[[list[StoredObject]], None]  # noqa: A002
+    ) -> None:  # fmt: skip
+        super().__init__(objects, client, id)
+        self._drop = drop
 
     def is_awaited(self, thing: StoredObject) -> bool:
         """Whether the object is in the scene and not converted yet."""
@@ -81,17 +79,18 @@ class ObjectConversion(Job):
 
     def fail(self) -> None:
         """Remove all objects of the command."""
-        self.scene.drop(self.objects)
+        self._drop(self.objects)
 
 
 class EnvelopeConversion(Job):
-    """Converts a new envelope for objects of the scene."""
+    """Converts a new envelope for objects of the scene. changed: takes the name of each object that has it."""
 
     def __init__(
-        self, room: SharedScene, things: list[StoredObject], client: Client, id: int, envelope: Envelope  # noqa: A002
+        self, objects: list[StoredObject], client: Client, id: int, envelope: Envelope, changed: Callable[[str], None]  # noqa: A002
     ) -> None:  # fmt: skip
-        super().__init__(room, things, client, id)
+        super().__init__(objects, client, id)
         self._envelope: Envelope = envelope
+        self._changed = changed
 
     def is_awaited(self, thing: StoredObject) -> bool:
         """Whether no newer envelope has arrived."""
@@ -105,7 +104,7 @@ class EnvelopeConversion(Job):
     def take(self, thing: StoredObject, packed: bytes) -> None:
         """Set the new envelope."""
         thing.wrap(packed)
-        self.scene.pending.new(thing.name, WRAPPED)
+        self._changed(thing.name)
 
     def fail(self) -> None:
         """Keep the old envelopes."""

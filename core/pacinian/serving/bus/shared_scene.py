@@ -151,7 +151,7 @@ class SharedScene:
         for thing in things:
             self._place(thing)
         if heavy:
-            self._converter.ask(ObjectConversion(self, heavy, client, command.id))
+            self._converter.ask(ObjectConversion(heavy, client, command.id, self.drop))
         if len(self._ends) > 2 * len(self.objects) + 64:  # most entries are of replaced objects
             self._ends = [(t.until, t.name) for t in self.objects.values() if t.until is not None]
             heapify(self._ends)
@@ -207,16 +207,19 @@ class SharedScene:
             raise reject_full("$.names")
         if heavy:
             ident = command.id if len(things) == len(command.names) else 0
-            job = EnvelopeConversion(self, things, client, ident, command.envelope)
+            job = EnvelopeConversion(things, client, ident, command.envelope, self._note_envelope)
             for thing in things:
                 thing.wrap(thing.wrapped, job, size)
             self._converter.ask(job)
         else:
             for thing in things:
                 thing.wrap(envelope)
-                self.pending.new(thing.name, WRAPPED)
+                self._note_envelope(thing.name)
         self._all_there(command.names)
         return not heavy
+
+    def _note_envelope(self, name: str) -> None:
+        self.pending.new(name, WRAPPED)
 
     def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):

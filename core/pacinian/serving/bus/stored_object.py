@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pacinian.serving.bus.admission import Client
-    from pacinian.serving.bus.conversion import EnvelopeConversion
     from pacinian.wire.commands import Move
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
@@ -73,7 +72,7 @@ class StoredObject:
         self.until = None if item.duration is None else seen + item.duration
         self.moved: tuple[bytes, bytes, float] | None = None
         self.wrapped = b""
-        self.wraps: EnvelopeConversion | None = None
+        self.wraps: object = None
         self.waits = 0
         shape = item.shape if isinstance(item, (Surface, Volume)) else None
         self.slow = isinstance(shape, SLOW) or self.size > HEAVY_BYTES
@@ -101,10 +100,8 @@ class StoredObject:
         if self.placed:
             self.owner.bytes += more
 
-    def wrap(
-        self, envelope: bytes, wraps: EnvelopeConversion | None = None, waits: int = 0
-    ) -> None:
-        """Set the envelope. wraps: conversion of a newer one, of `waits` bytes."""
+    def wrap(self, envelope: bytes, wraps: object = None, waits: int = 0) -> None:
+        """Set the envelope. wraps: conversion of a newer one, of `waits` bytes; it is only compared."""
         self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
         self.wrapped, self.wraps, self.waits = envelope, wraps, waits
 
