@@ -115,7 +115,10 @@ def are_equal(a: Frame, b: Frame) -> bool:
 def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
     """Make a renderer with these settings and an empty scene; array: as recorded. May raise any Exception."""
     if settings["transducer"]["directivity"] is None:
-        raise ValueError("the transducers had a user-defined directivity, which cannot be recorded")
+        raise ValueError(
+            "the transducers had a directivity that is a Python function, which cannot be recorded: record with "
+            "`pacinian.DirectivityTable.sample(function)`"
+        )
     return Renderer(
         array,
         Scene(),

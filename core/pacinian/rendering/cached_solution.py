@@ -1,0 +1,38 @@
+"""The solution for one set of samples, as it is kept while they sound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pacinian.rendering.envelope_groups import EnvelopeGroups
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Gains
+
+
+@dataclass(frozen=True, eq=False)
+class CachedSolution:
+    """Gains for a set of samples.
+
+    gains: at full envelope, (N,). voices: the samples' groups by envelope; None if the gains contain the envelopes.
+    parts: contribution of each voice, (voices + 1, N), if there is more than one. solution: with its evidence. samples:
+    those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
+    because the solver had enough time, or more time did not help. vain: number of successive solves without
+    improvement.
+    """
+
+    gains: Gains
+    voices: EnvelopeGroups | None
+    parts: Gains | None
+    solution: Solution
+    samples: Samples
+    steady: bool
+    final: bool
+    vain: int = 0
+
+    @property
+    def nbytes(self) -> int:
+        """Size of its gains [bytes]."""
+        return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
