@@ -3,6 +3,7 @@ from .acoustics.array import Array as Array
 from .acoustics.array import CoincidentTransducers as CoincidentTransducers
 from .acoustics.array import autd as autd
 from .acoustics.array import lattice as lattice
+from .acoustics.directivity import DirectivityTable as DirectivityTable
 from .acoustics.directivity import Piston as Piston
 from .acoustics.directivity import omni as omni
 from .acoustics.directivity import t4010a1 as t4010a1

@@ -159,6 +159,7 @@ def _words(kind: type[Struct], part: str) -> list[str]:
             properties = definitions[name].get("properties", {})
             words |= properties.keys()
             for values in properties.values():
-                words |= {word for word in values.get("enum", ()) if isinstance(word, str)}
+                for one in values.get("anyOf", [values]):
+                    words |= {word for word in one.get("enum", ()) if isinstance(word, str)}
             waiting.append(json.dumps(properties))
     return sorted(words)

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.directivity import Piston, omni, t4010a1
+from pacinian.acoustics.directivity import DirectivityTable, Piston, omni, t4010a1
 from pacinian.acoustics.transducer import Transducer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.types import Floats
 
 NAMED = {"omni": omni, "t4010a1": t4010a1}
@@ -20,16 +22,14 @@ NAMED = {"omni": omni, "t4010a1": t4010a1}
 def to_map(array: Array) -> dict[str, Any]:
     """Return the transducers' type and responses as plain values; None for a user's own directivity.
 
-    A user's own directivity is a Python function, which cannot be read back.
+    A user's own directivity is a Python function, which cannot be read back; `DirectivityTable.sample` converts it.
     """
     kind, response = array.transducer, array.response
-    D = kind.directivity
-    names = [name for name, function in NAMED.items() if function is D]
     return {
         "transducer": {
             "frequency": kind.frequency,
             "pressure": kind.pressure,
-            "directivity": asdict(D) if isinstance(D, Piston) else names[0] if names else None,
+            "directivity": _describe_directivity(kind.directivity),
         },
         "response": None if response is None else response.astype("<c16").tobytes(),
     }
@@ -38,14 +38,27 @@ def to_map(array: Array) -> dict[str, Any]:
 def from_map(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
     """Return the array; omnidirectional if the directivity is missing. Damaged values raise any Exception."""
     told: dict[str, Any] = settings["transducer"]
-    D: Any = told["directivity"]
     kind = Transducer(
         frequency=told["frequency"],
         pressure=told["pressure"],
-        directivity=Piston(**D) if isinstance(D, dict) else NAMED["omni" if D is None else D],
+        directivity=_make_directivity(told["directivity"]),
     )
     given = settings.get("response")
     response = None if given is None else np.frombuffer(given, "<c16")
     array = Array(positions, normals, kind, response)
     object.__setattr__(array, "normals", normals)  # bit for bit, without normalising again
     return array
+
+
+def _describe_directivity(D: Callable[[Floats], Floats]) -> dict[str, Any] | str | None:
+    if isinstance(D, Piston):
+        return asdict(D)
+    if isinstance(D, DirectivityTable):
+        return {"angles": list(D.angles), "values": list(D.values)}
+    return next((name for name, function in NAMED.items() if function is D), None)
+
+
+def _make_directivity(told: dict[str, Any] | str | None) -> Callable[[Floats], Floats]:
+    if isinstance(told, dict):
+        return DirectivityTable(**told) if "angles" in told else Piston(**told)
+    return NAMED["omni" if told is None else told]

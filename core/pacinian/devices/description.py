@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.directivity import omni, t4010a1
+from pacinian.acoustics.directivity import DirectivityTable, omni, t4010a1
 from pacinian.acoustics.transducer import Transducer
 from pacinian.checks import check_integer
 from pacinian.devices.board import Board
@@ -26,21 +26,25 @@ DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
 
 
 class Element(Struct, frozen=True, forbid_unknown_fields=True):
-    """The kind of transducer, as `pacinian.Transducer`; by default that of the AUTD units."""
+    """The kind of transducer, as `pacinian.Transducer`; by default that of the AUTD units.
+
+    directivity: a name, or a table as measured.
+    """
 
     frequency: float = 40_000.0
     pressure: float = 4.386
-    directivity: Literal["omni", "t4010a1"] = "t4010a1"
+    directivity: Literal["omni", "t4010a1"] | DirectivityTable = "t4010a1"
 
     def __post_init__(self) -> None:
         self.make()
 
     def make(self) -> Transducer:
         """Return the transducer."""
+        D = self.directivity
         return Transducer(
             frequency=self.frequency,
             pressure=self.pressure,
-            directivity=DIRECTIVITIES[self.directivity],
+            directivity=DIRECTIVITIES[D] if isinstance(D, str) else D,
         )
 
 

@@ -162,8 +162,8 @@ def save_solution(solution: Solution, path: str | Path) -> None:
     if settings["transducer"]["directivity"] is None:
         raise ArgumentError(
             "array",
-            "has a directivity that is a Python function, which a file cannot hold: use `pacinian.Piston`, "
-            "`pacinian.t4010a1` or `pacinian.omni`",
+            "has a directivity that is a Python function, which a file cannot hold: solve with a table of it, "
+            "`pacinian.DirectivityTable.sample(function)`, or with `pacinian.Piston`, `t4010a1` or `omni`",
         )
     facing, quiet, targets = solution.facing, kept.quiet, solution.targets
     values: dict[str, Any] = {name: getattr(solution, name) for name in PLAIN}

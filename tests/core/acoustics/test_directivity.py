@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 NODES = [0, 0, 0, -1, -3, -6, -9, -12, -14, -15]  # [dB] at 0, 10 .. 90 degrees
 K = 2 * math.pi * 40e3 / 340.0  # [rad/m]
 PISTON = pc.Piston(0.0045, K)
-PATTERNS = pytest.mark.parametrize("pattern", [pc.omni, pc.t4010a1, PISTON])
+TABLE = pc.DirectivityTable.sample(PISTON, 19)
+PATTERNS = pytest.mark.parametrize("pattern", [pc.omni, pc.t4010a1, PISTON, TABLE])
 
 
 def cosine(degrees: object) -> np.ndarray:
@@ -51,7 +52,7 @@ def test_a_piston_is_1_on_its_axis_and_a_tiny_one_everywhere_in_front() -> None:
     np.testing.assert_allclose(pc.Piston(1e-6, K)(cosine([0, 30, 60, 89])), 1.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("pattern", [pc.t4010a1, PISTON])
+@pytest.mark.parametrize("pattern", [pc.t4010a1, PISTON, TABLE])
 def test_nothing_goes_behind_or_to_the_side(pattern: Callable[..., np.ndarray]) -> None:
     assert not pattern(np.array([0.0, -1e-12, -0.3, -1.0])).any()
 
@@ -86,3 +87,41 @@ def test_a_pattern_is_evaluated_element_by_element_in_any_shape(
 def test_a_piston_that_cannot_be_is_refused(argument: str, given_as: tuple[float, float]) -> None:
     with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
         pc.Piston(*given_as)
+
+
+def test_a_table_of_a_piston_every_five_degrees_is_the_piston() -> None:
+    """Known at its rows, within 0.001 between them; flat on the axis, as symmetry demands."""
+    np.testing.assert_allclose(TABLE(np.cos(TABLE.angles[:-1])), TABLE.values[:-1], atol=1e-12)
+    between = cosine(np.linspace(0.0, 89.99, 4001))
+    np.testing.assert_allclose(TABLE(between), PISTON(between), atol=1e-3)
+    assert abs(TABLE(cosine([0.01]))[0] - 1.0) < 1e-6
+    fine = pc.DirectivityTable.sample(PISTON)
+    np.testing.assert_allclose(fine(between), PISTON(between), atol=2e-5)
+
+
+def test_a_table_propagates_as_the_function_that_it_samples() -> None:
+    q, g = np.random.default_rng(3).uniform(0.05, 0.2, (30, 3)), np.ones(249)
+    one, other = (
+        pc.field(pc.autd(transducer=pc.Transducer(directivity=D)), g, q, pc.Air())
+        for D in (PISTON, pc.DirectivityTable.sample(PISTON))
+    )
+    np.testing.assert_allclose(one, other, atol=1e-4 * np.abs(one).max())
+
+
+@pytest.mark.parametrize(
+    ("angles", "values", "told"),
+    [
+        ((0.0,), (1.0,), "`angles` must be 2"),
+        ((0.0, 1.0, 1.5708), (1.0, 0.5), "`values` must be 3"),
+        ((0.0, 1.0, 1.0, 1.5708), (1.0, 0.5, 0.4, 0.2), "must ascend: 1 comes before 1"),
+        ((0.0, 45.0, 90.0), (1.0, 0.5, 0.2), "were degrees given"),
+        ((0.0, 1.0), (1.0, 0.5), "0 to pi/2"),
+        ((0.1, 1.5708), (1.0, 0.5), "0 to pi/2"),
+        ((0.0, 0.8, 1.5708), (0.0, -6.0, -15.0), "decibels"),
+        ((0.0, 0.8, 1.5708), (1.0, math.nan, 0.2), "`values` must be finite"),
+        ((0.0, 0.8, 1.5708), (1.0, 50.0, 0.2), "-10 to 10"),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused(angles: object, values: object, told: str) -> None:
+    with pytest.raises(pc.ArgumentError, match=told):
+        pc.DirectivityTable(angles, values)  # type: ignore[arg-type]

@@ -29,7 +29,7 @@ levels = { phases = 128, amplitudes = 65 }
 [transducer]
 frequency = 40500.0
 pressure = 3.4
-directivity = "omni"
+directivity = { angles = [0, 0.7, 1.5708], values = [1, 0.6, 0.1] }
 
 [[boards]]
 serial = "A"
@@ -57,7 +57,8 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     assert device.backend == "usb-autd"
     assert (device.levels.phases, device.levels.amplitudes) == (128, 65)  # type: ignore[union-attr]
     array = device.array()
-    assert array.transducer == pc.Transducer(frequency=40500.0, pressure=3.4)
+    table = pc.DirectivityTable((0.0, 0.7, 1.5708), (1.0, 0.6, 0.1))
+    assert array.transducer == pc.Transducer(frequency=40500.0, pressure=3.4, directivity=table)
     # half a turn about z, then 0.1 m along x; transducer 2 of the grid is dead: channel 1
     places = 0.1 - np.array([-0.005, 0.005, 0.005]), -np.array([-0.005, -0.005, 0.005])
     np.testing.assert_allclose(array.positions[:3, :2].T, places, atol=1e-12)
@@ -137,6 +138,10 @@ def test_each_channel_drives_the_transducer_that_its_order_says(data: Any) -> No
         ("[[boards]]\n[[boards]]\nserial = 'A'", r"boards\[0\]\.serial.*must be given"),
         ("[[boards]]\nserial = 'A'\n[[boards]]\nserial = 'A'", r"'A' is there twice"),
         ("transducer = { directivity = 'omnni' }\n[[boards]]", r"transducer.*`omni`"),
+        ("transducer = { directivity = { angles = [0, 90], values = [1, 0] } }\n[[boards]]",
+         r"\$\.transducer\.directivity.*degrees"),
+        ("transducer = { directivity = { angels = [0, 90], values = [1, 0] } }\n[[boards]]",
+         r"directivity.*angels.*`angles`"),
         ("transducer = { frequency = 0 }\n[[boards]]", r"\$\.transducer.*`frequency`"),
         ("levels = { phases = 1 }\n[[boards]]", r"\$\.levels.*`phases`"),
         ("[[boards]]\npose = { position = [100.0, 0, 0] }\nserial = 'A'\n[[boards]]\nserial = 'B'",

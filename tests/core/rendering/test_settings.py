@@ -31,7 +31,8 @@ def make(array: pc.Array | None = None, **options: Any) -> pc.Renderer:
     return pc.Renderer(array or pc.lattice(0.05, 0.05), pc.Scene(), backend=device, **options)
 
 
-DIRECTIVITIES = [pc.omni, pc.t4010a1, pc.Piston(0.0045, 739.0)]
+PISTON = pc.Piston(0.0045, 739.0)
+DIRECTIVITIES = [pc.omni, pc.t4010a1, PISTON, pc.DirectivityTable.sample(PISTON, 7)]
 
 
 @pytest.mark.parametrize(
