@@ -44,12 +44,20 @@ VIEWER = "starlette", "uvicorn", "websockets"
 )
 @click.option("--quiet", is_flag=True, help="Log warnings and errors only.")
 @click.option("--view", is_flag=True, help="Open the viewer beside it: see `pacinian view`.")
-def serve(config: Path | None, view: bool, **given: Any) -> None:
+@click.option(
+    "--until-eof",
+    is_flag=True,
+    help="End when standard input closes, as it does when the game that started this process ends.",
+)
+def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> None:
     """Run the server that games connect to.
 
     Runs until Ctrl-C. CONFIG is a TOML or JSON file, which options override. Prints the path of the connection file as
     soon as clients can connect.
     """
+    import threading
+
+    from pacinian.cli.standard_input import call_at_end_of_input
     from pacinian.serving.server import serve as run
     from pacinian.serving.settings import Settings, load
 
@@ -64,7 +72,10 @@ def serve(config: Path | None, view: bool, **given: Any) -> None:
             if view:
                 stack.enter_context(_viewer(path))
 
-        run(settings, ready)
+        ending = threading.Event()
+        if until_eof:
+            call_at_end_of_input(ending.set)
+        run(settings, ready, ending=ending)
 
 
 def _known(settings: Settings) -> None:
@@ -106,7 +117,7 @@ def _viewer(connection: Path) -> Generator[None]:
         "-m",
         "pacinian",
         "view",
-        "--beside",
+        "--until-eof",
         "--connection",
         str(connection),
     ]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.standard_input import call_at_end_of_input
 
 if TYPE_CHECKING:
     import asyncio
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Render a FILE of `pacinian render` again to show its samples, which takes as long as the run.",
 )
-@click.option("--beside", is_flag=True, hidden=True, help="End when standard input closes.")
+@click.option("--until-eof", is_flag=True, hidden=True, help="End when standard input closes.")
 def view(
     recording: Path | None,
     connection: str | None,
@@ -34,7 +34,7 @@ def view(
     host: str,
     no_browser: bool,
     samples: bool,
-    beside: bool,
+    until_eof: bool,
 ) -> None:
     """Show a server live in the browser.
 
@@ -61,7 +61,7 @@ def view(
                 stack.callback(file.unlink, missing_ok=True)
 
         async def until_ended() -> None:
-            ended = _with_input(asyncio.get_running_loop()) if beside else None
+            ended = _make_eof_event(asyncio.get_running_loop()) if until_eof else None
             await run(
                 connection,
                 recording,
@@ -76,19 +76,15 @@ def view(
             asyncio.run(until_ended())
 
 
-def _with_input(loop: asyncio.AbstractEventLoop) -> asyncio.Event:
+def _make_eof_event(loop: asyncio.AbstractEventLoop) -> asyncio.Event:
     """Return an event that is set when standard input closes, which happens when the parent process ends."""
     import asyncio
-    import threading
 
     ended = asyncio.Event()
 
-    def wait() -> None:
-        with contextlib.suppress(OSError):  # it may be closed already
-            while os.read(0, 4096):
-                pass
-        with contextlib.suppress(RuntimeError):
+    def end() -> None:
+        with contextlib.suppress(RuntimeError):  # the loop may be closed already
             loop.call_soon_threadsafe(ended.set)
 
-    threading.Thread(target=wait, daemon=True).start()
+    call_at_end_of_input(end)
     return ended

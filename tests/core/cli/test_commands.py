@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ from click.testing import CliRunner
 import pacinian as pc
 from pacinian.cli.main import GROUPS, cli, main
 from pacinian.cli.run_output import judge_pace
+from pacinian.cli.standard_input import call_at_end_of_input
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
 
@@ -336,7 +338,7 @@ def test_a_viewer_that_is_not_installed_is_told_before_the_server_starts(
     from pacinian.serving import server
 
     started: list[object] = []
-    monkeypatch.setattr(server, "serve", lambda *given: started.append(given))
+    monkeypatch.setattr(server, "serve", lambda *given, ending: started.append(given))
     monkeypatch.setattr(util, "find_spec", lambda name: None if name == "uvicorn" else name)
     result = run("serve", "--view")
     assert isinstance(result.exception, pc.MissingExtra)
@@ -346,13 +348,23 @@ def test_a_viewer_that_is_not_installed_is_told_before_the_server_starts(
     assert len(started) == 1
 
 
+def test_the_end_of_standard_input_is_told_and_what_it_says_is_not() -> None:
+    (read, write), ended = os.pipe(), threading.Event()
+    with os.fdopen(read), os.fdopen(write, "wb", buffering=0) as parent:
+        call_at_end_of_input(ended.set, read)
+        parent.write(b"anything")
+        assert not ended.wait(0.05)
+        parent.close()
+        assert ended.wait(60.0)
+
+
 @pytest.mark.parametrize("kind", ["solver", "backend"])
 def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from pacinian.serving import server
 
-    monkeypatch.setattr(server, "serve", lambda *given: pytest.fail("it starts"))
+    monkeypatch.setattr(server, "serve", lambda *given, ending: pytest.fail("it starts"))
     result = run("serve", f"--{kind}", "nonsense")
     assert isinstance(result.exception, pc.UnknownPlugin)
     assert f"no {kind} is called 'nonsense'" in str(result.exception)
