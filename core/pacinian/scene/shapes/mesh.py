@@ -17,9 +17,9 @@ from pacinian.checks import check_count, check_length, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.function_solid import scale_shell, share_area
 from pacinian.scene.shapes.local_samples import LocalSamples
+from pacinian.scene.shapes.mesh_distance import MeasurableTriangles
 from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
 from pacinian.scene.shapes.triangle_points import pick_points
-from pacinian.scene.shapes.triangles import Triangles, read_mesh
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -29,7 +29,9 @@ RIM = 8  # candidates per spacing on the rim of an open mesh
 
 Stamp = tuple[int, int]  # modification time of a file [ns], and its size [bytes]
 # cache of triangles by file, scale and stamp; an entry lives as long as a mesh uses it
-_read: WeakValueDictionary[tuple[str, float, Stamp | None], Triangles] = WeakValueDictionary()
+_read: WeakValueDictionary[tuple[str, float, Stamp | None], MeasurableTriangles] = (
+    WeakValueDictionary()
+)
 
 
 class Mesh(
@@ -117,12 +119,12 @@ class Mesh(
         return LocalSamples(every[kept], t.normals[face[kept]], area)
 
     @property
-    def triangles(self) -> Triangles:
+    def triangles(self) -> MeasurableTriangles:
         """Triangles of the mesh [m]. A changed file is read again; if that fails, the old triangles stay.
 
         Raises ArgumentError.
         """
-        kept: tuple[Stamp | None, Triangles] | None = vars(self).get("kept")
+        kept: tuple[Stamp | None, MeasurableTriangles] | None = vars(self).get("kept")
         stamp = _stamp(self.file)
         if kept is None or (stamp is not None and stamp != kept[0]):
             try:
@@ -135,13 +137,15 @@ class Mesh(
             kept = vars(self)["kept"] = stamp, made
         return kept[1]
 
-    def _make_triangles(self, stamp: Stamp | None) -> Triangles:
+    def _make_triangles(self, stamp: Stamp | None) -> MeasurableTriangles:
         if not self.file:
             vertices = self.scale * np.array(self.vertices)
-            return Triangles.of(vertices, np.array(self.faces, dtype=np.int64), "given here")
+            return MeasurableTriangles.of(
+                vertices, np.array(self.faces, dtype=np.int64), "given here"
+            )
         key = self.file, self.scale, stamp
         if (made := _read.get(key)) is None:
-            made = _read[key] = read_mesh(self.file, self.scale)
+            made = _read[key] = MeasurableTriangles.read(self.file, self.scale)
         return made
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from pacinian.native import scene as kernels
 from pacinian.scene.shapes.mesh_bounds import Bounds
 from pacinian.scene.shapes.triangle_tree import TriangleTree
+from pacinian.scene.shapes.triangles import Triangles
 
 if TYPE_CHECKING:
-    from pacinian.scene.shapes.triangles import Triangles
     from pacinian.types import Floats, Indices, Longs
 
 
@@ -68,6 +68,15 @@ class MeshDistance:
         """Return the unsigned distance of points, (K, 3): (K,) [m]."""
         squared = self.tree.find_closest(points)[0]
         return np.sqrt(squared)
+
+
+class MeasurableTriangles(Triangles):
+    """Triangles with the signed distance to them."""
+
+    @cached_property
+    def distance(self) -> MeshDistance:
+        """Signed distance to the triangles, prepared at first use."""
+        return MeshDistance(self)
 
 
 def pseudo_normals(t: Triangles) -> tuple[Floats, Longs]:

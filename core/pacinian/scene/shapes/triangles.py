@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from pacinian.scene.shapes.mesh_repair import merge_vertices, orient_outward, vo
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
-    from pacinian.scene.shapes.mesh_distance import MeshDistance
     from pacinian.types import Floats, Longs
 
 # No compressed formats, because a small file could expand to any size.
@@ -59,13 +58,6 @@ class Triangles:
         x, y, z = np.abs(self.vertices).max(axis=0).tolist()
         return x, y, z
 
-    @cached_property
-    def distance(self) -> MeshDistance:
-        """Signed distance to the triangles, prepared at first use."""
-        from pacinian.scene.shapes.mesh_distance import MeshDistance
-
-        return MeshDistance(self)
-
     def rim(self, spacing: float) -> tuple[Floats, Longs]:
         """Return points at most `spacing` [m] apart on the rim, (K, 3) [m], and the triangle of each, (K,).
 
@@ -83,7 +75,7 @@ class Triangles:
         return points[order], face[which[order]]
 
     @classmethod
-    def of(cls, vertices: Floats, faces: Longs, name: str) -> Triangles:
+    def of(cls, vertices: Floats, faces: Longs, name: str) -> Self:
         """Make triangles from vertices, (V, 3) [m], and faces, (F, 3). Raises ArgumentError, which mentions `name`."""
         if not len(faces):
             raise ArgumentError("mesh", f"{name} has no triangles")
@@ -110,6 +102,43 @@ class Triangles:
                 np.where(swap, edges[:, ::-1], edges),
             )
         return cls(vertices, faces, normals, areas, edges, sharing, flaw)
+
+    @classmethod
+    def read(cls, file: str, scale: float) -> Self:
+        """Read the triangles of a file in one of `FORMATS`. Raises ArgumentError, which names the file.
+
+        scale: [m] per unit of the file.
+        """
+        import trimesh
+
+        path = Path(file)
+        kind = path.suffix[1:].lower()
+        try:
+            if not path.is_file():
+                raise ArgumentError(
+                    "mesh", f"{file} cannot be read: it is not there, or not a file"
+                )
+            if kind not in FORMATS:
+                raise ArgumentError("mesh", f"{file} must end in one of .{', .'.join(FORMATS)}")
+            if (size := path.stat().st_size) > MAX_FILE_BYTES:
+                raise ArgumentError(
+                    "mesh", f"{file} is {size >> 20} MiB: keep to {MAX_FILE_BYTES >> 20}"
+                )
+            loaded: Any = trimesh.load_mesh(path, process=False)
+            if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
+                raise ArgumentError("mesh", f"{file} has no triangles, or is damaged")
+            vertices = np.asarray(loaded.vertices, dtype=np.float64) * scale
+            return cls.of(vertices, np.asarray(loaded.faces, dtype=np.int64), file)
+        except ArgumentError:
+            raise
+        except ImportError as error:  # a decoder is not installed, such as Draco's
+            raise ArgumentError(
+                "mesh",
+                f"{file} cannot be read without the library {error.name}: save it as plain .stl",
+            ) from error
+        except Exception as error:
+            problem = f"{file} is damaged, or is no {kind.upper()} file ({error})"
+            raise ArgumentError("mesh", f"{problem}: export it again") from error
 
 
 def _normals(vertices: Floats, faces: Longs) -> tuple[Floats, Floats]:
@@ -143,37 +172,3 @@ def _edges(vertices: Floats, faces: Longs, area: float) -> tuple[Longs, Longs, s
 def _reach(vertices: Floats) -> float:
     """Return the largest distance of a vertex from the origin [m]."""
     return math.sqrt(float((vertices**2).sum(axis=1).max(initial=0.0)))
-
-
-def read_mesh(file: str, scale: float) -> Triangles:
-    """Read the triangles of a file in one of `FORMATS`. Raises ArgumentError, which names the file.
-
-    scale: [m] per unit of the file.
-    """
-    import trimesh
-
-    path = Path(file)
-    kind = path.suffix[1:].lower()
-    try:
-        if not path.is_file():
-            raise ArgumentError("mesh", f"{file} cannot be read: it is not there, or not a file")
-        if kind not in FORMATS:
-            raise ArgumentError("mesh", f"{file} must end in one of .{', .'.join(FORMATS)}")
-        if (size := path.stat().st_size) > MAX_FILE_BYTES:
-            raise ArgumentError(
-                "mesh", f"{file} is {size >> 20} MiB: keep to {MAX_FILE_BYTES >> 20}"
-            )
-        loaded: Any = trimesh.load_mesh(path, process=False)
-        if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
-            raise ArgumentError("mesh", f"{file} has no triangles, or is damaged")
-        vertices = np.asarray(loaded.vertices, dtype=np.float64) * scale
-        return Triangles.of(vertices, np.asarray(loaded.faces, dtype=np.int64), file)
-    except ArgumentError:
-        raise
-    except ImportError as error:  # a decoder is not installed, such as Draco's
-        raise ArgumentError(
-            "mesh", f"{file} cannot be read without the library {error.name}: save it as plain .stl"
-        ) from error
-    except Exception as error:
-        problem = f"{file} is damaged, or is no {kind.upper()} file ({error})"
-        raise ArgumentError("mesh", f"{problem}: export it again") from error
