@@ -33,5 +33,8 @@ with pc.Renderer(array, stroke, governed=False, clock=clock) as renderer:
 assert samples is not None
 P = samples.radiation_pressure
 print(f"{len(P)} samples, {P.min():.1f} to {P.max():.1f} Pa by the ridge that each is on")
-page = plot.scene(array, renderer.shown, samples, gains, t=clock.time, title="A textured plate")
+air = renderer.session.medium
+page = plot.scene(
+    array, renderer.shown, samples, gains, medium=air, t=clock.time, title="A textured plate"
+)
 plot.save(page, sys.argv[1] if len(sys.argv) > 1 else "texture.png", 256)

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.propagation import TOUCHING
-from pacinian.checks import MAX_LENGTH, check_integer, check_kind, check_number
+from pacinian.acoustics.propagation import TOUCHING, check_medium
+from pacinian.checks import MAX_LENGTH, check_integer, check_number
 from pacinian.errors import ArgumentError, MissingExtra, PointOnTransducer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats
 
@@ -31,15 +31,14 @@ MAX_STEPS = 10_000  # Gerchberg-Saxton steps
 MU = 1e-6  # default regularisation, relative to the mean square pressure
 
 
-def matrix(array: Array, points: Any, medium: Air | None = None) -> Any:
+def matrix(array: Array, points: Any, medium: Air) -> Any:
     """Return B [Pa], complex, (..., M, N), in the library, the precision and on the device of `points`.
 
-    array: N transducers. points: real floating-point array, (..., M, 3) [m]. medium: `Air()` by default.
+    array: N transducers. points: real floating-point array, (..., M, 3) [m]. medium: the air.
     Directivities are interpolated linearly in a table of 65,536 steps of cos(theta). Raises ArgumentError,
     PointOnTransducer, MissingExtra.
     """
-    medium = Air() if medium is None else medium
-    check_kind("medium", medium, Air)
+    check_medium(medium)
     xp = _find_namespace(points)
     _check_points(xp, points, array)
     kind, centre = array.transducer, array.centre
@@ -66,11 +65,11 @@ def matrix(array: Array, points: Any, medium: Air | None = None) -> Any:
     return B
 
 
-def field(array: Array, gains: Any, points: Any, medium: Air | None = None) -> Any:
+def field(array: Array, gains: Any, points: Any, medium: Air) -> Any:
     """Return the complex sound pressure p = B g [Pa], (..., M), in the library and on the device of `points`.
 
     array: N transducers. gains: (..., N), complex or real, of the same library. points: (..., M, 3) [m]. The leading
-    dimensions broadcast. medium: `Air()` by default. Raises ArgumentError, PointOnTransducer, MissingExtra.
+    dimensions broadcast. medium: the air. Raises ArgumentError, PointOnTransducer, MissingExtra.
     """
     xp = _find_namespace(points)
     _check_points(xp, points, array)
@@ -97,7 +96,7 @@ def solve(
     amplitudes: Any,
     phases: Any | None = None,
     *,
-    medium: Air | None = None,
+    medium: Air,
     gain: float = 1.0,
     steps: int = 50,
     mu: float = MU,
@@ -109,7 +108,7 @@ def solve(
     whole, each problem by itself.
 
     array: N transducers. points: (..., M, 3) [m]. amplitudes: not negative, broadcast to (..., M) [Pa], of the same
-    library. phases: [rad], broadcast to (..., M); None if they are free. medium: `Air()` by default. gain: limit of
+    library. phases: [rad], broadcast to (..., M); None if they are free. medium: the air. gain: limit of
     |g_n|. Raises ArgumentError, PointOnTransducer, MissingExtra.
     """
     gain = check_number("gain", gain, low=0.0, above=True)

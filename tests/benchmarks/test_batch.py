@@ -27,7 +27,7 @@ import pacinian as pc
 def test_two_workers(benchmark: Any, solver: str, units: int, M: int, seconds: float) -> None:
     array = pc.autd(units, units)
     rng = np.random.default_rng(1)
-    most = np.abs(pc.matrix(array, [[0.0, 0.0, 0.2]])).sum()
+    most = np.abs(pc.matrix(array, [[0.0, 0.0, 0.2]], pc.Air())).sum()
 
     def problems(count: int) -> tuple[Any, Any]:
         q = rng.uniform((-0.08, -0.08, 0.15), (0.08, 0.08, 0.25), (count, M, 3))

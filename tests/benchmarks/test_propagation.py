@@ -80,7 +80,7 @@ def test_solving(benchmark: Any, units: int, M: int) -> None:
     rng = np.random.default_rng(1)
     q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
     t = rng.uniform(0.3, 1.0, M)
-    t *= 0.5 * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
+    t *= 0.5 * np.abs(pc.matrix(array, q, pc.Air())).sum(axis=1).mean() / np.linalg.norm(t)
     solution = benchmark(pc.solve, array, q, t)
     benchmark.extra_info["error"] = solution.error
 

@@ -36,7 +36,7 @@ def test_what_a_session_saves(benchmark: Any, units: int, M: int) -> None:
     rng = np.random.default_rng(1)
     q = np.c_[rng.uniform(-0.1, 0.1, (M, 2)), np.full(M, 0.2)]
     t = rng.uniform(0.3, 1.0, M)
-    t *= 0.5 * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
+    t *= 0.5 * np.abs(pc.matrix(array, q, pc.Air())).sum(axis=1).mean() / np.linalg.norm(t)
     out = np.empty(len(array), np.complex64)
     directions = rng.normal(size=(32, M, 3))
     moves = q + 0.5e-3 * directions / np.linalg.norm(directions, axis=2, keepdims=True)

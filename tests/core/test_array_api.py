@@ -66,7 +66,7 @@ def test_precision_and_broadcasting_are_the_callers(xp: Any) -> None:
     assert p.dtype == xp.complex64
     exact = np.array([pc.field(ARRAY, G[0], Q[k], AIR, "double") for k in range(K)])
     np.testing.assert_allclose(back(p), exact, atol=2e-4 * np.abs(exact).max())
-    gains, _ = array_api.solve(ARRAY, q, xp.asarray(T.astype(np.float32)))
+    gains, _ = array_api.solve(ARRAY, q, xp.asarray(T.astype(np.float32)), medium=pc.Air())
     assert gains.dtype == xp.complex64
 
 
@@ -123,10 +123,10 @@ def test_autograd_agrees_with_the_derivatives() -> None:
 
 
 def test_silence_and_no_points(xp: Any) -> None:
-    g, p = array_api.solve(ARRAY, xp.asarray(Q), xp.asarray(0.0 * T))
+    g, p = array_api.solve(ARRAY, xp.asarray(Q), xp.asarray(0.0 * T), medium=pc.Air())
     assert not back(g).any()
     assert not back(p).any()
-    none = array_api.field(ARRAY, xp.asarray(G[0]), xp.asarray(np.empty((0, 3))))
+    none = array_api.field(ARRAY, xp.asarray(G[0]), xp.asarray(np.empty((0, 3))), AIR)
     assert none.shape == (0,)
 
 
@@ -134,7 +134,7 @@ def test_a_point_on_a_transducer_is_told(xp: Any) -> None:
     q = Q[0].copy()
     q[2] = ARRAY.positions[5]
     with pytest.raises(pc.PointOnTransducer) as told:
-        array_api.matrix(ARRAY, xp.asarray(q))
+        array_api.matrix(ARRAY, xp.asarray(q), AIR)
     assert told.value.indices == (2,)
 
 
@@ -158,7 +158,7 @@ def test_a_point_on_a_transducer_is_told(xp: Any) -> None:
     ],
 )
 def test_bad_arguments_are_named(xp: Any, argument: str, change: dict[str, Any]) -> None:
-    good: dict[str, Any] = {"points": Q, "amplitudes": T} | change
+    good: dict[str, Any] = {"points": Q, "amplitudes": T, "medium": AIR} | change
     given = {k: xp.asarray(v) if isinstance(v, np.ndarray) else v for k, v in good.items()}
     with pytest.raises(pc.ArgumentError) as told:
         array_api.solve(ARRAY, **given)
@@ -167,10 +167,10 @@ def test_bad_arguments_are_named(xp: Any, argument: str, change: dict[str, Any])
 
 def test_libraries_do_not_mix() -> None:
     with pytest.raises(pc.ArgumentError, match="same library"):
-        array_api.field(ARRAY, G, array_api_strict.asarray(Q))
+        array_api.field(ARRAY, G, array_api_strict.asarray(Q), AIR)
     with pytest.raises(pc.ArgumentError, match="array of NumPy"):
-        array_api.matrix(ARRAY, Q.tolist())
+        array_api.matrix(ARRAY, Q.tolist(), AIR)
     with pytest.raises(pc.ArgumentError, match="gains"):
-        array_api.field(ARRAY, G[:, :4], Q)
+        array_api.field(ARRAY, G[:, :4], Q, AIR)
     with pytest.raises(pc.ArgumentError, match="gains"):
-        array_api.field(ARRAY, np.nan * G, Q)
+        array_api.field(ARRAY, np.nan * G, Q, AIR)

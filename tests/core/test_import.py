@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import pacinian
+from pacinian import array_api, plot
 
 STUB = Path(pacinian.__file__).with_suffix(".pyi")
 
@@ -28,6 +30,20 @@ def fresh(code: str) -> str:
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
+
+
+def test_the_air_has_a_default_only_where_the_result_keeps_it() -> None:
+    """Elsewhere a forgotten medium would go unnoticed. `plot.export` needs it for a field, and then refuses None."""
+    defaults: set[str] = set()
+    for place in (pacinian, plot, array_api):
+        for name in dir(place):
+            made = getattr(place, name)
+            if inspect.isfunction(made) or (inspect.isclass(made) and "__init__" in vars(made)):
+                air = inspect.signature(made).parameters.get("medium")
+                if air is not None and air.default is not air.empty:
+                    defaults.add(name)
+    keep = {"solve", "solve_many", "Session", "Renderer"}
+    assert defaults == keep | {"export"}
 
 
 def test_importing_pacinian_loads_no_heavy_library_and_none_of_its_own_modules() -> None:

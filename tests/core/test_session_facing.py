@@ -36,7 +36,7 @@ def skin(count: int, seed: int = 0) -> tuple[Any, SkinFacing]:
 
 
 def weighted(q: Any, facing: SkinFacing) -> Any:
-    return pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
+    return pc.matrix(ARRAY, q, pc.Air()) * facing.weights(q, ARRAY.positions)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -62,7 +62,9 @@ def test_gains_are_within_the_limit_and_the_evidence_is_theirs(
     assert (g.real**2 + g.imag**2 <= 1.0).all()
     B = weighted(q, facing)
     np.testing.assert_allclose(
-        solution.sound_pressure, B @ g, atol=1e-4 * np.abs(pc.matrix(ARRAY, q)).sum() + 1e-30
+        solution.sound_pressure,
+        B @ g,
+        atol=1e-4 * np.abs(pc.matrix(ARRAY, q, pc.Air())).sum() + 1e-30,
     )
     assert (B.any(axis=1) == (np.arange(count) > 0) | (not hidden)).all()
     if count and hidden:
@@ -112,7 +114,7 @@ def test_a_session_keeps_what_has_not_changed() -> None:
     assert work.solutions_scaled == 1
     free = session.solve(q, t)
     assert work.rows_built == 12
-    np.testing.assert_allclose(np.abs(pc.matrix(ARRAY, q) @ free.gains), t, rtol=2e-3)
+    np.testing.assert_allclose(np.abs(pc.matrix(ARRAY, q, pc.Air()) @ free.gains), t, rtol=2e-3)
     again = session.solve(q, t, facing=facing)
     assert work.rows_built == 18
     assert again.error == pytest.approx(first.error, abs=1e-3)

@@ -29,7 +29,7 @@ def test_a_change_of_strength_alone_is_as_good_as_a_new_solve(
         assert warm.status is cold.status or solver == "gs-pat"
         # at the limit other phases to start from may end elsewhere
         assert warm.error <= cold.error + (2e-3 if met else 0.05)
-        p = pc.matrix(ARRAY, q) @ warm.gains.astype(complex)
+        p = pc.matrix(ARRAY, q, pc.Air()) @ warm.gains.astype(complex)
         np.testing.assert_allclose(warm.sound_pressure, p, atol=1e-4 * factor * t.max() + 1e-30)
         assert warm.bound <= warm.objective * (1 + 1e-3) or not np.isfinite(warm.bound)
 
@@ -118,7 +118,7 @@ def test_a_certificate_is_that_of_the_gains_as_emitted(level: float, phases: flo
         * np.exp(2j * np.pi * np.round(np.angle(g) * 256 / 2 / np.pi) / 256)
     )
     emitted = session.certify(levels)
-    p = pc.matrix(ARRAY, q) @ levels
+    p = pc.matrix(ARRAY, q, pc.Air()) @ levels
     np.testing.assert_allclose(emitted.sound_pressure, p)
     assert emitted.error >= solved.error
     assert emitted.objective > solved.objective
@@ -146,7 +146,7 @@ def test_steady_state_allocates_nothing_that_grows_with_the_array(level: float) 
     for array in (pc.autd(), pc.autd(3, 3)):
         q = points(48)
         t = np.random.default_rng(0).uniform(0.3, 1.0, 48)
-        t *= level * np.abs(pc.matrix(array, q)).sum(axis=1).mean() / np.linalg.norm(t)
+        t *= level * np.abs(pc.matrix(array, q, pc.Air())).sum(axis=1).mean() / np.linalg.norm(t)
         session, out = pc.Session(array, solver="lagrange"), np.empty(len(array), np.complex64)
         moves = [q + 1e-4 * k for k in range(8)]
         for move in moves:
@@ -183,7 +183,7 @@ def test_where_few_points_come_or_go_a_solver_starts_from_the_sound_that_is_ther
         last = session.last
         assert last is not None
         session.solve(kept, np.full(len(kept), 100.0))
-        there = pc.matrix(array, kept) @ last.gains
+        there = pc.matrix(array, kept, pc.Air()) @ last.gains
         np.testing.assert_allclose(Notes.warm.sound_pressure, there, rtol=1e-3, atol=0.1)
     session.solve(points[:2], np.full(2, 100.0))
     assert Notes.warm is None  # it is another scene

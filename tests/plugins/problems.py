@@ -22,7 +22,7 @@ def points(count: int, seed: int = 0, width: float = 0.12, height: float = 0.15)
 def reachable(q: Any, level: float, seed: int = 0, array: pc.Array = ARRAY) -> Any:
     """Amplitudes whose 2-norm is `level` times what one focus could reach."""
     t = np.random.default_rng(seed).uniform(0.3, 1.0, len(q))
-    return t / np.linalg.norm(t) * level * np.abs(pc.matrix(array, q)).sum(axis=1).mean()
+    return t / np.linalg.norm(t) * level * np.abs(pc.matrix(array, q, pc.Air())).sum(axis=1).mean()
 
 
 def optimum(cost: Any, limits: list[Any]) -> float:

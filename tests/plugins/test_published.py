@@ -27,7 +27,7 @@ def problem(count: int, level: float, seed: int = 0, array: pc.Array = ARRAY) ->
     """Points, amplitudes whose 2-norm is `level` times what one focus could reach, and B."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.06, 0.06, (count, 2)), np.full(count, 0.15)]
-    B = pc.matrix(array, q)
+    B = pc.matrix(array, q, pc.Air())
     t = rng.uniform(0.3, 1.0, count)
     return q, t / np.linalg.norm(t) * level * np.abs(B).sum(axis=1).mean(), B
 

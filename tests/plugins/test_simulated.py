@@ -37,7 +37,7 @@ def test_its_field_is_that_of_the_frame() -> None:
     device.send(frame())
     q = [[0.0, 0.0, 0.2], [0.01, 0.0, 0.3]]
     np.testing.assert_allclose(
-        device.field(q, pc.Air()), pc.matrix(ARRAY, q) @ np.ones(249), rtol=1e-4
+        device.field(q, pc.Air()), pc.matrix(ARRAY, q, pc.Air()) @ np.ones(249), rtol=1e-4
     )
     device.silence()
     assert not device.field(q, pc.Air()).any()

@@ -58,7 +58,7 @@ def test_gains_are_finite_and_within_the_limit(
 def test_the_evidence_is_that_of_the_gains(solver: str) -> None:
     q = points(6)
     solution = pc.solve(ARRAY, q, reachable(q, 0.6), solver=solver)
-    p = pc.matrix(ARRAY, q) @ solution.gains
+    p = pc.matrix(ARRAY, q, pc.Air()) @ solution.gains
     np.testing.assert_allclose(solution.sound_pressure, p, atol=1e-4 * np.abs(p).max())
     np.testing.assert_allclose(
         solution.residual, solution.asked - solution.sound_pressure, atol=1e-12
@@ -84,7 +84,7 @@ def test_one_point_is_a_focus(solver: str) -> None:
 
 def test_a_single_focus_at_full_drive_is_the_strongest() -> None:
     q = points(1)
-    best = np.abs(pc.matrix(ARRAY, q)).sum()
+    best = np.abs(pc.matrix(ARRAY, q, pc.Air())).sum()
     solution = pc.solve(ARRAY, q, [10 * best], solver="single-focus")
     assert solution.status is pc.Status.limited
     assert abs(solution.sound_pressure[0]) == pytest.approx(best, rel=1e-5)
@@ -100,7 +100,7 @@ def test_reachable_targets_are_met(solver: str, phases: float | None) -> None:
     solution = pc.solve(ARRAY, q, t, phases, solver=solver)
     assert solution.status is pc.Status.ok
     assert solution.error < 1e-3
-    p = pc.matrix(ARRAY, q) @ solution.gains
+    p = pc.matrix(ARRAY, q, pc.Air()) @ solution.gains
     np.testing.assert_allclose(np.abs(p), t, rtol=2e-3)
     if phases is not None:
         np.testing.assert_allclose(np.angle(p), phases, atol=2e-3)
@@ -114,7 +114,7 @@ def test_lagrange_is_the_constrained_optimum(level: float) -> None:
     phases = np.random.default_rng(1).uniform(-math.pi, math.pi, 5)
     solver = pc.solver("lagrange", mu=1e-4)
     solution = pc.solve(ARRAY, q, t, phases, solver=solver, precision="double")
-    B = pc.matrix(ARRAY, q)
+    B = pc.matrix(ARRAY, q, pc.Air())
     p = t * np.exp(1j * phases)
     mu = 1e-4 * float(np.trace(B @ B.conj().T).real) / 5
     g = cp.Variable(100, complex=True)
@@ -137,7 +137,7 @@ def test_lagrange_certifies_its_answer(count: int, phases: float | None) -> None
     p = solution.asked
     mu = solution.mu
     assert mu == pytest.approx(
-        1e-6 * float((np.abs(pc.matrix(ARRAY, q)) ** 2).sum()) / count, rel=1e-4
+        1e-6 * float((np.abs(pc.matrix(ARRAY, q, pc.Air())) ** 2).sum()) / count, rel=1e-4
     )
     cost = 0.5 * np.linalg.norm(p - solution.sound_pressure) ** 2
     cost += mu / 2 * np.linalg.norm(solution.gains) ** 2
@@ -161,7 +161,7 @@ def test_as_strong_as_possible_keeps_proportions(solver: str) -> None:
     solution = pc.solve(ARRAY, q, t, solver=solver, scale="max")
     assert solution.status is pc.Status.ok
     assert np.abs(solution.gains).max() == pytest.approx(1.0, abs=1e-4)
-    ratio = np.abs(pc.matrix(ARRAY, q) @ solution.gains) / t
+    ratio = np.abs(pc.matrix(ARRAY, q, pc.Air()) @ solution.gains) / t
     np.testing.assert_allclose(ratio, ratio.mean(), rtol=5e-3)
 
 

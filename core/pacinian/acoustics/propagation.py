@@ -112,13 +112,13 @@ def _tabulate_directivity(directivity: Callable[[Floats], Floats]) -> Singles:
     return np.concatenate([[0.0], D]).astype(np.float32)
 
 
-def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Complexes:
+def matrix(array: Array, points: ArrayLike, medium: Air) -> Complexes:
     """Return B [Pa], shape (M, N), complex128, in double precision; the reference for the kernels.
 
-    array: N transducers. points: [m], shape (M, 3). medium: `Air()` by default.
-    Raises ArgumentError, and PointOnTransducer if the attenuation is singular there.
+    array: N transducers. points: [m], shape (M, 3). medium: the air. Raises ArgumentError, and PointOnTransducer if the
+    attenuation is singular there.
     """
-    medium = medium or Air()
+    check_medium(medium)
     q = check_numbers("points", points, (None, 3))
     kind = array.transducer
     d = q[:, None, :] - array.positions  # (M, N, 3) [m]
@@ -139,14 +139,15 @@ def matrix(array: Array, points: ArrayLike, medium: Air | None = None) -> Comple
     return B
 
 
-def check_medium(medium: object) -> None:
-    """Refuse a medium that is missing: in another air, the same gains make another pressure. Raises ArgumentError."""
+def check_medium(medium: object) -> Air:
+    """Return the medium. Refuses a missing one, because another air changes all pressures. Raises ArgumentError."""
     if not isinstance(medium, Air):
         raise ArgumentError(
             "medium",
-            f"must be the Air for which the gains were found, not {medium!r}: use `solution.field(points)`, or pass "
-            "`solution.medium`",
+            f"must be the Air of the problem, not {medium!r}: pass the one given to `solve`, `solution.medium`; "
+            "a solution also has its own `field`, `radiation_pressure`, `force` and `plot`",
         )
+    return medium
 
 
 def field(

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
-from pacinian.acoustics.propagation import KernelData
+from pacinian.acoustics.propagation import KernelData, check_medium
 from pacinian.checks import check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Floats
 
@@ -29,14 +29,14 @@ MAIN_LOBE = 0.86
 MIN_LENGTH = 1e-30  # smallest vector length used as a divisor
 
 
-def resolution(array: Array, points: ArrayLike, medium: Air | None = None) -> Floats:
+def resolution(array: Array, points: ArrayLike, medium: Air) -> Floats:
     """Return the distance from a focus to the end of its main lobe, in the direction where it is shortest, (M,) [m].
 
     The weights are w = |B|^2. Uniformly distributed directions with variance sigma^2, the largest eigenvalue of C, have
     the first null at lambda / (2 sqrt(3) sigma). Infinite if sound arrives from one transducer only, or from none.
-    array: N transducers. points: (M, 3) [m]. medium: `Air()` by default. Raises ArgumentError, PointOnTransducer.
+    array: N transducers. points: (M, 3) [m]. medium: the air. Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
+    check_medium(medium)
     q = check_numbers("points", points, (None, 3))
     _, C = _spread(array, q, np.zeros_like(q), medium)
     sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(C)[:, -1], 0.0))
@@ -48,8 +48,8 @@ def resolution(array: Array, points: ArrayLike, medium: Air | None = None) -> Fl
 def focal_area(
     array: Array,
     points: ArrayLike,
+    medium: Air,
     normals: ArrayLike | None = None,
-    medium: Air | None = None,
     *,
     even: bool = False,
 ) -> Floats:
@@ -61,13 +61,13 @@ def focal_area(
     folded by 30 degrees. For a ring, it may be far off (docs/concepts.md). Infinite if there is no focus, because sound
     arrives from one transducer only, from none, or from transducers in a line.
 
-    array: N transducers. points: (M, 3) [m]. normals: of the skin, outward, (M, 3); zero, or None, for a plane
-    perpendicular to the arriving sound. If there is a normal, sound is weighted by the cosine of its incidence
-    (`SkinFacing`). medium: `Air()` by default. even: whether all transducers are driven equally (w = |B|), as by
+    array: N transducers. points: (M, 3) [m]. medium: the air. normals: of the skin, outward, (M, 3); zero, or None,
+    for a plane perpendicular to the arriving sound. If there is a normal, sound is weighted by the cosine of its
+    incidence (`SkinFacing`). even: whether all transducers are driven equally (w = |B|), as by
     `single-focus`; otherwise in proportion to their sound at the focus, which takes the least power (w = |B|^2), as by
     `lagrange`. Raises ArgumentError, PointOnTransducer.
     """
-    medium = medium or Air()
+    check_medium(medium)
     q = check_numbers("points", points, (None, 3))
     n = np.zeros_like(q) if normals is None else check_numbers("normals", normals, (None, 3))
     if len(n) != len(q):

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.pressure import sound_pressure_level
+from pacinian.acoustics.propagation import check_medium
 from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
-from pacinian.plot.fields import NONE, check_medium, cut_both
+from pacinian.plot.fields import NONE, cut_both
 from pacinian.plot.paints import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.quantities import clear, limits
 from pacinian.plot.style import METAL, SKIN, THING
@@ -22,7 +24,6 @@ from pacinian.scene.scene import Scene
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
-    from pacinian.acoustics.array import Array
     from pacinian.plot.meshes import Triangles
     from pacinian.plot.planes import Plane
     from pacinian.plot.volumes import Box, Volume
@@ -55,22 +56,24 @@ def export(
     scene's objects and hands at time t [s]; samples, coloured by target; radiation pressure in two planes, and its
     isosurface at `level` of the maximum, 0..1. ".vti", VTK image data: sound and radiation pressure on a grid.
 
-    gains: (N,); required for a field. box: lower and upper corner of the field [m]; default: around the samples, or
-    0.2 m before the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay within a
-    million points. medium: default `Air()`. Raises ArgumentError, MissingExtra, OSError.
+    gains: (N,), and medium, the air: for a field. box: lower and upper corner of the field [m]; default: around the
+    samples, or 0.2 m before the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay
+    within a million points. Raises ArgumentError, MissingExtra, OSError.
     """
-    medium = check_medium(array, medium)
+    check_kind("array", array, Array)
     check_kind("scene", scene, Scene, NoneType)
     check_kind("samples", samples, Samples, NoneType)
     where = Path(path)
     if where.suffix not in (".glb", ".vti"):
         raise ArgumentError("path", f"must end in .glb or .vti, not {where.suffix!r}")
     points = NONE if samples is None else samples.positions
-    grid = None if gains is None else volume(array, gains, points, medium, box, spacing)
+    grid = None
+    if gains is not None:
+        grid = volume(array, gains, points, check_medium(medium), box, spacing)
     if where.suffix == ".vti":
         if grid is None:
             raise ArgumentError("gains", "must be given for .vti: it holds the field")
-        _vti(where, grid.p, grid.radiation(medium), grid.corner, grid.step)
+        _vti(where, grid.p, grid.radiation(), grid.corner, grid.step)
         return
     level = check_number("level", level, low=0.0, high=1.0, above=True)
     made = _Model()
@@ -80,8 +83,8 @@ def export(
     if samples is not None and len(samples):
         made.samples(samples)
     if grid is not None and gains is not None:
-        made.planes(array, gains, points, medium)
-        made.surface(grid, medium, level)
+        made.planes(array, gains, points, grid.medium)
+        made.surface(grid, level)
     made.write(where)
 
 
@@ -143,9 +146,9 @@ class _Model:
             )
         self.extras["field, most radiation pressure on skin [Pa]"] = most
 
-    def surface(self, grid: Volume, medium: Air, level: float) -> None:
+    def surface(self, grid: Volume, level: float) -> None:
         """Add the isosurface of the radiation pressure at a share of its maximum."""
-        P = grid.radiation(medium)
+        P = grid.radiation()
         if (value := level * float(np.nanmax(P))) > 0.0:
             vertices, faces = isosurface(P, grid.corner, grid.step, value)
             whole = meshes.Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.propagation import check_medium as check_air
+from pacinian.acoustics.propagation import check_medium
 from pacinian.checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.pose import Pose
     from pacinian.plot.planes import Plane
     from pacinian.plot.quantities import Show
@@ -161,12 +161,4 @@ def draw_both(
 def check_array_and_medium(array: Array, medium: Air) -> None:
     """Refuse what is no array, and a medium that is missing. Raises ArgumentError."""
     check_kind("array", array, Array)
-    check_air(medium)
-
-
-def check_medium(array: Array, medium: Air | None) -> Air:
-    """Return the medium, by default `Air()`. Raises ArgumentError, also if the array is invalid."""
-    made = Air() if medium is None else medium
-    check_kind("array", array, Array)
-    check_kind("medium", made, Air)
-    return made
+    check_medium(medium)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.plot.fields import check_medium, cut_both, draw_both
+from pacinian.plot.fields import check_array_and_medium, cut_both, draw_both
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import figure
 from pacinian.plot.planes import middle_of
@@ -37,16 +37,16 @@ def scene(
     samples: Samples,
     gains: Gains,
     *,
+    medium: Air,
     t: float = 0.0,
-    medium: Air | None = None,
     title: str = "",
 ) -> Figure:
     """Plot a scene at time t [s] from above and, close up, from below, and its field in two planes.
 
-    samples: the targets. gains: (N,), or (K, N) for the mean field over K moments. The field is that of free air.
-    Lines show the outlines of hands, and where objects cross the planes. Raises MissingExtra.
+    samples: the targets. gains: (N,), or (K, N) for the mean field over K moments. medium: the air, with nothing in
+    it. Lines show the outlines of hands, and where objects cross the planes. Raises MissingExtra.
     """
-    medium = check_medium(array, medium)
+    check_array_and_medium(array, medium)
     both = cut_both(array, gains, samples.positions, medium)
     narrow = both[1][0].ratio
     page = figure(max(NARROWEST, 1.6 + 4.2 * (1.0 + narrow)), 8.4)

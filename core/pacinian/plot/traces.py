@@ -41,8 +41,8 @@ def convergence(
     solvers: Sequence[str | Solver] | None = None,
     phases: ArrayLike | None = None,
     *,
+    medium: Air,
     limits: Limits | None = None,
-    medium: Air | None = None,
     ax: None = None,
 ) -> Figure: ...
 @overload
@@ -53,8 +53,8 @@ def convergence(
     solvers: Sequence[str | Solver] | None = None,
     phases: ArrayLike | None = None,
     *,
+    medium: Air,
     limits: Limits | None = None,
-    medium: Air | None = None,
     ax: Axes,
 ) -> Axes: ...
 def convergence(
@@ -64,15 +64,15 @@ def convergence(
     solvers: Sequence[str | Solver] | None = None,
     phases: ArrayLike | None = None,
     *,
+    medium: Air,
     limits: Limits | None = None,
-    medium: Air | None = None,
     ax: Axes | None = None,
 ) -> Figure | Axes:
     """Plot the error against the iterations of one problem, solved from a cold start with more and more iterations.
 
     solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines.
-    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. ax: to draw into and
-    return. Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
+    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. medium: the air. ax: to draw
+    into and return. Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
     MissingExtra.
     """
     chosen = list(_all() if solvers is None else solvers)
@@ -121,8 +121,8 @@ def trace(
     one: str | Solver,
     phases: ArrayLike | None = None,
     *,
+    medium: Air,
     limits: Limits | None = None,
-    medium: Air | None = None,
 ) -> Iterator[tuple[int, float]]:
     """Return iterations and errors of a solver that is stopped later and later.
 

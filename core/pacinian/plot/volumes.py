@@ -29,15 +29,16 @@ Box = tuple["ArrayLike", "ArrayLike"]
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """Sound pressure on a grid: p complex [Pa], (z, y, x); its lower corner (3,) and its step [m]."""
+    """Sound pressure on a grid: p complex [Pa], (z, y, x); its lower corner (3,) and its step [m]; the air."""
 
     p: Complexes
     corner: Floats
     step: float
+    medium: Air
 
-    def radiation(self, medium: Air) -> Floats:
+    def radiation(self) -> Floats:
         """Return the radiation pressure on skin [Pa], (z, y, x)."""
-        return radiation_pressure(self.p, medium)
+        return radiation_pressure(self.p, self.medium)
 
 
 def volume(
@@ -70,7 +71,7 @@ def volume(
         )
     x, y, z = (low[k] + step * np.arange(int(counts[k])) for k in range(3))
     Z, Y, X = np.meshgrid(z, y, x, indexing="ij")
-    return Volume(heard(array, gains, np.stack([X, Y, Z], axis=-1), medium), low, step)
+    return Volume(heard(array, gains, np.stack([X, Y, Z], axis=-1), medium), low, step, medium)
 
 
 def around(array: Array, points: Floats) -> tuple[Floats, Floats]:

@@ -31,7 +31,7 @@ SAMPLING = 96_000.0  # lowest sampling rate of the envelope [Hz]
 
 def compute_envelope(
     gains: Complexes, rate: float, array: Array, points: ArrayLike,
-    medium: Air | None = None, bandwidth: float | None = BANDWIDTH,
+    medium: Air, bandwidth: float | None = BANDWIDTH,
 ) -> tuple[Floats, float]:  # fmt: skip
     """Return |p|^2 over time, (S, M) [Pa^2], and its sampling rate [Hz].
 

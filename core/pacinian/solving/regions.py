@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
+from pacinian.acoustics.propagation import check_medium
 from pacinian.checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
@@ -23,6 +23,7 @@ from pacinian.solving.propagator import gram_matrix
 from pacinian.solving.solution import Solution
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
     from pacinian.types import ArrayLike, Complexes, Floats
@@ -42,7 +43,7 @@ MUCH_SAVED = 0.17  # steps have full length if the first saves at least this fra
 def joint_phases(
     array: Array,
     points: ArrayLike,
-    medium: Air | None = None,
+    medium: Air,
     *,
     radiation_pressure: ArrayLike | None = None,
 ) -> Floats:
@@ -57,13 +58,14 @@ def joint_phases(
     that are at most half a wavelength apart.
 
     array: its radius is a root mean square, with each transducer weighted by its power at m. points: q, of one region,
-    (M, 3) [m]. medium: `Air()` by default. radiation_pressure: targets of the points, (M,), which serve as weights, so
+    (M, 3) [m]. medium: the air. radiation_pressure: targets of the points, (M,), which serve as weights, so
     that a point with a small target has little influence when it appears or disappears; equal weights by default.
     Raises ArgumentError.
     """
     check_kind("array", array, Array)
     q = check_numbers("points", points, (None, 3))
-    k = (Air() if medium is None else medium).wavenumber(array.transducer.frequency)
+    check_medium(medium)
+    k = medium.wavenumber(array.transducer.frequency)
     P = np.ones(len(q))
     if radiation_pressure is not None:
         P = check_numbers("radiation_pressure", radiation_pressure, (len(q),))

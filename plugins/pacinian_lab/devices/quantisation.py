@@ -123,7 +123,7 @@ def measure_errors(array: Array, count: int, level: float, seed: int) -> dict[st
     """
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.05, 0.05, (count, 2)), np.full(count, HEIGHT)]
-    B = matrix(array, q)
+    B = matrix(array, q, Air())
     t = rng.uniform(0.5, 1.0, count)
     t *= level * float(np.abs(B).sum(axis=1).mean()) / float(np.linalg.norm(t))
     g = solve(array, q, t).gains.astype(np.complex128)

@@ -70,12 +70,12 @@ def predict_unevenness(b: Complexes, degrees: float, percent: float) -> float:
 def make_problems(array: Array, height: float) -> dict[str, Complexes]:
     """Return B g per transducer at a focus, at a silent point beside it, and at the points of a square."""
     q = np.array([[0.0, 0.0, height], [BESIDE, 0.0, height]])
-    B = matrix(array, q)
+    B = matrix(array, q, Air())
     g = np.exp(-1j * np.angle(B[0]))
     g -= B[1].conj() * (B[1] @ g) / np.vdot(B[1], B[1])
     x = np.arange(-SIDE / 2, SIDE / 2 + 1e-9, SPACING)
     square = np.stack(np.meshgrid(x, x, [height], indexing="ij"), axis=-1).reshape(-1, 3)
-    R = matrix(array, square)
+    R = matrix(array, square, Air())
     t = np.full(len(square), 0.02 * float(np.abs(R).sum(axis=1).mean()))
     gains = solve(array, square, t, solver="lagrange").gains.astype(np.complex128)
     return {"focus": (B * g)[:1], "beside": (B * g)[1:], "square": R * gains}

@@ -104,6 +104,10 @@ def _heard(
             if k >= WARM:
                 frames.append(renderer.sent.gains(device.capability))
     e, rate = compute_envelope(
-        np.concatenate(frames), 1000.0 * ROWS, array, np.concatenate([FOCUS, EARS])
+        np.concatenate(frames),
+        1000.0 * ROWS,
+        array,
+        np.concatenate([FOCUS, EARS]),
+        renderer.session.medium,
     )
     return measure_audible(e, rate, weighted=True)

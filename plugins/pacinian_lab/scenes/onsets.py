@@ -13,6 +13,7 @@ import click
 import numpy as np
 
 from pacinian import gallery
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.propagation import matrix
 from pacinian.plugins.backend import MAX_LEVELS, Capability
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from pacinian.scene.modulation.envelope import Envelope
     from pacinian.types import Gains
 
+AIR = Air()
 TICKS, EVENT = 400, 0.2  # ticks at 1 kHz; time of the event [s], in the middle
 QUIET = 0.025  # [s] of silence between two owners
 HERE, THERE = (0.0, 0.0, gallery.HEIGHT), (0.03, 0.0, gallery.HEIGHT)  # [m]
@@ -113,8 +115,8 @@ def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
 def evaluate(what: str, made: Gains, rows: int, array: Array) -> Coming:
     """Evaluate rows of gains, (R, N)."""
     places = np.array([HERE, THERE, *FIVE_PLACES])
-    e, rate = compute_envelope(made, 1000.0 * rows, array, places)
-    p = np.abs(made @ matrix(array, places).T)
+    e, rate = compute_envelope(made, 1000.0 * rows, array, places, AIR)
+    p = np.abs(made @ matrix(array, places, AIR).T)
     top = p.max(axis=0)
     loud = top > 0.3 * top.max()
     step = np.abs(np.diff(p[:, loud], axis=0)).max(axis=0) / top[loud]

@@ -53,4 +53,6 @@ def picture(array: Array, name: str) -> Figure:
     else:
         samples, gains = join_samples(felt[-TURN:]), np.array(emitted[-TURN:])
     title = f"{name}: {at.__doc__}".rstrip(".")
-    return plot.scene(array, scene, samples, gains, t=t, title=title)
+    return plot.scene(
+        array, scene, samples, gains, t=t, title=title, medium=renderer.session.medium
+    )

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import lattice
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.problem import Limits
 from pacinian.testing import shapes
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Floats
 
@@ -57,6 +57,6 @@ def row(condition: float) -> Floats:
     low, high = 1e-7, 0.012  # [m]
     for _ in range(40):
         middle = float(np.sqrt(low * high))
-        s = np.linalg.svd(matrix(SMALL_ARRAY, points(middle)), compute_uv=False)
+        s = np.linalg.svd(matrix(SMALL_ARRAY, points(middle), Air()), compute_uv=False)
         low, high = (middle, high) if s[0] > condition * s[-1] else (low, middle)
     return points(high)

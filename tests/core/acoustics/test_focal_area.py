@@ -74,7 +74,7 @@ def test_it_is_the_integral_over_the_main_lobe(name: str, place: str, even: bool
     array, (at, tilt) = ARRAYS[name], PLACES[place]
     q = array.centre * [1.0, 1.0, 0.0] + at
     normal = np.array([math.sin(tilt), 0.0, -math.cos(tilt)])
-    (found,) = pc.focal_area(array, q[None], normal[None], even=even)
+    (found,) = pc.focal_area(array, q[None], pc.Air(), normal[None], even=even)
     tolerance = 0.15 if name == "folded" else 0.07
     assert integrated(array, q, normal, even) == pytest.approx(found, rel=tolerance)
 
@@ -84,7 +84,7 @@ def test_without_a_normal_it_lies_across_the_way_of_the_sound() -> None:
         q = np.array([[beside, 0.0, 0.25]])
         way = pc.autd().centre - q
         facing = way / np.linalg.norm(way)
-        (free,), (turned,) = (pc.focal_area(pc.autd(), q, n) for n in (None, facing))
+        (free,), (turned,) = (pc.focal_area(pc.autd(), q, pc.Air(), n) for n in (None, facing))
         assert free == pytest.approx(
             turned, rel=0.08
         )  # without the cosines, which narrow the array
@@ -92,22 +92,24 @@ def test_without_a_normal_it_lies_across_the_way_of_the_sound() -> None:
 
 def test_a_longer_wave_makes_a_larger_spot_and_turning_everything_changes_nothing() -> None:
     q, n = np.array([[0.03, 0.02, 0.2]]), np.array([[0.0, 0.0, -1.0]])
-    (here,) = pc.focal_area(pc.autd(), q, n)
-    slow, fast = (pc.focal_area(pc.autd(), q, n, pc.Air(speed_of_sound=c))[0] for c in (300, 360))
+    (here,) = pc.focal_area(pc.autd(), q, pc.Air(), n)
+    slow, fast = (pc.focal_area(pc.autd(), q, pc.Air(speed_of_sound=c), n)[0] for c in (300, 360))
     assert fast / slow == pytest.approx(1.44)
     pose = pc.Pose((0.5, -0.3, 0.2)).rotate("y", math.radians(50.0))
-    turned = pc.focal_area(pc.autd().transform(pose), pose.points(q), n @ pose.matrix.T)
+    turned = pc.focal_area(pc.autd().transform(pose), pose.points(q), pc.Air(), n @ pose.matrix.T)
     assert turned[0] == pytest.approx(here, rel=1e-3)
 
 
 def test_where_no_focus_can_be_it_is_infinite() -> None:
     one, line = pc.Array([[0.0, 0.0, 0.0]]), pc.Array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]])
     for array in (one, line):
-        assert np.isinf(pc.focal_area(array, [[0.0, 0.0, 0.2]])).all()
-    assert np.isinf(pc.focal_area(pc.autd(), [[0.08, 0.06, -0.2]])).all()  # behind
-    assert np.isinf(pc.focal_area(pc.autd(), [[0.08, 0.06, 0.2]], [[0.0, 0.0, 1.0]])).all()
-    assert pc.focal_area(pc.autd(), np.empty((0, 3))).shape == (0,)
+        assert np.isinf(pc.focal_area(array, [[0.0, 0.0, 0.2]], pc.Air())).all()
+    assert np.isinf(pc.focal_area(pc.autd(), [[0.08, 0.06, -0.2]], pc.Air())).all()  # behind
+    assert np.isinf(
+        pc.focal_area(pc.autd(), [[0.08, 0.06, 0.2]], pc.Air(), [[0.0, 0.0, 1.0]])
+    ).all()
+    assert pc.focal_area(pc.autd(), np.empty((0, 3)), pc.Air()).shape == (0,)
     with pytest.raises(pc.PointOnTransducer):
-        pc.focal_area(one, [[0.0, 0.0, 0.0]])
+        pc.focal_area(one, [[0.0, 0.0, 0.0]], pc.Air())
     with pytest.raises(pc.ArgumentError, match="normals"):
-        pc.focal_area(pc.autd(), [[0.0, 0.0, 0.2]], np.zeros((2, 3)))
+        pc.focal_area(pc.autd(), [[0.0, 0.0, 0.2]], pc.Air(), np.zeros((2, 3)))

@@ -67,7 +67,7 @@ def test_a_far_transducer_is_a_plane_wave() -> None:
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
     array = pc.Array([-FAR * direction], transducer=OMNI)
     q = np.array([[0.0, 0.0, 0.0], [0.01, 0.02, -0.03]])
-    p = pc.matrix(array, q) @ [1.5j]
+    p = pc.matrix(array, q, pc.Air()) @ [1.5j]
     along = np.abs(p[:, None]) ** 2 / (2 * RHO_C) * direction
     np.testing.assert_allclose(
         intensity(array, [1.5j], q, medium=pc.Air()), along, rtol=0.01, atol=1e-8
@@ -106,7 +106,7 @@ def test_a_plane_wave_presses_with_twice_its_energy_times_the_squared_cosine(the
     t = math.radians(theta)
     facing = SkinFacing([[math.sin(t), 0.0, -math.cos(t)]])
     q = np.zeros((1, 3))
-    p = abs(pc.matrix(array, q)[0, 0])
+    p = abs(pc.matrix(array, q, pc.Air())[0, 0])
     E = p**2 / (2 * AIR.density * AIR.speed_of_sound**2)
     exact = 2 * E * max(0.0, math.cos(t)) ** 2
     assert normal_pressure(array, [1.0], q, facing, medium=pc.Air())[0] == pytest.approx(
@@ -125,7 +125,7 @@ def test_in_the_far_field_it_is_the_velocity_along_the_normal() -> None:
     array = pc.Array(4.0 * way / np.linalg.norm(way, axis=1, keepdims=True), transducer=OMNI)
     g = rng.normal(size=12) + 1j * rng.normal(size=12)
     n, h = np.array([0.0, 0.0, -1.0]), 1e-6
-    near = pc.matrix(array, [h * n, -h * n]) @ g
+    near = pc.matrix(array, [h * n, -h * n], pc.Air()) @ g
     v = -(near[0] - near[1]) / (2 * h) / (2j * math.pi * 40e3 * AIR.density)
     exact = pc.radiation_pressure(RHO_C * v, AIR)
     found = normal_pressure(array, g, np.zeros((1, 3)), SkinFacing([n]), medium=pc.Air())[0]

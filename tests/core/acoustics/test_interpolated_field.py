@@ -27,7 +27,7 @@ PLANE = InterpolatedField((-0.1, 0.0, 0.1), ((0.002, 0.0, 0.0), (0.0, 0.0, 0.002
 
 
 def focused(array: pc.Array, point: Any) -> Complexes:
-    phases = np.angle(pc.matrix(array, [point])[0])
+    phases = np.angle(pc.matrix(array, [point], pc.Air())[0])
     return np.asarray(np.exp(-1j * phases))
 
 

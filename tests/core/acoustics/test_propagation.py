@@ -206,7 +206,7 @@ def test_the_kernel_is_the_reference_straight_ahead(kind: pc.Transducer) -> None
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     array = pc.Array(rng.uniform(-0.2, 0.2, (400, 3)), n, kind)
     points = array.positions + n * rng.uniform(0.05, 0.5, (400, 1))
-    B, reference = single(array, points, pc.Air()), pc.matrix(array, points)
+    B, reference = single(array, points, pc.Air()), pc.matrix(array, points, pc.Air())
     off = np.abs(B - reference) / bound(array, points, pc.Air())
     assert np.diag(off).max() < 1.0
     np.testing.assert_allclose(
@@ -242,7 +242,7 @@ def test_the_field_has_the_shape_of_the_points(precision: Any) -> None:
         for index in np.ndindex(shape):
             one = pc.field(array, gains, points[index], precision=precision, medium=pc.Air())
             assert p[index] == pytest.approx(complex(one), rel=1e-12)
-    assert pc.matrix(array, []).shape == (0, 20)
+    assert pc.matrix(array, [], pc.Air()).shape == (0, 20)
     assert single(array, np.empty((0, 3)), pc.Air()).shape == (0, 20)
 
 
@@ -264,7 +264,9 @@ def test_a_field_of_more_than_one_chunk_is_whole() -> None:
     p = pc.field(array, gains, points, medium=pc.Air())
     double = pc.field(array, gains, points, precision="double", medium=pc.Air())
     np.testing.assert_allclose(p, double, atol=2e-4 * np.abs(double).max())
-    np.testing.assert_allclose(double[3990:], pc.matrix(array, points[3990:]) @ gains, rtol=1e-10)
+    np.testing.assert_allclose(
+        double[3990:], pc.matrix(array, points[3990:], pc.Air()) @ gains, rtol=1e-10
+    )
 
 
 @precisions
@@ -279,7 +281,7 @@ def test_an_array_a_kilometre_away_makes_the_same_field(
     here = pc.field(array, gains, points, precision=precision, medium=pc.Air())
     there = pc.field(far, gains, points + shift, precision=precision, medium=pc.Air())
     tolerance = 1e-9 if precision == "double" else 3e-5
-    scale = (np.abs(pc.matrix(array, points)) @ np.abs(gains)).max()
+    scale = (np.abs(pc.matrix(array, points, pc.Air())) @ np.abs(gains)).max()
     np.testing.assert_allclose(there, here, rtol=0.0, atol=tolerance * scale)
 
 
@@ -394,7 +396,7 @@ def test_a_turned_array_makes_the_turned_field(kind: pc.Transducer, precision: A
     rng = np.random.default_rng(22)
     array, points, gains = rig(rng, 60, kind), somewhere(rng, 40), rng.normal(size=60)
     pose = pc.Pose(position=(0.1, -0.2, 0.3), rotation=(0.5, -0.5, 0.1, 0.7))
-    scale = (np.abs(pc.matrix(array, points)) @ np.abs(gains)).max()
+    scale = (np.abs(pc.matrix(array, points, pc.Air())) @ np.abs(gains)).max()
     np.testing.assert_allclose(
         pc.field(
             array.transform(pose), gains, pose.points(points), precision=precision, medium=pc.Air()
@@ -429,7 +431,7 @@ def test_a_bad_argument_is_refused_by_name(argument: str, given_as: dict[str, An
             pc.field(array, **{**call, "precision": precision, **given_as}, medium=pc.Air())
     if argument == "points":
         with pytest.raises(pc.ArgumentError, match="`points`"):
-            pc.matrix(array, given_as["points"])
+            pc.matrix(array, given_as["points"], pc.Air())
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ WAVELENGTH = 340.0 / 40e3
 
 def first_null(array: pc.Array, q: np.ndarray) -> float:
     """How far from a focus at q the field is weakest first, in the direction in which that is nearest."""
-    b = pc.matrix(array, q[None])[0]
+    b = pc.matrix(array, q[None], pc.Air())[0]
     g = b.conj() / np.abs(b).max()
     d = np.linspace(0.0, 0.05, 2001)
     found = []
@@ -32,7 +32,7 @@ def test_it_is_where_the_main_lobe_of_a_focus_ends(units: int, heights: tuple[fl
     array = pc.autd(units, units)
     for z in heights:
         q = np.array([0.02, -0.01, z])
-        assert resolution(array, [q])[0] == pytest.approx(first_null(array, q), rel=0.15)
+        assert resolution(array, [q], pc.Air())[0] == pytest.approx(first_null(array, q), rel=0.15)
 
 
 def test_directions_that_spread_evenly_make_a_sinc() -> None:
@@ -59,7 +59,7 @@ def test_moving_and_turning_everything_changes_nothing() -> None:
 
 def test_more_units_and_less_height_resolve_more() -> None:
     z = np.c_[np.zeros((5, 2)), [0.1, 0.2, 0.3, 0.4, 0.6]]
-    one, nine = resolution(pc.autd(), z), resolution(pc.autd(3, 3), z)
+    one, nine = resolution(pc.autd(), z, pc.Air()), resolution(pc.autd(3, 3), z, pc.Air())
     assert (np.diff(one) > 0).all()
     assert (np.diff(nine) > 0).all()
     assert (nine < one).all()
@@ -67,12 +67,12 @@ def test_more_units_and_less_height_resolve_more() -> None:
 
 
 def test_where_nothing_is_heard_nothing_is_resolved() -> None:
-    behind = resolution(pc.autd(), [[0.0, 0.0, -0.1], [0.0, 0.0, 0.1]])
+    behind = resolution(pc.autd(), [[0.0, 0.0, -0.1], [0.0, 0.0, 0.1]], pc.Air())
     assert np.isinf(behind[0])
     assert np.isfinite(behind[1])
-    assert np.isinf(resolution(pc.Array([[0.0, 0.0, 0.0]]), [[0.0, 0.0, 0.1]])).all()
-    assert resolution(pc.autd(), np.empty((0, 3))).shape == (0,)
+    assert np.isinf(resolution(pc.Array([[0.0, 0.0, 0.0]]), [[0.0, 0.0, 0.1]], pc.Air())).all()
+    assert resolution(pc.autd(), np.empty((0, 3)), pc.Air()).shape == (0,)
     with pytest.raises(pc.ArgumentError, match="points"):
-        resolution(pc.autd(), [0.0, 0.0, 0.1])
+        resolution(pc.autd(), [0.0, 0.0, 0.1], pc.Air())
     with pytest.raises(pc.PointOnTransducer):
-        resolution(pc.autd(), [pc.autd().positions[5]])
+        resolution(pc.autd(), [pc.autd().positions[5]], pc.Air())

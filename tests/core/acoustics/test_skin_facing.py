@@ -156,7 +156,7 @@ def in_single(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> np.ndarray:
 
 def agree(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> None:
     """The kernel's B is the reference's to 1e-4 of its largest element."""
-    B = pc.matrix(array, q)
+    B = pc.matrix(array, q, pc.Air())
     exact = facing.weights(q, array.positions) * B
     assert np.abs(in_single(array, facing, q) - exact).max() <= 1e-4 * np.abs(B).max()
 

@@ -96,7 +96,7 @@ def test_a_calibrated_device_makes_the_pressures_of_an_ideal_one(device: Path) -
     np.testing.assert_allclose(calibrated.responses, truth, atol=1e-5)
 
     q = np.array([[0.05, 0.0, 0.2], [0.12, 0.03, 0.22]])
-    B = pc.matrix(ideal, q) * truth  # independent of `response`
+    B = pc.matrix(ideal, q, pc.Air()) * truth  # independent of `response`
     t = 0.3 * np.abs(B).sum(axis=1) / 2.0
     unaware = B @ pc.solve(ideal, q, t, solver="lagrange").gains
     aware = B @ pc.solve(calibrated, q, t, solver="lagrange").gains
@@ -129,9 +129,9 @@ def test_the_kernels_know_the_response() -> None:
     s = rng.uniform(0.2, 2.0, 249) * np.exp(1j * rng.uniform(-3, 3, 249))
     uneven = replace(array, response=s)
     q = rng.uniform([-0.1, -0.1, 0.1], [0.1, 0.1, 0.3], (20, 3))
-    B = pc.matrix(array, q) * s
+    B = pc.matrix(array, q, pc.Air()) * s
     g = rng.normal(size=249) / 30 + 0j
-    np.testing.assert_allclose(pc.matrix(uneven, q), B, rtol=1e-12)
+    np.testing.assert_allclose(pc.matrix(uneven, q, pc.Air()), B, rtol=1e-12)
     np.testing.assert_allclose(
         pc.field(uneven, g, q, precision="double", medium=pc.Air()), B @ g, rtol=1e-9
     )
@@ -144,7 +144,7 @@ def test_the_kernels_know_the_response() -> None:
     moved[3] += 0.01
     assert propagator.set_points(moved) == 1  # a row alone is weighted alone
     np.testing.assert_allclose(
-        propagator.B, pc.matrix(array, moved) * s, atol=1e-4 * np.abs(B).max()
+        propagator.B, pc.matrix(array, moved, pc.Air()) * s, atol=1e-4 * np.abs(B).max()
     )
 
 

@@ -57,8 +57,8 @@ def test_bad_arguments_of_a_slice_are_named(wrong: Any, argument: str) -> None:
         (lambda: plot.drive(ARRAY, ["a"] * N), "gains"),  # type: ignore[list-item]
         (lambda: plot.drive(ARRAY, GAINS, "power"), "show"),  # type: ignore[arg-type]
         (lambda: plot.timeline(None), "run"),  # type: ignore[arg-type]
-        (lambda: plot.convergence(ARRAY, POINTS, [1.0, 1.0], []), "solvers"),
-        (lambda: plot.convergence(ARRAY, POINTS, [1.0], ["gs"]), "amplitudes"),
+        (lambda: plot.convergence(ARRAY, POINTS, [1.0, 1.0], [], medium=pc.Air()), "solvers"),
+        (lambda: plot.convergence(ARRAY, POINTS, [1.0], ["gs"], medium=pc.Air()), "amplitudes"),
     ],
 )
 def test_bad_arguments_are_named(make: Callable[[], Any], argument: str) -> None:
@@ -75,7 +75,7 @@ def test_bad_arguments_are_named(make: Callable[[], Any], argument: str) -> None
         (lambda ax: plot.drive(ARRAY, GAINS, "amplitude", ax=ax), 1),
         (lambda ax: plot.timeline(pc.Report(), ax=ax), 3),
         (lambda ax: plot.timeline(pc.Report(), "error", ax=ax), 1),
-        (lambda ax: plot.convergence(ARRAY, POINTS, [1.0, 1.0], ["gs"], ax=ax), 1),
+        (lambda ax: plot.convergence(ARRAY, POINTS, [1.0, 1.0], ["gs"], ax=ax, medium=pc.Air()), 1),
     ],
 )
 def test_it_draws_into_given_axes(draw: Any, panels: int, axes: Callable[..., Any]) -> None:

@@ -233,7 +233,7 @@ def test_less_can_be_written_and_silence_too(tmp_path: Path) -> None:
     plot.export(path, ARRAY)
     assert list(Gltf(path).meshes) == ["array"]
     lost = pc.Scene(hands=(pc.Hand(np.full((26, 3), np.nan)),))
-    plot.export(path, ARRAY, lost, felt(lost), np.zeros(len(ARRAY)))
+    plot.export(path, ARRAY, lost, felt(lost), np.zeros(len(ARRAY)), medium=pc.Air())
     assert "isosurface" not in Gltf(path).meshes
 
 
@@ -287,7 +287,7 @@ def test_vtk_has_the_field_on_its_grid(tmp_path: Path) -> None:
         ("a.glb", {"box": ((0.0, 0.0, 0.2), (0.1, 0.1, 0.1))}, "box"),
         ("a.vti", {"spacing": 1e-6}, "spacing"),
         ("a.vti", {"spacing": 0.0}, "spacing"),
-        ("a.glb", {"medium": 1.0}, "medium"),
+        ("a.glb", {"medium": None}, "medium"),
         ("a.glb", {"gains": [1.0]}, "gains"),
     ],
 )
@@ -295,7 +295,7 @@ def test_bad_arguments_are_named_and_nothing_is_written(
     tmp_path: Path, name: str, wrong: Any, argument: str
 ) -> None:
     with pytest.raises(pc.ArgumentError) as caught:
-        plot.export(tmp_path / name, ARRAY, **{"gains": GAINS, **wrong})
+        plot.export(tmp_path / name, ARRAY, **{"gains": GAINS, "medium": AIR, **wrong})
     assert caught.value.argument == argument
     assert not list(tmp_path.iterdir())
 
@@ -305,4 +305,4 @@ def test_without_the_library_it_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyevtk.hl", None)
     with pytest.raises(pc.MissingExtra, match=r"\[plot\]"):
-        plot.export(tmp_path / "a.vti", ARRAY, gains=GAINS, spacing=0.02)
+        plot.export(tmp_path / "a.vti", ARRAY, gains=GAINS, spacing=0.02, medium=pc.Air())

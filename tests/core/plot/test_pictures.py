@@ -54,13 +54,15 @@ def test_silence_and_nothing_to_feel_can_be_drawn_too() -> None:
     none = np.zeros(len(ARRAY), dtype=np.complex64)
     page = plot.slices(ARRAY, none, np.empty((0, 3)), medium=pc.Air())
     assert all(not np.asarray(image.get_array()).any() for image in images(page))
-    plot.scene(ARRAY, pc.Scene(), felt(pc.Scene()), none)
+    plot.scene(ARRAY, pc.Scene(), felt(pc.Scene()), none, medium=pc.Air())
 
 
 def test_a_scene_is_shown_in_space_and_in_two_planes() -> None:
     scene = pc.Scene((BALL,), hands=(HAND,))
     samples = felt(scene)
-    page = plot.scene(ARRAY, scene, samples, gains(samples.positions), title="a ball")
+    page = plot.scene(
+        ARRAY, scene, samples, gains(samples.positions), title="a ball", medium=pc.Air()
+    )
     views = [panel for panel in page.axes if panel.name == "3d"]
     assert [len(view.collections) for view in views] == [1, 2]  # samples apart, on the close one
     close = views[1].collections[1]
@@ -84,7 +86,7 @@ def test_objects_that_move_are_drawn_where_they_are_at_the_time() -> None:
     samples = felt(pc.Scene((BALL,)))
     middle = []
     for t in (0.0, 0.03):
-        page = plot.scene(ARRAY, scene, samples, gains(), t=t)
+        page = plot.scene(ARRAY, scene, samples, gains(), t=t, medium=pc.Air())
         panel = next(panel for panel in page.axes if panel.images)
         middle.append(panel.collections[0].get_paths()[0].vertices.mean(axis=0))
     np.testing.assert_allclose(middle[1] - middle[0], (30.0, 0.0), atol=1.0)
@@ -134,7 +136,7 @@ def test_discs_are_kept_within_a_box() -> None:
 def test_a_lost_hand_is_left_out() -> None:
     lost = pc.Hand(np.full((26, 3), np.nan))
     scene = pc.Scene((BALL,), hands=(lost,))
-    plot.scene(ARRAY, scene, felt(pc.Scene((BALL,))), gains())
+    plot.scene(ARRAY, scene, felt(pc.Scene((BALL,))), gains(), medium=pc.Air())
 
 
 def test_few_colours_make_a_small_file(tmp_path: Path) -> None:
@@ -207,7 +209,7 @@ def test_a_sheet_is_drawn_where_it_crosses_a_plane_and_not_as_all_that_is_behind
     plate = pc.Surface(
         shape=pc.Rectangle(0.06, 0.06), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0
     )
-    page = plot.scene(ARRAY, pc.Scene((plate,)), felt(pc.Scene((plate,))), gains())
+    page = plot.scene(ARRAY, pc.Scene((plate,)), felt(pc.Scene((plate,))), gains(), medium=pc.Air())
     upright = [panel for panel in page.axes if panel.images][1]
     (line,) = upright.collections
     x, z = np.concatenate([path.vertices for path in line.get_paths()]).T

@@ -12,7 +12,7 @@ from pacinian.plot.traces import trace
 ARRAY = pc.autd()
 RNG = np.random.default_rng(0)
 POINTS = RNG.uniform([-0.06, -0.06, 0.15], [0.06, 0.06, 0.15], (8, 3))
-REACH = np.abs(pc.matrix(ARRAY, POINTS)).sum(axis=1).mean()
+REACH = np.abs(pc.matrix(ARRAY, POINTS, pc.Air())).sum(axis=1).mean()
 AMPLITUDES = REACH / 8**0.5 * RNG.uniform(0.3, 1.0, 8)
 
 
@@ -38,14 +38,16 @@ class Halving(pc.Solver):
 
 def test_a_solver_without_a_setting_is_stopped_by_its_budget() -> None:
     weak = 0.01 * AMPLITUDES
-    found = list(trace(ARRAY, POINTS, weak, Halving(), limits=pc.Limits(gain=None)))
+    found = list(
+        trace(ARRAY, POINTS, weak, Halving(), limits=pc.Limits(gain=None), medium=pc.Air())
+    )
     assert [n for n, _ in found] == [1, 2, 3, 4, 5, 6]
     np.testing.assert_allclose([e for _, e in found], 0.5 ** np.arange(1.0, 7.0), rtol=1e-3)
 
 
 @pytest.mark.parametrize("name", ["weighted-gs", "gs-pat", "lbfgs"])
 def test_a_solver_with_a_setting_is_stopped_by_that(name: str) -> None:
-    found = dict(trace(ARRAY, POINTS, AMPLITUDES, name))
+    found = dict(trace(ARRAY, POINTS, AMPLITUDES, name, medium=pc.Air()))
     for n in sorted(found)[:3]:
         alone = pc.solve(ARRAY, POINTS, AMPLITUDES, solver=pc.solver(name, steps=n))
         assert (alone.iterations, alone.error) == (n, pytest.approx(found[n], rel=1e-4))
@@ -53,13 +55,13 @@ def test_a_solver_with_a_setting_is_stopped_by_that(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["lagrange", "lbfgs", "greedy", "pseudo-inverse"])
 def test_the_last_point_is_the_solvers_own_answer(name: str) -> None:
-    *_, (iterations, error) = trace(ARRAY, POINTS, AMPLITUDES, name)
+    *_, (iterations, error) = trace(ARRAY, POINTS, AMPLITUDES, name, medium=pc.Air())
     whole = pc.solve(ARRAY, POINTS, AMPLITUDES, solver=name)
     assert (iterations, error) == (whole.iterations, pytest.approx(whole.error, rel=1e-3))
 
 
 def test_every_solver_has_a_curve_or_a_line_with_its_name() -> None:
-    (panel,) = plot.convergence(ARRAY, POINTS, AMPLITUDES).axes
+    (panel,) = plot.convergence(ARRAY, POINTS, AMPLITUDES, medium=pc.Air()).axes
     names = {text.get_text() for text in panel.texts}
     solvers = {offer.name for offer in pc.Plugins().list() if offer.kind == "solver"}
     assert names <= solvers
@@ -70,9 +72,9 @@ def test_every_solver_has_a_curve_or_a_line_with_its_name() -> None:
 
 
 def test_it_draws_what_it_is_given() -> None:
-    (panel,) = plot.convergence(ARRAY, POINTS, AMPLITUDES, ["gs", Halving()]).axes
+    (panel,) = plot.convergence(ARRAY, POINTS, AMPLITUDES, ["gs", Halving()], medium=pc.Air()).axes
     assert {text.get_text() for text in panel.texts} == {"gs", "halving"}
-    only = plot.convergence(ARRAY, POINTS, AMPLITUDES, ["pseudo-inverse"])
+    only = plot.convergence(ARRAY, POINTS, AMPLITUDES, ["pseudo-inverse"], medium=pc.Air())
     assert [text.get_text() for text in only.axes[0].texts] == ["pseudo-inverse"]
     with pytest.raises(pc.UnknownPlugin):
-        plot.convergence(ARRAY, POINTS, AMPLITUDES, ["nobody"])
+        plot.convergence(ARRAY, POINTS, AMPLITUDES, ["nobody"], medium=pc.Air())

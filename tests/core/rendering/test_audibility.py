@@ -68,33 +68,36 @@ def test_the_weighting_is_the_standards() -> None:
 
 def test_frames_are_held_where_transducers_follow_at_once() -> None:
     gains = np.array([focused(x) for x in (0.0, 0.01, 0.02)])
-    e, sampling = compute_envelope(gains, 1000.0, ARRAY, POINTS, bandwidth=None)
+    e, sampling = compute_envelope(gains, 1000.0, ARRAY, POINTS, pc.Air(), bandwidth=None)
     assert sampling == FS
-    p = gains @ pc.matrix(ARRAY, POINTS).T
+    p = gains @ pc.matrix(ARRAY, POINTS, pc.Air()).T
     np.testing.assert_allclose(e, np.repeat(np.abs(p) ** 2, 96, axis=0))
 
 
 def test_points_may_move_with_the_frames() -> None:
     gains = np.array([focused(x) for x in (0.0, 0.01, 0.02)])
     path = np.array([[[x, 0.0, 0.1]] for x in (0.0, 0.01, 0.02)])
-    e, _ = compute_envelope(gains, 48_000.0, ARRAY, path, bandwidth=None)
-    p = [pc.matrix(ARRAY, q) @ g for q, g in zip(path, gains, strict=True)]
+    e, _ = compute_envelope(gains, 48_000.0, ARRAY, path, pc.Air(), bandwidth=None)
+    p = [pc.matrix(ARRAY, q, pc.Air()) @ g for q, g in zip(path, gains, strict=True)]
     np.testing.assert_allclose(e, np.repeat(np.abs(p) ** 2, 2, axis=0))
 
 
 def test_a_reversed_phase_makes_a_dip_as_long_as_the_transducers_take() -> None:
     g = focused(0.0)
-    e, sampling = compute_envelope(np.array([g, -g]), 200.0, ARRAY, POINTS[:1])
+    e, sampling = compute_envelope(np.array([g, -g]), 200.0, ARRAY, POINTS[:1], pc.Air())
     tau = np.sqrt(3.0) / (np.pi * 2000.0)
     t = np.arange(len(e) // 2) / sampling
-    expected = np.abs(pc.matrix(ARRAY, POINTS[:1]) @ g) ** 2 * (2.0 * np.exp(-t / tau) - 1.0) ** 2
+    expected = (
+        np.abs(pc.matrix(ARRAY, POINTS[:1], pc.Air()) @ g) ** 2
+        * (2.0 * np.exp(-t / tau) - 1.0) ** 2
+    )
     np.testing.assert_allclose(e[len(e) // 2 :, 0], expected, rtol=1e-9, atol=1e-9)
 
 
 def test_at_the_edge_of_the_bandwidth_transducers_give_half() -> None:
     turning = np.exp(2j * np.pi * 1000.0 * np.arange(2000) / FS)[:, None] * focused(0.0)
-    slow, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=2000.0)
-    quick, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], bandwidth=None)
+    slow, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], pc.Air(), bandwidth=2000.0)
+    quick, _ = compute_envelope(turning, FS, ARRAY, POINTS[:1], pc.Air(), bandwidth=None)
     assert np.sqrt(slow[-1] / quick[-1]) == pytest.approx(0.5, rel=0.02)
 
 
@@ -110,15 +113,15 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
     ear = np.array([[0.0, -0.5, 0.1]])
     for points in (POINTS[:1], ear):
         jumping, aligned = (
-            measure_audible(*compute_envelope(g, 1000.0, ARRAY, points), weighted=True)[0]
+            measure_audible(*compute_envelope(g, 1000.0, ARRAY, points, pc.Air()), weighted=True)[0]
             for g in (gains, rows[10:])
         )
         assert jumping > -15.0
         assert aligned < -50.0
         # |p|^2 alone knows nothing of a global phase: it is the transducers that are slow
-        instant = measure_audible(*compute_envelope(gains, 1000.0, ARRAY, points, bandwidth=None))[
-            0
-        ]
+        instant = measure_audible(
+            *compute_envelope(gains, 1000.0, ARRAY, points, pc.Air(), bandwidth=None)
+        )[0]
         assert instant < -40.0
 
 
@@ -136,4 +139,4 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
 def test_bad_arguments_are_refused_by_name(argument: str, change: dict[str, Any]) -> None:
     good = {"gains": np.ones((3, len(ARRAY))), "rate": 1000.0, "points": POINTS}
     with pytest.raises(pc.ArgumentError, match=f"^`{argument}` "):
-        compute_envelope(array=ARRAY, **(good | change))
+        compute_envelope(array=ARRAY, medium=pc.Air(), **(good | change))

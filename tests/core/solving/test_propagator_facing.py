@@ -101,7 +101,7 @@ def test_all_that_follows_from_b_is_weighted(precision: pc.acoustics.propagation
     facing = SkinFacing(n, HAND)
     propagator = pc.Propagator(ARRAY, pc.Air(), precision)
     propagator.set_points(q, facing)
-    B = pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
+    B = pc.matrix(ARRAY, q, pc.Air()) * facing.weights(q, ARRAY.positions)
     off = 1e-4 if precision == "single" else 1e-12
     size = np.abs(B).max()
     assert np.abs(propagator.B - B).max() < off * size
@@ -112,7 +112,7 @@ def test_all_that_follows_from_b_is_weighted(precision: pc.acoustics.propagation
     np.testing.assert_allclose(propagator.adjoint(y), B.conj().T @ y, atol=off * size * M)
     q[2] += 0.001
     assert propagator.set_points(q, facing) == 1
-    B = pc.matrix(ARRAY, q) * facing.weights(q, ARRAY.positions)
+    B = pc.matrix(ARRAY, q, pc.Air()) * facing.weights(q, ARRAY.positions)
     assert np.abs(propagator.B - B).max() < off * size
 
 

@@ -21,7 +21,7 @@ def problem(count: int, level: float, seed: int, array: pc.Array = ARRAY) -> tup
     """Points, B, and targets whose 2-norm is `level` times what one focus could reach."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.05, 0.05, (count, 2)), np.full(count, 0.1)]
-    B = pc.matrix(array, q)
+    B = pc.matrix(array, q, pc.Air())
     t = rng.uniform(0.3, 1.0, count)
     return q, B, t * level * np.abs(B).sum(axis=1).mean() / np.linalg.norm(t)
 

@@ -11,7 +11,7 @@ from pacinian_lab.scenes import onsets as comings
 
 ARRAY = pc.autd()
 EVENTS = [what for what in comings.CASES if not what.startswith(("square", "an envelope"))]
-FOCUS = pc.matrix(ARRAY, [comings.HERE, comings.THERE])
+FOCUS = pc.matrix(ARRAY, [comings.HERE, comings.THERE], pc.Air())
 SLACK = 0.02  # a solution of several points varies a little
 
 

@@ -45,7 +45,7 @@ def test_the_best_without_a_limit_is_that_of_60_digits(
     condition: float, mu: float, rounding: float
 ) -> None:
     q, p = row(condition), np.exp(1j * np.arange(5.0) ** 2)
-    best = Reference.of(pc.matrix(NINE, q)).best(p, mu, rounding, np.inf, np.zeros(9))
+    best = Reference.of(pc.matrix(NINE, q, pc.Air())).best(p, mu, rounding, np.inf, np.zeros(9))
     assert best == pytest.approx(least(exact(NINE, q), p, mp.mpf(mu), mp.mpf(rounding)), rel=1e-6)
 
 
@@ -55,7 +55,7 @@ def test_the_best_within_a_limit_is_that_of_clarabel(seed: int, level: float) ->
     rng = np.random.default_rng(seed)
     q = scatter_points(4, seed)
     q[1] = q[0] + rng.choice([0.0, 1e-9, 1e-4])
-    B = pc.matrix(NINE, q)
+    B = pc.matrix(NINE, q, pc.Air())
     p = rng.normal(size=4) + 1j * rng.normal(size=4)
     p *= level * np.abs(B).sum(axis=1).mean() / np.linalg.norm(p)
     mu = 1e-4 * np.linalg.norm(B) ** 2 / 4
@@ -94,5 +94,5 @@ def test_b_is_within_its_rounding_of_60_digits(place: str, offset: float, precis
 
 def test_the_condition_number_is_the_one_asked_for() -> None:
     for wanted in (1e2, 1e5, 1e9, 1e13):
-        s = np.linalg.svd(pc.matrix(SMALL_ARRAY, row(wanted)), compute_uv=False)
+        s = np.linalg.svd(pc.matrix(SMALL_ARRAY, row(wanted), pc.Air()), compute_uv=False)
         assert s[0] / s[-1] == pytest.approx(wanted, rel=0.02)

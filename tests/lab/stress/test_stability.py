@@ -114,7 +114,7 @@ def clarabel(case: Case) -> float:
         keep.append(cp.sum_squares(g) <= limits.power)
     if limits.quiet is not None:
         where, most = limits.quiet
-        keep.append(cp.abs(pc.matrix(case.array, where) @ g) <= most)
+        keep.append(cp.abs(pc.matrix(case.array, where, pc.Air()) @ g) <= most)
     exactly = limits.exact_mask(len(p))
     if exactly.any():
         keep.append(case.B[exactly] @ g == p[exactly])

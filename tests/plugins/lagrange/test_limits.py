@@ -28,7 +28,7 @@ def test_quiet_points_are_quiet(
     most = strict * t.mean()
     limits = pc.Limits(quiet=(ears, most))
     solution = pc.solve(ARRAY, q, t, phases, limits=limits, scale=scale)
-    p = pc.matrix(ARRAY, ears) @ solution.gains
+    p = pc.matrix(ARRAY, ears, pc.Air()) @ solution.gains
     assert np.abs(p).max() <= most + 1e-3 * t.mean()
     assert np.abs(solution.gains).max() <= 1.0
     assert not solution.violations
@@ -49,7 +49,7 @@ def test_exact_samples_are_exact_where_others_are_not(phases: float | None) -> N
     t[:2] *= 0.5
     solution = pc.solve(ARRAY, q, t, phases, limits=pc.Limits(exact=[0, 1]))
     assert solution.status is pc.Status.limited
-    p = pc.matrix(ARRAY, q) @ solution.gains
+    p = pc.matrix(ARRAY, q, pc.Air()) @ solution.gains
     np.testing.assert_allclose(np.abs(p)[:2], t[:2], rtol=1e-3)
     assert np.abs(np.abs(p) - t)[2:].max() > 0.01 * t.max()
     if phases is not None:
@@ -62,7 +62,7 @@ def test_what_cannot_be_exact_is_said_with_by_how_much() -> None:
     solution = pc.solve(ARRAY, q, t, 0.0, limits=pc.Limits(exact=[0, 1, 2, 3]))
     assert solution.status is pc.Status.infeasible
     assert set(solution.violations) == {"exact"}
-    p = pc.matrix(ARRAY, q) @ solution.gains
+    p = pc.matrix(ARRAY, q, pc.Air()) @ solution.gains
     missed = np.linalg.norm(t - p) / np.linalg.norm(t)
     assert solution.violations["exact"] == pytest.approx(missed, rel=1e-3)
     near = pc.solve(ARRAY, q, t, 0.0, solver="lagrange")  # the best least squares
@@ -99,7 +99,7 @@ def test_all_limits_together(count: int) -> None:
     solution = pc.solve(ARRAY, q, t, limits=limits)
     assert np.abs(solution.gains).max() <= 0.8
     assert np.linalg.norm(solution.gains) ** 2 <= 30.0 * (1 + 1e-5)
-    assert np.abs(pc.matrix(ARRAY, ears) @ solution.gains).max() <= 0.101 * t.mean()
+    assert np.abs(pc.matrix(ARRAY, ears, pc.Air()) @ solution.gains).max() <= 0.101 * t.mean()
     assert abs(solution.sound_pressure[3]) == pytest.approx(t[3], rel=1e-3)
     assert solution.bound <= solution.objective * (1 + 1e-6)
 
@@ -135,7 +135,7 @@ def test_quiet_points_that_move_are_followed() -> None:
     for step in range(3):
         ears = points(2, 5, height=0.2) + np.array([0.01 * step, 0.0, 0.0])
         solution = session.solve(q, t, limits=pc.Limits(quiet=(ears, 0.05 * t.mean())))
-        assert np.abs(pc.matrix(ARRAY, ears) @ solution.gains).max() <= 0.051 * t.mean()
+        assert np.abs(pc.matrix(ARRAY, ears, pc.Air()) @ solution.gains).max() <= 0.051 * t.mean()
     assert session.propagator.work.rows_built == 4
     assert session.solve(q, t).gains.any()  # and without them again
 
@@ -146,7 +146,7 @@ def test_as_strong_as_possible_with_given_phases_meets_its_bound() -> None:
     t = np.array([1.0, 2.0, 3.0, 1.0, 2.0])
     solution = pc.solve(ARRAY, q, t, 0.0, solver="lagrange", scale="max", precision="double")
     g, s = cp.Variable(100, complex=True), cp.Variable()
-    most = -optimum(-s, [pc.matrix(ARRAY, q) @ g == s * t, cp.abs(g) <= 1.0])
+    most = -optimum(-s, [pc.matrix(ARRAY, q, pc.Air()) @ g == s * t, cp.abs(g) <= 1.0])
     made = np.abs(solution.sound_pressure) / t
     np.testing.assert_allclose(made, made.mean(), rtol=1e-3)
     assert made.mean() == pytest.approx(most, rel=1e-3)
@@ -227,7 +227,7 @@ def test_objective_and_bound_are_those_of_the_phases_found(
     }.get(limited, {})
     solver = pc.solver("lagrange", rounds=rounds)
     solution = pc.solve(array, q, t, solver=solver, limits=pc.Limits(gain=0.5, **top))
-    B, p, mu = pc.matrix(array, q), solution.asked, solution.mu
+    B, p, mu = pc.matrix(array, q, pc.Air()), solution.asked, solution.mu
     near = np.arange(count) >= (1 if limited == "exact" else 0)
     cost = 0.5 * np.linalg.norm((p - B @ solution.gains)[near]) ** 2
     cost += mu / 2 * np.linalg.norm(solution.gains) ** 2
@@ -238,7 +238,7 @@ def test_objective_and_bound_are_those_of_the_phases_found(
     if limited == "power":
         kept.append(cp.norm(g) <= 2.0)
     if limited == "quiet":
-        kept.append(cp.abs(pc.matrix(array, top["quiet"][0]) @ g) <= top["quiet"][1])
+        kept.append(cp.abs(pc.matrix(array, top["quiet"][0], pc.Air()) @ g) <= top["quiet"][1])
     if limited == "exact":
         kept.append(B[:1] @ g == p[:1])
     # divided by what makes CVXPY's numbers near 1
@@ -259,7 +259,7 @@ def test_double_precision_is_the_optimum_to_many_digits(
     solver = pc.solver("lagrange", mu=1e-4)
     solution = pc.solve(ARRAY, q, t, 0.0, solver=solver, precision="double")
     assert solution.multipliers is not None
-    x = pc.matrix(ARRAY, q).conj().T @ solution.multipliers
+    x = pc.matrix(ARRAY, q, pc.Air()).conj().T @ solution.multipliers
     np.testing.assert_allclose(solution.gains, x / np.maximum(np.abs(x), solution.mu), atol=1e-10)
     rest = solution.residual - solution.multipliers
     assert np.linalg.norm(rest) <= 1e-10 * np.linalg.norm(t)
@@ -305,5 +305,5 @@ def test_as_strong_as_possible_with_free_phases_keeps_proportions(
         return
     g, s = cp.Variable(100, complex=True), cp.Variable()
     asked = t * np.exp(1j * solution.phases)
-    most = -optimum(-s, [pc.matrix(ARRAY, q) @ g == s * asked, cp.abs(g) <= 1.0])
+    most = -optimum(-s, [pc.matrix(ARRAY, q, pc.Air()) @ g == s * asked, cp.abs(g) <= 1.0])
     assert np.linalg.norm(solution.sound_pressure) >= 0.99 * most * np.linalg.norm(t)

@@ -19,11 +19,11 @@ def problem(seed, M, level):
     """B, targets, D and mu in units of the limit; `level` 1 is about as much as the array can make."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.02, 0.02, (M, 2)), np.full(M, 0.15)]
-    B = pc.matrix(ARRAY, q).astype(np.complex64)
+    B = pc.matrix(ARRAY, q, pc.Air()).astype(np.complex64)
     p = level * np.abs(B).sum(axis=1).mean() / 3 * rng.uniform(0.5, 1.0, M)
     silent = rng.random(M) < 0.2
     silent[0] = False
-    p = np.where(silent, 0.0, p) * np.exp(1j * pc.joint_phases(ARRAY, q))
+    p = np.where(silent, 0.0, p) * np.exp(1j * pc.joint_phases(ARRAY, q, pc.Air()))
     mu = MU * float((np.abs(B) ** 2).sum()) / M
     return B, p, np.where(silent, 50.0, 1.0), mu
 

@@ -110,7 +110,7 @@ def test_the_strongest_keeps_proportions_and_is_stronger_than_from_other_phases(
     assert ours.status is pc.Status.ok
     assert math.isnan(ours.bound)
     assert math.isnan(ours.objective)
-    B = pc.matrix(ARRAY, q)
+    B = pc.matrix(ARRAY, q, pc.Air())
     g, s = cp.Variable(len(ARRAY), complex=True), cp.Variable()
     c = t * np.exp(1j * theirs.phases) / np.linalg.norm(t)
     size = np.abs(B).sum(axis=1).mean()
@@ -128,7 +128,7 @@ def test_the_strongest_in_given_phases_is_cvxpy_s(count: int, distance: float, s
     q, t = apart(count, distance, seed)
     phases = np.random.default_rng(seed).uniform(0.0, 6.0, count)
     ours = pc.solve(ARRAY, q, t, phases, solver="lagrange", scale="max")
-    B = pc.matrix(ARRAY, q)
+    B = pc.matrix(ARRAY, q, pc.Air())
     g, s = cp.Variable(len(ARRAY), complex=True), cp.Variable()
     size = np.abs(B).sum(axis=1).mean()
     c = t * np.exp(1j * phases) / np.linalg.norm(t)

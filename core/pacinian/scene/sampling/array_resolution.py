@@ -67,10 +67,10 @@ class ArrayResolution:
         areas, q = np.full(len(positions), np.nan), positions
         kept = np.arange(len(q))
         try:
-            areas[:] = focal_area(self.array, q, normals, self.medium, even=even)
+            areas[:] = focal_area(self.array, q, self.medium, normals, even=even)
         except PointOnTransducer as error:
             kept = np.delete(kept, list(error.indices))
-            areas[kept] = focal_area(self.array, q[kept], normals[kept], self.medium, even=even)
+            areas[kept] = focal_area(self.array, q[kept], self.medium, normals[kept], even=even)
         return np.where(np.isfinite(areas), areas, np.nan)
 
     def compute_incidence(self, positions: Floats, normals: Floats) -> Floats:

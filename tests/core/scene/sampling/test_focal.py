@@ -60,7 +60,7 @@ def test_on_a_hand_the_area_is_that_on_its_skin() -> None:
     palm = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))
     found = sampled(pc.autd(), pc.Point(position=(0.0, 0.0, 0.19), force=FORCE), hands=(palm,))
     assert len(found) == 1
-    (area,) = pc.focal_area(pc.autd(), found.positions, found.normals, AIR, even=True)
+    (area,) = pc.focal_area(pc.autd(), found.positions, AIR, found.normals, even=True)
     assert found.area[0] == pytest.approx(area)
     assert found.force == pytest.approx(FORCE)
 
@@ -94,5 +94,5 @@ def test_the_loop_asks_for_the_pressure_of_the_focus_that_its_solver_makes(solve
             loop.tick()
             clock.advance(loop.period)
         P = pc.radiation_pressure(loop.hear(np.array([PLACE])), AIR)
-    (area,) = pc.focal_area(pc.autd(), [PLACE], even=solver == "auto")
+    (area,) = pc.focal_area(pc.autd(), [PLACE], pc.Air(), even=solver == "auto")
     assert P.max() * area == pytest.approx(FORCE, rel=0.02)
