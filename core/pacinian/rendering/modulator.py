@@ -20,6 +20,7 @@ from pacinian.rendering.mixing import (
     voice_amplitudes,
 )
 from pacinian.rendering.slew_limiter import SlewRateLimiter
+from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.solving.solution import Status
 
@@ -322,4 +323,4 @@ def _growth(samples: Samples) -> float:
 
 
 def _present_item(item: Object, samples: Samples, t: float) -> Samples:
-    return item.technique.present(samples, t, item.pose.matrix)
+    return present(item.technique, samples, t, item.pose.matrix)

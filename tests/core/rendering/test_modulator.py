@@ -18,6 +18,7 @@ from pacinian.rendering import modulator as module
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.modulation.presentation import present
 from pacinian.scene.modulation.technique import AM, LM, STM
 from pacinian.scene.modulation.waves import Pulse
 from pacinian.scene.shapes.curves import Circle, Line
@@ -134,7 +135,7 @@ def test_a_moving_focus_is_where_its_technique_says_in_each_row(technique: Any, 
     t, played = loop.run(25)
     whole = pc.Sampler().sample(pc.Scene((item,)))
     for now, row in zip(t.tolist(), played, strict=True):
-        focus = technique.present(whole, now, item.pose.matrix).positions
+        focus = present(technique, whole, now, item.pose.matrix).positions
         assert pressures(row[None], focus)[0] == pytest.approx([4.0], rel=0.02)
 
 
@@ -146,7 +147,7 @@ def test_a_strong_focus_that_jumps_is_not_held_back_at_any_rate_of_the_device() 
         step = np.abs(np.diff(played, axis=0)).max()
         assert step > 750.0 * TICK / rows  # it would be, if it were any other object
         for now, row in zip(t.tolist(), played, strict=True):
-            focus = loud.technique.present(whole, now).positions
+            focus = present(loud.technique, whole, now).positions
             assert pressures(row[None], focus)[0] == pytest.approx([60.0], rel=0.05)
 
 
@@ -186,7 +187,7 @@ def test_one_object_runs_round_while_another_stays_and_trembles() -> None:
     t, rows = Loop(pc.Scene((runs, stays))).run(20)
     whole = pc.Sampler().sample(pc.Scene((runs,)))
     for now, row in zip(t.tolist(), rows, strict=True):
-        focus = runs.technique.present(whole, now).positions[0]
+        focus = present(runs.technique, whole, now).positions[0]
         expected = [4.0, 4.0 * float(wave.at(np.array([now]))[0])]
         np.testing.assert_allclose(
             pressures(row[None], [focus, stays.position])[0], expected, atol=0.12

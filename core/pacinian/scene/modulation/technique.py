@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
@@ -17,69 +15,33 @@ from pacinian.scene.modulation.waves import SLIP, frequency
 from pacinian.scene.shapes.curves import Curve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
 PLACES = 720  # default number of places on a path: 0.3 mm apart on a path of 0.2 m
 MAX_PLACES = 10_000  # largest number of places on a path
 SWING = 64  # steps of a lateral movement to either side
-MAX_CACHED = 128  # largest number of cached motions of sets of samples
-WORLD = np.eye(3)
 
 
-class _Still(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
+class _Technique(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
     still: ClassVar[bool] = True
-    """Whether `present` returns the samples unchanged, so that one solution serves all times."""
+    """Whether all samples sound at their places, so that one solution serves all times."""
     single: ClassVar[bool] = False
-    """Whether `present` returns one sample at a time."""
+    """Whether one sample sounds at a time."""
 
     def factor(self, t: Floats) -> Floats:
         """Return the factor on the object's envelope, 0..1, at times t [s], (K,)."""
         return np.ones(len(t))
 
     def step(self, t: float) -> int | None:
-        """Return the step, a periodic integer, on which `present` depends at t [s]; None if it does not depend on t."""
+        """Return the step, a periodic integer, that decides what sounds at t [s]; None if time does not matter."""
         return None
 
-    def present(self, samples: Samples, t: float, frame: Floats = WORLD) -> Samples:
-        """Return the samples of one object that sound at t [s]: the same object for the same step.
 
-        frame: the object's axes as columns, (3, 3). Directions in tangent planes are measured from its x-axis.
-        """
-        return samples
-
-
-class _Moving(_Still, frozen=True, forbid_unknown_fields=True, tag_field="type"):
-    still: ClassVar[bool] = False
-
-    def present(self, samples: Samples, t: float, frame: Floats = WORLD) -> Samples:
-        step = self.step(t)
-        if step is None or not len(samples):
-            return samples
-        key = id(samples), id(self), frame.tobytes()
-        kept = _kept.get(key)
-        if kept is None:
-            while len(_kept) >= MAX_CACHED:
-                del _kept[next(iter(_kept))]
-            motion = functools.lru_cache(PLACES)(self.motion(samples, frame))
-            kept = _kept[key] = samples, self, motion  # holds all, so that their ids stay unique
-        return kept[2](step)
-
-    def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """Return a function from a step to the samples that sound then."""
-        raise NotImplementedError
-
-
-_kept: dict[tuple[int, int, bytes], tuple[Samples, _Moving, Callable[[int], Samples]]] = {}
-
-
-class Simultaneous(_Still, frozen=True, tag="simultaneous"):
+class Simultaneous(_Technique, frozen=True, tag="simultaneous"):
     """All samples sound at once, all the time."""
 
 
-class AM(_Still, frozen=True, tag="am"):
+class AM(_Technique, frozen=True, tag="am"):
     """Amplitude modulation: all samples sound at once, and their radiation pressure follows a sine.
 
     frequency: [Hz]. depth: 1 modulates down to zero, 0 does not modulate. The sine starts at its minimum and multiplies
@@ -98,7 +60,7 @@ class AM(_Still, frozen=True, tag="am"):
         return 1.0 - self.depth / 2.0 * (1.0 + np.cos(2.0 * np.pi * self.frequency * t))
 
 
-class STM(_Moving, frozen=True, tag="stm"):
+class STM(_Technique, frozen=True, tag="stm"):
     """Spatio-temporal modulation: a single focus that moves along a path, again and again.
 
     frequency: of the whole path [Hz]. along: "samples" moves from one sample to the next, with the radiation pressure
@@ -112,9 +74,10 @@ class STM(_Moving, frozen=True, tag="stm"):
     -1 minus the object's index. Raises ArgumentError.
     """
 
+    still: ClassVar[bool] = False
+    single: ClassVar[bool] = True
     frequency: float
     along: Literal["samples", "outline"] | Curve = "samples"
-    single: ClassVar[bool] = True
     dwell: float | None = None
 
     def __post_init__(self) -> None:
@@ -143,21 +106,8 @@ class STM(_Moving, frozen=True, tag="stm"):
         n = self.places
         return int((self.frequency * (t + SLIP)) % 1.0 * n) % n
 
-    def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """Return a function from a place to the focus there."""
-        from pacinian.scene.modulation import stm_paths
 
-        if self.along == "samples":
-            route = stm_paths.visit_one_by_one(samples)
-        elif self.along == "outline":
-            route = stm_paths.visit_around(samples, frame)
-        else:
-            route = stm_paths.visit_along(samples, self.along, frame)
-        n = self.places
-        return lambda i: route(i, n)
-
-
-class LM(_Moving, frozen=True, tag="lm"):
+class LM(_Technique, frozen=True, tag="lm"):
     """Lateral modulation: every sample oscillates across its normal, as a sine.
 
     frequency: [Hz]. amplitude: to either side [m]. angle: of the movement, from the frame's x-axis about the normal
@@ -168,6 +118,7 @@ class LM(_Moving, frozen=True, tag="lm"):
     (IEEE Transactions on Haptics 13, 2020, 334-342).
     """
 
+    still: ClassVar[bool] = False
     frequency: float
     amplitude: float
     angle: float = 0.0
@@ -180,13 +131,6 @@ class LM(_Moving, frozen=True, tag="lm"):
     def step(self, t: float) -> int:
         """Return the step of the movement at t [s], -64 to 64."""
         return round(SWING * math.sin(2.0 * math.pi * ((self.frequency * t) % 1.0)))
-
-    def motion(self, samples: Samples, frame: Floats) -> Callable[[int], Samples]:
-        """Return a function from a step to the samples then."""
-        from pacinian.scene.modulation.tangent_plane import find_tangents
-
-        d = self.amplitude * find_tangents(samples.normals, self.angle, frame)
-        return lambda i: replace(samples, positions=samples.positions + i / SWING * d)
 
 
 Technique = Simultaneous | AM | STM | LM

@@ -14,7 +14,8 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
-from pacinian.scene.modulation import technique as module
+from pacinian.scene.modulation import presentation
+from pacinian.scene.modulation.presentation import present
 from pacinian.scene.modulation.technique import AM, LM, SIMULTANEOUS, STM, Simultaneous, Technique
 from pacinian.scene.sampling.samples import Samples, no_samples
 from pacinian.scene.shapes.curves import Circle, Line, Lissajous, Polyline
@@ -59,7 +60,7 @@ def path(technique: Any, samples: Samples, K: int = 720, frame: Any = None) -> l
     """What is presented over a period."""
     t = (np.arange(K) + 0.5) / (K * technique.frequency)
     more = () if frame is None else (frame,)
-    return [technique.present(samples, float(s), *more) for s in t]
+    return [present(technique, samples, float(s), *more) for s in t]
 
 
 def positions(shown: list[Samples]) -> Floats:
@@ -77,7 +78,7 @@ def test_still_techniques_give_the_very_samples(t: float, M: int) -> None:
         assert technique.still
         assert not technique.single
         assert technique.step(t) is None
-        assert technique.present(samples, t) is samples
+        assert present(technique, samples, t) is samples
 
 
 @given(frequency=st.floats(0.0, 1e5), depth=st.floats(0.0, 1.0), t=st.floats(-1e300, 1e300))
@@ -97,7 +98,7 @@ def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
     assert not technique.still
     assert (technique.factor(np.linspace(-1.0, 1.0, 9)) == 1.0).all()
     assert technique.single == isinstance(technique, STM)
-    assert len(technique.present(no_samples(), 0.3)) == 0
+    assert len(present(technique, no_samples(), 0.3)) == 0
 
 
 # ------------------------------------------------------------------------------- schedule
@@ -132,7 +133,7 @@ def test_the_focus_stays_for_its_dwell_and_then_moves_on(dwell: int, seed: int) 
     """At 2 kHz, a place for every `dwell` frames, 5 places a repeat."""
     technique = STM(2000.0 / (5 * dwell), Circle(0.01), dwell=dwell / 2000.0)
     samples = patch(9, seed)
-    shown = [technique.present(samples, k / 2000.0) for k in range(10 * dwell)]
+    shown = [present(technique, samples, k / 2000.0) for k in range(10 * dwell)]
     for k, now in enumerate(shown):
         assert now is shown[k // dwell % 5 * dwell]
     assert len({id(now) for now in shown}) == 5
@@ -144,7 +145,7 @@ def test_steps_are_whole_and_within_bounds_at_any_time(technique: Any) -> None:
         step = technique.step(t)
         assert isinstance(step, int)
         assert -64 <= step < 720
-        assert len(technique.present(patch(5), t)) == (1 if technique.single else 5)
+        assert len(present(technique, patch(5), t)) == (1 if technique.single else 5)
 
 
 @each_moving
@@ -154,7 +155,7 @@ def test_the_same_step_gives_the_same_samples(technique: Any, t: float, periods:
     samples = patch(7)
     again = t + periods / technique.frequency
     if technique.step(again) == technique.step(t):
-        assert technique.present(samples, again) is technique.present(samples, t)
+        assert present(technique, samples, again) is present(technique, samples, t)
 
 
 # ------------------------------------------------------------------------------------ STM
@@ -328,7 +329,7 @@ def test_a_curve_lies_in_the_tangent_plane_about_the_centre(M: int, seed: int, a
 
 def test_a_curve_s_x_axis_is_the_frame_s_in_the_plane() -> None:
     samples, technique = patch(9, flat=True), STM(100.0, Line(0.02))
-    q = positions(path(technique, samples)) - technique.present(samples, 0.0025).positions
+    q = positions(path(technique, samples)) - present(technique, samples, 0.0025).positions
     assert np.abs(q[:, 0]).max() == pytest.approx(0.01, rel=1e-2)
     assert np.abs(q[:, 1:]).max() < 1e-12
     turned = Rotation.from_euler("z", 30, degrees=True).as_matrix()
@@ -352,9 +353,9 @@ def test_without_pressure_or_normals_all_is_finite(technique: Any) -> None:
 
 
 def test_only_so_many_motions_are_kept() -> None:
-    for seed in range(2 * module.MAX_CACHED):
-        STM(100.0).present(patch(2, seed), 0.0)
-    assert len(module._kept) <= module.MAX_CACHED
+    for seed in range(2 * presentation.MAX_CACHED):
+        present(STM(100.0), patch(2, seed), 0.0)
+    assert len(presentation._cache) <= presentation.MAX_CACHED
 
 
 # ------------------------------------------------------------------------------------- LM
@@ -372,7 +373,7 @@ def test_lm_moves_every_sample_to_and_fro_across_its_normal(
 ) -> None:
     samples, technique = patch(M, seed), LM(frequency, 0.002, angle)
     t = (np.arange(200) + 0.5) / (200 * frequency)
-    shown = [technique.present(samples, float(s)) for s in t]
+    shown = [present(technique, samples, float(s)) for s in t]
     d = np.array([now.positions for now in shown]) - samples.positions
     assert np.abs(np.einsum("kmi,mi->km", d, samples.normals)).max() < 1e-12
     size = np.linalg.norm(d, axis=2)
@@ -389,7 +390,7 @@ def test_lm_moves_every_sample_to_and_fro_across_its_normal(
 @pytest.mark.parametrize("angle", [0.0, 0.5])
 def test_lm_s_angle_is_from_the_frame_s_x_axis_about_the_normal(angle: float, normal: Any) -> None:
     samples = replace(patch(4), normals=np.tile(np.array(normal, dtype=float), (4, 1)))
-    d = LM(50.0, 0.002, angle).present(samples, 0.005).positions - samples.positions
+    d = present(LM(50.0, 0.002, angle), samples, 0.005).positions - samples.positions
     side = -1.0 if normal[2] < 0 else 1.0
     expected = 0.002 * np.array([math.cos(angle), side * math.sin(angle), 0.0])
     assert d == pytest.approx(np.tile(expected, (4, 1)), abs=1e-12)
@@ -401,13 +402,13 @@ def test_when_everything_is_turned_so_is_lm(M: int, seed: int, angle: float) -> 
     samples, technique = patch(M, seed), LM(50.0, 0.002, angle)
     R = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     moved = replace(samples, positions=samples.positions @ R.T, normals=samples.normals @ R.T)
-    was = technique.present(samples, 0.003, np.eye(3)).positions
-    assert technique.present(moved, 0.003, R).positions == pytest.approx(was @ R.T, abs=1e-9)
+    was = present(technique, samples, 0.003, np.eye(3)).positions
+    assert present(technique, moved, 0.003, R).positions == pytest.approx(was @ R.T, abs=1e-9)
 
 
 def test_lm_across_a_normal_along_x_uses_the_y_axis() -> None:
     samples = replace(patch(2), normals=np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]))
-    d = LM(50.0, 0.002).present(samples, 0.005).positions - samples.positions
+    d = present(LM(50.0, 0.002), samples, 0.005).positions - samples.positions
     assert d == pytest.approx(np.array([[0.0, 0.002, 0.0]] * 2), abs=1e-12)
 
 
