@@ -131,7 +131,7 @@ from .solving.propagator import Propagator as Propagator
 from .solving.quiet_zone import Zone as Zone
 from .solving.regions import joint_phases as joint_phases
 from .solving.solution import Solution as Solution
-from .solving.solution import Status as Status
+from .solving.status import Status as Status
 from .types import Complexes as Complexes
 from .types import Floats as Floats
 from .types import Gains as Gains

@@ -29,13 +29,14 @@ from pacinian.solving.evidence import (
     relative_error,
 )
 from pacinian.solving.felt_regions import FeltPlaces
-from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits
+from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce_zones
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
 from pacinian.solving.regions import carry_phases, settle_phases
 from pacinian.solving.relaxation import MAX_POINTS, least_error
-from pacinian.solving.solution import Solution, Status
+from pacinian.solving.solution import Solution
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -376,7 +377,7 @@ class Session:
             g, limits, "exact" if limits.solver_limits else targets.scale
         )
         if propagator.nulls is not None:
-            propagator.nulls.keep(g, limits.gain, propagator, budget)
+            enforce_zones(g, limits.gain, propagator.nulls, propagator, budget)
         p = propagator.apply(g)
         out[:] = g
         miss, bound, objective = relative_error(targets, p), result.bound, result.objective

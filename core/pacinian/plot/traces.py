@@ -11,7 +11,7 @@ from pacinian.plot.page import panels
 from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
 from pacinian.plugins.registry import discover_plugins, solver
 from pacinian.session import Session
-from pacinian.solving.solution import Status
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -22,7 +22,7 @@ from pacinian.rendering.mixing import (
 from pacinian.rendering.slew_limiter import SlewRateLimiter
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
-from pacinian.solving.solution import Status
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections import Counter

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.solution import Status
+    from pacinian.solving.status import Status
     from pacinian.types import Floats
 
 MAX_LISTED = 4  # most objects in a notebook's card

@@ -10,10 +10,17 @@ import numpy as np
 from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.problem import Budget, Limits
+    from pacinian.solving.propagator import Propagator
+    from pacinian.solving.quiet_subspace import QuietSubspace
     from pacinian.types import Complexes
 
 ROUNDING = 1e-5  # relative excess up to which only the gains over the limit are clipped
+MAX_PROJECTIONS = 32  # alternating projections of gains for quiet zones
+UNCHECKED_FACTOR = 1.25  # safety factor for the places of a zone that are not checked
+CORRECTION_MU = 0.1  # regularisation of the pressure correction, relative to the mean power of rows
+MAX_LEAK = 0.02  # pressure in a zone from the excluded subspace in gains, relative to the limit
+SINGLE_LEAK = 2e-6  # part of the excluded subspace that single precision leaves, relative to ||g||
 
 
 def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:
@@ -46,3 +53,31 @@ def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool
     if factor != 1.0 or strongest > highest:
         kernels.restrain(g, factor, highest)
     return True, over
+
+
+def enforce_zones(
+    g: Complexes, gain: float | None, nulls: QuietSubspace, propagator: Propagator, budget: Budget
+) -> None:
+    """Remove `nulls` from gains, (N,), in place, and scale them down until the zones are quiet and |g_n| <= `gain`.
+
+    Alternates (projections onto convex sets) between clipping the gains and moving them to the nearest ones outside
+    `nulls` that produce the same pressures; then scales all gains down. propagator: of the samples.
+    """
+    p = propagator.apply(g)
+    top = math.inf if gain is None else gain * (1.0 - 2.0**-21)
+    for turn in range(MAX_PROJECTIONS):
+        left = float(np.linalg.norm(nulls.sketch @ g.astype(np.complex64)))
+        most = MAX_LEAK / nulls.loudest + SINGLE_LEAK * math.sqrt(kernels.power(g))
+        if (left <= most and math.sqrt(kernels.peak(g)) <= top) or (turn and budget.spent):
+            break
+        kernels.restrain(g, 1.0, top)
+        nulls.remove(g)
+        factor = propagator.factor(CORRECTION_MU * propagator.power)
+        if factor.definite:
+            g += propagator.adjoint(factor.solve(p - propagator.apply(g)))
+    if not math.isfinite(kernels.peak(g)):
+        g[:] = 0.0
+    over = max(1.0, UNCHECKED_FACTOR * nulls.heard(g), math.sqrt(kernels.peak(g)) / top)
+    if over > 1.0:
+        g /= over
+        kernels.restrain(g, 1.0, top)

@@ -4,7 +4,8 @@ Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded
 c(x) = b(x) (1 - V^H V) of b(x). Gains computed for points elsewhere are unrelated to c(x), so that |b(x) g| is about
 ||c(x)|| times their root mean square, and hardly ever LIKELY times that. V is enlarged until this bound is at most the
 limit q at thousands of places in the zone, and then at thousands of new ones. V has few more rows than the number of
-waves that the array can resolve in the zone. Each solution is checked at some places and scaled down if necessary.
+waves that the array can resolve in the zone. `enforce_zones` checks each solution at
+some places and scales it down if necessary.
 """
 
 from __future__ import annotations
@@ -26,14 +27,12 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.solving.problem import Budget
-    from pacinian.solving.propagator import Propagator
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Floats, Gains
 
 BLOCK = 64  # most rows added to V at a time
 LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
 WATCHED = 256  # places of a zone at which each solution is checked
-SPARE = 1.25  # safety factor for the places of a zone that are not checked
 LIMIT_SHARE = (
     0.5  # V is enlarged down to this fraction of the limit, so that new places keep the limit
 )
@@ -42,10 +41,6 @@ DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the
 ROUNDS = 16  # most rounds of new places
 LARGEST_SHARE = 0.8  # largest fraction of the N dimensions that V may take
 MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
-REPAIRS = 32  # most alternating projections of gains: clipping, then removing V
-SOFT = 0.1  # regularisation of the pressure correction, relative to the mean power of rows
-LEFT = 0.02  # pressure that the rest of V in gains may cause, relative to the limit
-ROUNDING = 2e-6  # rest of V that single precision leaves, relative to ||g||
 SKETCHED = 16  # random mixtures of V's rows; they estimate ||V g|| within a factor of 2
 MAX_PREPARED = 4  # prepared sets of zones that are kept
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
@@ -105,34 +100,8 @@ class QuietSubspace:
         for zone in self.zones:
             B[zone.holds(points)] = 0.0
 
-    def keep(
-        self, g: Complexes, gain: float | None, propagator: Propagator, budget: Budget
-    ) -> None:
-        """Remove V from gains, (N,), in place, and scale them down until the zones are quiet and |g_n| <= `gain`.
-
-        Alternates (projections onto convex sets) between clipping the gains and moving them to the nearest ones without
-        V that produce the same pressures; then scales all gains down. propagator: of the samples.
-        """
-        made = propagator.apply(g)
-        top = math.inf if gain is None else gain * (1.0 - 2.0**-21)
-        for turn in range(REPAIRS):
-            left = float(np.linalg.norm(self.sketch @ g.astype(np.complex64)))
-            most = LEFT / self.loudest + ROUNDING * math.sqrt(kernels.power(g))
-            if (left <= most and math.sqrt(kernels.peak(g)) <= top) or (turn and budget.spent):
-                break
-            kernels.restrain(g, 1.0, top)
-            self._free(g)
-            factor = propagator.factor(SOFT * propagator.power)
-            if factor.definite:
-                g += propagator.adjoint(factor.solve(made - propagator.apply(g)))
-        if not math.isfinite(kernels.peak(g)):
-            g[:] = 0.0
-        over = max(1.0, SPARE * self.heard(g), math.sqrt(kernels.peak(g)) / top)
-        if over > 1.0:
-            g /= over
-            kernels.restrain(g, 1.0, top)
-
-    def _free(self, g: Complexes) -> None:
+    def remove(self, g: Complexes) -> None:
+        """Remove V from gains, (N,), in place."""
         g -= ((self.V @ g.astype(np.complex64)).conj() @ self.V).conj()
 
     def over(self, array: Array, medium: Air, g: Complexes) -> float:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from dataclasses import dataclass
-from enum import Enum
 from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
@@ -16,11 +13,10 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field
 from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
-from pacinian.native import solving as kernels
 from pacinian.notebook import Card, card
+from pacinian.solving.solution_values import SolutionValues
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
     import pandas as pd
@@ -28,52 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pacinian.acoustics.air import Air
-    from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
     from pacinian.acoustics.skin_facing import SkinFacing
-    from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.problem import Limits, Targets
-    from pacinian.types import ArrayLike, Complexes, Floats, Gains
+    from pacinian.types import ArrayLike, Complexes, Floats
 
 
 FORCE_SAMPLES = 10  # samples per wavelength along a surface whose force is computed
-AT_LIMIT = 1.0 - 1e-5  # fraction of the gain limit from which a transducer is at its limit
-
-
-class Status(Enum):
-    """How a solve ended. The value explains the status and says what to do."""
-
-    ok = "the targets are met"
-    silent = "all targets are zero, so all gains are zero"
-    approximate = (
-        "not all targets are met, with no limit reached: "
-        "the points are closer than the array can resolve, or the solver is approximate; "
-        'or scale="max" was given and stronger gains may exist'
-    )
-    limited = (
-        "transducers are at their limit: these are the nearest pressures within it; "
-        "lower the amplitudes, or add units"
-    )
-    scaled = (
-        "the gains exceeded the limits and were all scaled down: proportions are kept, strength is not; "
-        "lower the amplitudes, or use solver 'lagrange'"
-    )
-    unreachable = (
-        "some points cannot be reached by the sound of any transducer "
-        "(are they behind the array, or does the skin face away from it?)"
-    )
-    infeasible = (
-        "the limits cannot all be kept (see `violations`), so this is the best compromise; "
-        "lower the amplitudes, move the quiet points, or ask for fewer exact samples"
-    )
-    deadline = "the deadline passed: this is the best result so far"
-    failed = "no usable result, so the gains are zero; try solver 'pseudo-inverse'"
-
-    @property
-    def advice(self) -> str:
-        """Meaning of the status, and what to do."""
-        return self.value
 
 
 class Placed(Protocol):
@@ -89,8 +45,7 @@ class Placed(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(SolutionValues):
     """Gains, the problem that they solve, and the pressures that they achieve.
 
     gains: (N,), complex64, or complex128 in double precision. array, medium: of N transducers, and the air. points:
@@ -114,32 +69,6 @@ class Solution:
     facing: the skin at the points, if it was given; `sound_pressure` is then that along its normals.
     versions: of Pacinian, NumPy and Python when the solution was saved; empty unless it was loaded.
     """
-
-    gains: Gains
-    array: Array
-    medium: Air
-    points: Floats
-    targets: Targets
-    limits: Limits
-    sound_pressure: Complexes
-    status: Status
-    solver: str
-    iterations: int = 0
-    bound: float = float("nan")
-    objective: float = float("nan")
-    multipliers: Complexes | None = None
-    mu: float = float("nan")
-    violations: Mapping[str, float] = dataclasses.field(default_factory=dict[str, float])
-    seconds: float = 0.0
-    note: str = ""
-    gain_limit: float = math.inf
-    felt: tuple[FeltRegion, ...] = ()
-    late: bool = False
-    asked_phases: Floats | None = None
-    quiet_weight: float = 1.0
-    least_error: float = math.nan
-    facing: SkinFacing | None = None
-    versions: Mapping[str, str] = dataclasses.field(default_factory=dict[str, str])
 
     def field(self, points: ArrayLike, *, precision: Precision = "single") -> Complexes:
         """Return the complex sound pressure [Pa] of these gains at any points, in the solution's own air.
@@ -246,76 +175,16 @@ class Solution:
         It holds array, air, points, targets, limits, gains, evidence and versions, as MessagePack (docs/solvers.md).
         Raises ArgumentError if a directivity is a Python function, SolutionFileError if the file cannot be written.
         """
-        from pacinian.solving.solution_file import save_solution
+        from pacinian.solving.solution_file import save_values
 
-        save_solution(self, path)
+        save_values(self, path)
 
     @classmethod
     def load(cls, path: str | Path) -> Solution:
         """Read a solution from a file by `save`. All values are checked. Raises SolutionFileError."""
-        from pacinian.solving.solution_file import load_solution
+        from pacinian.solving.solution_file import load_values
 
-        return load_solution(path)
-
-    @property
-    def asked(self) -> Complexes:
-        """Complex targets, (M,) [Pa], with the achieved phase where the phase was free."""
-        return self.targets.complex(np.angle(self.sound_pressure))
-
-    @property
-    def weights(self) -> Floats:
-        """Weight of each point's squared error in objective and bound, (M,)."""
-        return np.where(self.targets.beside, self.quiet_weight, 1.0)
-
-    @property
-    def saturation(self) -> float:
-        """Fraction of transducers at the gain limit, 0..1."""
-        held = kernels.held(np.ascontiguousarray(self.gains), AT_LIMIT * self.gain_limit)
-        return held / len(self.gains)
-
-    @property
-    def phases(self) -> Floats:
-        """Achieved phases, (M,) [rad]."""
-        return np.asarray(np.angle(self.sound_pressure), np.float64)
-
-    @property
-    def residual(self) -> Complexes:
-        """Targets minus achieved pressures, complex, (M,) [Pa]; free phases are the achieved ones."""
-        return self.asked - self.sound_pressure
-
-    @property
-    def error(self) -> float:
-        """||residual|| / ||amplitudes|| at the points; 0 if all targets are 0. For the space between, see `felt`."""
-        return self.targets.relative_error(self.sound_pressure)
-
-    @property
-    def shape_error(self) -> float:
-        """Like `error`, but relative to the best multiple of the targets: the error of the proportions."""
-        p, t = np.where(self.targets.beside, 0.0, self.sound_pressure), self.asked
-        if not p.any() or not t.any():
-            return self.error
-        scale = (t.conj() @ p).real / (t.conj() @ t).real
-        return _ratio(scale * t - p, scale * t) if scale > 0.0 else 1.0
-
-    @property
-    def gap(self) -> float:
-        """Objective minus bound [Pa^2], the largest possible distance from the optimum; NaN if there is no bound."""
-        return self.objective - self.bound
-
-    def __repr__(self) -> str:
-        t = self.targets.amplitudes
-        ends = (
-            dict.fromkeys(f"{end:.4g}" for end in (t.min(), t.max()))
-            if len(t)
-            else dict[str, None]()
-        )
-        asked = f" ({' to '.join(ends)} Pa)" if ends else ""
-        held = f", {self.saturation:.0%} at their limit" if self.saturation else ""
-        return (
-            f"<Solution by {self.solver}: {self.status.name}, error {self.error:.2g} "
-            f"at {len(t)} points{asked}, {len(self.gains)} transducers{held}, "
-            f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
-        )
+        return cls(**load_values(path))
 
     @card
     def _repr_html_(self) -> Card:
@@ -346,8 +215,3 @@ class Solution:
         panel.set(xlabel="point", ylabel="sound pressure [Pa]")
         panel.set_ylim(bottom=0.0)
         panel.legend(fontsize=6)
-
-
-def _ratio(part: Complexes, whole: Complexes | Floats) -> float:
-    size = float(np.linalg.norm(whole))
-    return float(np.linalg.norm(part)) / size if size else 0.0

@@ -26,10 +26,11 @@ from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets
 from pacinian.solving.quiet_zone import Zone
-from pacinian.solving.solution import Solution, Status
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
+    from pacinian.solving.solution_values import SolutionValues
     from pacinian.types import Complexes
 
 FORMAT = "pacinian solution"
@@ -152,7 +153,7 @@ PLAIN = (
 )  # fields that need no conversion, except for the status  # fmt: skip
 
 
-def save_solution(solution: Solution, path: str | Path) -> None:
+def save_values(solution: SolutionValues, path: str | Path) -> None:
     """Write a solution to a file.
 
     Raises ArgumentError if a part cannot be stored, SolutionFileError if the file cannot be written.
@@ -203,8 +204,8 @@ def save_solution(solution: Solution, path: str | Path) -> None:
         raise SolutionFileError(path, f"cannot be written: {error}") from error
 
 
-def load_solution(path: str | Path) -> Solution:
-    """Read a solution from a file and check all of its values. Raises SolutionFileError."""
+def load_values(path: str | Path) -> dict[str, Any]:
+    """Read the fields of a solution from a file, by name, and check all. Raises SolutionFileError."""
     data = _read(Path(path))
     try:
         header = _header.decode(data)
@@ -220,7 +221,7 @@ def load_solution(path: str | Path) -> Solution:
         record = _decoder.decode(data)
         if record.digest and record.digest != hashlib.sha256(data[:-DIGEST_BYTES]).digest():
             raise ArgumentError("digest", "differs from that of the other bytes")
-        return _make_solution(record)
+        return _make_values(record)
     except Exception as error:  # damaged bytes can raise anything
         raise SolutionFileError(path, f"is damaged: {describe_error(error)}") from error
 
@@ -249,8 +250,8 @@ def _read(path: Path) -> bytes:
     return data
 
 
-def _make_solution(record: SolutionRecord) -> Solution:
-    """Make a solution of a file's values. Raises ArgumentError, and others, if they do not fit together."""
+def _make_values(record: SolutionRecord) -> dict[str, Any]:
+    """Make the fields of a solution. Raises ArgumentError, and others, if the values do not fit together."""
     array = _make_array(record.array)
     N, points = len(array), check_numbers("points", _unpack(record.points, "f"), (None, 3))
     M = len(points)
@@ -283,7 +284,7 @@ def _make_solution(record: SolutionRecord) -> Solution:
     plain: dict[str, Any] = {name: getattr(record, name) for name in PLAIN}
     plain["status"] = Status[record.status]
     plain["felt"] = tuple(FeltRegion(*part) for part in record.felt)
-    return Solution(
+    return dict(
         **plain,
         gains=_finite("gains", _unpack(record.gains, "c"), N),
         array=array,

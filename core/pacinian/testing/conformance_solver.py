@@ -17,7 +17,7 @@ from pacinian.solving.evidence import EVEN
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
-from pacinian.solving.solution import Solution, Status
+from pacinian.solving.status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
+    from pacinian.solving.solution import Solution
     from pacinian.types import Complexes, Floats, Gains
 
 LIMIT = 120.0  # duration of a call [s]

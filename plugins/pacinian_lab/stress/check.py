@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import UnsupportedLimit
-from pacinian.solving.solution import Status
+from pacinian.solving.status import Status
 from pacinian_lab.stress import promises
 from pacinian_lab.stress.case import DEFAULT_DEADLINE
 from pacinian_lab.stress.every import breaches, excess

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.solution import Status
+from pacinian.solving.status import Status
 from pacinian_lab.stress.wholes import split
 
 if TYPE_CHECKING:
