@@ -24,12 +24,7 @@ with pc.Client(name="example") as client:
         y, v = 0.01 * math.sin(math.tau * t), 0.01 * math.tau * math.cos(math.tau * t)
         client.move("ball", pc.Pose((0.0, y, 0.175)), pc.Motion((0.0, v, 0.0)), wait=False)
         client.hands(HAND, wait=False)
-        try:
-            client.renew()
-        except pc.Refused as error:  # raised once if the output ended
-            if error.code != "expired":  # a stop, a fault or another client: the user should look
-                raise
-            client.arm()  # the game was too late to renew the lease
+        client.renew()  # raises Refused after a stop, a fault or a takeover: the user should look
         time.sleep(1.0 / RATE)
     state = client.status()
 print(f"{state.output}, {len(state.asked) // 4} samples, error {state.error:.2%}")

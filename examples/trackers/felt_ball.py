@@ -28,10 +28,5 @@ def feel(read_hands: Callable[[], Sequence[pc.Hand]], seconds: float = math.inf)
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             client.hands(*read_hands(), wait=False)  # none: nothing is felt
-            try:
-                client.renew()  # if the tracker hangs, this is not called, and the output falls silent
-            except pc.Refused as error:
-                if error.code != "expired":
-                    raise
-                client.arm()  # the tracker was slow once
+            client.renew()  # while the tracker hangs, this is not called, and the output is silent
             time.sleep(0.01)

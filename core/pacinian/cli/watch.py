@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from pacinian.wire.state import State
 
 REFRESH = 0.1  # period of redraws [s]
-EXPLAIN_PERIOD = 0.5  # shortest time between two requests of the scene, to explain silence [s]
 
 
 @click.command()
@@ -51,16 +50,11 @@ def _states(client: Client, seconds: float) -> Iterator[tuple[State, Silence | N
     from pacinian.errors import Refused
     from pacinian.wire.silence import explain_silence
 
-    end, explained, last = time.perf_counter() + seconds, -math.inf, None
+    end = time.perf_counter() + seconds
     for state in client.watch():
         with suppress(Refused):  # the state shows what happened to the output
             client.renew()  # keeps the session alive
-        silence, now = explain_silence(state), time.perf_counter()
-        if silence is not None and silence.cause == "nothing in reach":
-            if now >= explained + EXPLAIN_PERIOD:
-                explained, last = now, client.explain_silence(state)
-            silence = last or silence
-        yield state, silence
+        yield state, explain_silence(state)
         if time.perf_counter() >= end:
             return
 

@@ -17,14 +17,13 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
+from pacinian.wire.silence import explain_silence
 from pacinian.wire.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from pacinian.acoustics.pose import Pose
-    from pacinian.client.rendered_scene import RenderedScene
-    from pacinian.client.server_session import ServerSession
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.modulation.envelope import Envelope
     from pacinian.scene.modulation.technique import Technique
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
     from pacinian.wire.silence import Silence
 
 CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
-MAX_SHOW_REPLIES = 16  # replies that are read to learn a scene's objects
 
 
 class Client(BaseClient):
@@ -59,8 +57,6 @@ class Client(BaseClient):
     After a connection loss nothing resumes: arm again, and put the objects again. Raises ConnectionLost, Refused;
     WireError for objects that cannot be sent.
     """
-
-    _rendered: tuple[ServerSession, RenderedScene] | None = None
 
     def put(
         self, *objects: Object, duration: float | None = None, ttl: float = 1.0, wait: bool = True
@@ -148,9 +144,13 @@ class Client(BaseClient):
         command = self._make_object(commands.Show, 1.0, scene=scene, since=since)
         return self._live().send_command(command, replies.Shown)
 
-    def arm(self, take: bool = False) -> None:
-        """Arm the output with this client's scene, for as long as `renew` is called. take: even from another owner."""
-        self._live().arm(take)
+    def arm(self, take: bool = False, resume: bool = True) -> None:
+        """Arm the output with this client's scene, for as long as `renew` is called.
+
+        take: even from another owner. resume: after a pause of more than the lease, the next `renew` lets it sound
+        again, unless the output was taken, stopped or at fault meanwhile; if False, it must be armed again.
+        """
+        self._live().arm(take, resume)
 
     def disarm(self) -> None:
         """End the sound softly, and let go of the output."""
@@ -177,7 +177,8 @@ class Client(BaseClient):
         """Renew the lease. Call this from the game's own tick, more often than the lease.
 
         Never waits, never reconnects. Raises Refused, once, if the output was disarmed without a request; its code is
-        "expired", "owner", "stopped" or "fault". Raises ConnectionLost after a connection loss.
+        "owner", "stopped" or "fault", or, if it was armed with resume=False, "expired". Raises ConnectionLost after a
+        connection loss.
         """
         self._live(again=False).renew()
 
@@ -240,17 +241,11 @@ class Client(BaseClient):
     def explain_silence(self, state: State | None = None) -> Silence | None:
         """Return why the output is silent now, and what to do about it; None if it sounds.
 
-        state: the newest one, if it is known already; by default, it is requested. If a hand is seen but touches
-        nothing, the scene is requested, too, to name the nearest object. A lost connection is an answer, not an error.
+        state: the newest one, if it is known already; by default, it is requested. A lost connection is an answer, not
+        an error.
         """
-        from pacinian.wire.silence import explain_silence
-
         try:
-            state = self.status() if state is None else state
-            found = explain_silence(state)
-            if found is not None and found.cause == "nothing in reach":
-                found = explain_silence(state, self._fetch_objects())
-            return found
+            return explain_silence(self.status() if state is None else state)
         except ConnectionLost:
             return explain_silence(None)
 
@@ -286,22 +281,6 @@ class Client(BaseClient):
     def age(self, state: State) -> float:
         """Return the age of a state [s], accurate to half of the shortest round trip."""
         return self._live(again=False).timing.age(state.time, self._clock())
-
-    def _fetch_objects(self) -> list[Object]:
-        """Return the objects of the rendered scene, where they are now. Requests only those that are new."""
-        from pacinian.client.rendered_scene import RenderedScene
-
-        if (
-            self._rendered is None or self._rendered[0] is not self._dialogue
-        ):  # versions are its server's
-            self._rendered = self._dialogue, RenderedScene()
-        seen = self._rendered[1]
-        for _ in range(MAX_SHOW_REPLIES):
-            shown = self.show(seen.scene, seen.version)
-            seen.update(shown)
-            if not shown.objects:
-                break
-        return seen.objects
 
     def _make_object(
         self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any

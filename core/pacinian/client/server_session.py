@@ -116,9 +116,9 @@ class ServerSession:
         message = request(session=self.welcome.session, **fields)
         self._call(self._control, message, Ok, timeout, lease=True)
 
-    def arm(self, take: bool) -> None:
+    def arm(self, take: bool, resume: bool) -> None:
         """Arm. Discards notices received before the server's Ok."""
-        self.ask(Arm, Ok, take=take)
+        self.ask(Arm, Ok, take=take, resume=resume)
         self.notices.clear()
         self.armed = self.owner = True
         self.look()

@@ -190,7 +190,9 @@ class Bridge:
             case Arm() if asked.scene != self._scene:
                 self._scene, self._first = asked.scene, (page, asked)
             case Arm():
-                client.arm(asked.take)
+                client.arm(
+                    asked.take, resume=False
+                )  # a page that was in the background must ask again
                 self._owner, self._armed = page, True
                 self._renew(client)
             case Disarm():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
@@ -11,7 +10,6 @@ import zmq
 from msgspec import Raw
 
 from pacinian.client.link import connect, make_socket
-from pacinian.client.rendered_scene import RenderedScene
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import WRONG, ArrayMessage, SilenceMessage
@@ -20,7 +18,6 @@ from pacinian.viewing.recent_frames import RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scene_mirror import POSE, SceneMirror
 from pacinian.wire.codec import decode_state
-from pacinian.wire.silence import explain_silence
 from pacinian.wire.state import FRAME, STATE, FrameState, State
 
 if TYPE_CHECKING:
@@ -50,9 +47,7 @@ class StateReader:
         self._emitted: Drive | None = None
         self._regions: Regions | None = None
         self._sent: ArrayMessage | None = None
-        self._rendered = RenderedScene()
         self._silence: SilenceMessage | None = None
-        self._explained, self._output = -math.inf, ""
         self._stale = False
         self._frame_time = 0.0  # time of the newest frame [s]; 0 before the first
         self._came = self._looked = self._counted = 0.0
@@ -150,21 +145,15 @@ class StateReader:
                 self._hub.put, "histogram", make_histogram(state.tick_counts, self._told.rate)
             )
         self._recent.see_state(state.time, state.technique, state.hands)
-        self._explain(state, now)
+        self._explain(state)
         self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):
             self._recent.clear()
         self._regions = Regions.of(state)
 
-    def _explain(self, state: State, now: float) -> None:
-        """Pass on why the output is silent, if that has changed. Distances are computed now and then."""
-        if now < self._explained + RARELY and state.output == self._output:
-            return
-        self._explained, self._output = now, state.output
-        found = explain_silence(state)
-        if found is not None and found.cause == "nothing in reach":
-            found = explain_silence(state, self._rendered.objects)
-        message = SilenceMessage(**found._asdict()) if found else SilenceMessage()
+    def _explain(self, state: State) -> None:
+        """Pass on why the output is silent, if that has changed."""
+        message = SilenceMessage(cause=state.cause, text=state.why)
         if message != self._silence:
             self._silence = message
             self._post(self._hub.put, "silence", message)
@@ -201,7 +190,6 @@ class StateReader:
         if told.scene != self._known[0]:  # names may denote other objects there
             self._scenery = before.with_(told.scene, {}, {})
         self._known = told.scene, told.version
-        self._rendered.update(told)
         objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}
         poses = {name: told.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(told.names)}
         self._scenery = self._scenery.with_(told.scene, objects, poses)

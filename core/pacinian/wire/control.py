@@ -59,9 +59,14 @@ class Renew(Request, frozen=True, kw_only=True, tag="renew"):
 
 
 class Arm(Request, frozen=True, kw_only=True, tag="arm"):
-    """Own the output and make this client's scene active. take: take the output from another owner, if allowed."""
+    """Own the output and make this client's scene active.
+
+    take: take the output from another owner, if allowed. resume: after a lease that ran out, the next renewal lets the
+    output sound again, if this client still owns it and there was no stop and no fault; since protocol 1.1.
+    """
 
     take: bool = False
+    resume: bool = False
 
 
 class Disarm(Request, frozen=True, kw_only=True, tag="disarm"):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pacinian.wire import commands, control, objects, protocol, replies, shapes, state, time
 from pacinian.wire.message_docs import GROUPS, describe_fields, name_class, summarise
+from pacinian.wire.silence import CAUSES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -48,6 +49,7 @@ def _parts() -> dict[str, str]:
         "lease": f"{LEASE:g}",
         "codes": _meanings("code", replies.CODES),
         "outputs": _meanings("output", state.OUTPUTS),
+        "causes": _meanings("cause", CAUSES),
         "presets": ", ".join(f'`"{name}"`' for name in get_args(time.PresetName)),
         "command fields": _format_table(commands.Command),
         "commands": sections(commands.COMMANDS, commands.Command),
@@ -56,7 +58,7 @@ def _parts() -> dict[str, str]:
         "controls": sections([*control.CONTROLS, control.Choice], control.Request),
         "reply fields": _format_table(replies.Reply),
         "replies": sections([*replies.REPLIES, replies.Plugin, replies.Sound], replies.Reply),
-        "states": sections([*state.STATES, state.ClientState]),
+        "states": sections([*state.STATES, state.ClientState, state.TouchState]),
         "felt fields": _format_table(objects.Felt),
         "objects": sections(objects.OBJECTS, objects.Felt),
         "object parts": sections([shapes.Pose, objects.Texture, objects.Material, objects.Motion]),

@@ -40,7 +40,7 @@ CODES: dict[Code, str] = {
     "owner": "another client owns the output",
     "armed": "not possible while the output is armed, or while it is not armed",
     "stopped": "not possible after an emergency stop or a fault: reset first",
-    "expired": "the lease was not renewed in time, so the output is silent: arm again",
+    "expired": "the lease, armed without `resume`, was not renewed in time: arm again",
     "fault": "a plug-in or device failed",
     "busy": "too many messages: slow down",
 }

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from pacinian.notebook import Card, card
 from pacinian.wire.protocol import Id, Name, Seconds, Text
@@ -47,6 +47,20 @@ class ClientState(Struct, frozen=True, kw_only=True):
     renewed: float
 
 
+class TouchState(Struct, frozen=True, kw_only=True):
+    """A hand that feels an object. object: its name. hand: name of the hand, or its side if it has none.
+
+    position: mean of the samples on this hand, weighted by their pressure [m]. pressure: highest target radiation
+    pressure [Pa]. strength: that pressure over the object's own, 0..1. All are at full envelope.
+    """
+
+    object: str
+    hand: str
+    position: tuple[float, float, float]
+    pressure: float
+    strength: float
+
+
 class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     """The emitted output and the health of the server. Published, and sent as the answer to `status`.
 
@@ -70,7 +84,9 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     state, (K, 4) little-endian float64: sequence, client's time, and times of receipt and emission by the server's
     clock [s]. clients: clients that are connected. tick_counts: histogram of the tick times of the last second, (64,)
     little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also
-    those beyond; since protocol 1.1.
+    those beyond; since protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it
+    sounds; since protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel
+    an object; none while the output is silent; since protocol 1.1.
     """
 
     id: Id = 0
@@ -107,6 +123,9 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     inputs: bytes = b""
     clients: tuple[ClientState, ...] = ()
     tick_counts: bytes = b""
+    cause: Text = ""
+    why: Annotated[str, Meta(max_length=1000)] = ""
+    touches: tuple[TouchState, ...] = ()
 
     def __repr__(self) -> str:
         from pacinian.wire.state_summary import describe_state

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.rendering.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltRegion
-from pacinian.wire.silence import HAND, explain_silence
+from pacinian.wire.silence import explain_silence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pacinian.wire.state import ClientState, State
 
 MAX_LISTED_FAULTS = 3
+HAND = 26 * 3 * 4  # size of the joints of one hand in `State.hands` [bytes]
 
 
 def describe_state(state: State, silence: Silence | None = None) -> str:
@@ -25,8 +26,8 @@ def describe_state(state: State, silence: Silence | None = None) -> str:
     silence: why it is silent, if that is known from more than the state.
     """
     silence = silence or explain_silence(state)
-    if silence is not None:
-        return f"{state.output}: {silence}"
+    if state.output != "sounding":
+        return f"{state.output}: {silence}" if silence else state.output
     hands, samples = len(state.hands) // HAND, len(state.asked) // 4
     return (
         f'sounding, armed by "{state.owner}": {count(samples, "sample")} of '

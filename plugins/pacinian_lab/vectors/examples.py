@@ -189,7 +189,7 @@ def _controls() -> tuple[Struct, ...]:
             id=1, protocol=(MAJOR, MINOR), client="game", version="1.2", scene="room", lease=0.1
         ),
         control.Renew(session=KEY, id=2, sequence=1, time=12.5),
-        control.Arm(session=KEY, id=3, take=True),
+        control.Arm(session=KEY, id=3, take=True, resume=True),
         control.Disarm(session=KEY, id=4),
         control.Stop(id=5),
         control.Reset(session=KEY, id=6),

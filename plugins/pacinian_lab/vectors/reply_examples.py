@@ -132,6 +132,13 @@ STATE = state.State(
         ),
     ),
     tick_counts=np.arange(64, dtype="<u4").tobytes(),
+    cause="pause",
+    why="nothing presses at this moment",
+    touches=(
+        state.TouchState(
+            object="a", hand="right", position=(0.125, 0.0, 0.25), pressure=400.0, strength=0.5
+        ),
+    ),
 )
 FRAME = state.FrameState(
     sequence=42,

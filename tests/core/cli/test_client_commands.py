@@ -18,9 +18,8 @@ from pacinian.cli.status import make_table, status
 from pacinian.cli.stop import stop
 from pacinian.cli.watch import watch
 from pacinian.client import server_session
-from pacinian.wire import commands, control, replies
+from pacinian.wire import control, replies
 from pacinian.wire.binary_arrays import pack
-from pacinian.wire.convert import to_wire
 from pacinian.wire.state import ClientState, State
 
 from ..client.fake import Fake, state
@@ -86,43 +85,15 @@ def test_status_tells_all(server: Fake, path: str) -> None:
 
 @pytest.mark.parametrize("command", [status, watch])
 def test_silence_is_explained(command: click.Command, server: Fake, path: str) -> None:
-    answer(server)
-    server.stream = state
+    why = {"cause": "not armed", "why": "not armed: call arm()"}
+    answer(server, **why)
+    server.stream = lambda: state(**why)
     options = ("--seconds", "0") if command is watch else ()
     text = run(command, "--connection", path, *options)
     assert re.search(r"output\s+silent", text)
     assert re.search(r"why\s+not armed: call arm\(\)", text)
     seen = json.loads(run(command, "--connection", path, "--json", *options).splitlines()[0])
     assert seen["silence"] == {"cause": "not armed", "text": "not armed: call arm()"}
-
-
-@pytest.mark.parametrize("command", [status, watch])
-def test_the_nearest_object_is_named_if_the_hand_touches_nothing(
-    command: click.Command, server: Fake, path: str
-) -> None:
-    ball = pc.Volume(shape=pc.Sphere(0.02), radiation_pressure=5.0, name="ball")
-
-    def show(message: commands.Show) -> replies.Shown:
-        return replies.Shown(
-            id=message.id, scene="hall", version=1, names=("ball",),
-            poses=pack([(0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0)]),
-            objects={} if message.since else {"ball": to_wire(ball)},
-        )  # fmt: skip
-
-    joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))).joints
-    assert joints is not None
-    given = {
-        "armed": True, "owner": "game", "scene": "hall", "hands": joints.astype("<f4").tobytes(),
-        "clients": FULL["clients"],
-    }  # fmt: skip
-    server.answers[commands.Show] = show
-    answer(server, **given)
-    numbers = itertools.count(1)
-    server.stream = lambda: state(next(numbers), **given)
-    options = ("--seconds", "0") if command is watch else ()
-    text = run(command, "--connection", path, *options)
-    assert re.search(r'the hand touches no object: "ball" is nearest, 6\d mm away', text)
-    assert len(server.of(commands.Show)) == 2  # the scene once, and that nothing more is new
 
 
 @pytest.mark.parametrize("no_color", [False, True])
@@ -144,7 +115,14 @@ def test_a_terminal_has_colours_unless_they_are_refused(
 
 def test_a_pipe_has_neither_colours_nor_broken_sentences(server: Fake, path: str) -> None:
     fault = "the device went away " * 6
-    answer(server, output="faulted", faults=(fault,), fault_count=1)
+    answer(
+        server,
+        output="faulted",
+        faults=(fault,),
+        fault_count=1,
+        cause="fault",
+        why=f"fault: {fault}",
+    )
     text = run(status, "--connection", path, code=1)
     assert "\x1b" not in text
     assert f"fault: {fault}".rstrip() in text.replace("\n", "")

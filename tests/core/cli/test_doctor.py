@@ -11,8 +11,9 @@ from click.testing import CliRunner
 from pacinian.cli import doctor_probes, doctor_rules
 from pacinian.cli.doctor import doctor
 from pacinian.cli.doctor_rules import Finding
+from pacinian.wire import control
 
-from ..client.fake import Fake
+from ..client.fake import Fake, state
 
 OK, WARNING, PROBLEM = "ok", "warning", "problem"
 
@@ -100,11 +101,12 @@ def test_here_all_that_is_needed_is_there(tmp_path: Path) -> None:
 
 
 def test_it_sees_a_server_and_why_one_does_not_answer(server: Fake, tmp_path: Path) -> None:
+    server.answers[control.Status] = lambda m: state(id=m.id, cause="not armed", why="call arm()")
     path = server.connection.write(tmp_path / "connection.json")
     assert doctor_probes.file(str(path)).level == OK
     told_of = doctor_probes.server(str(path)).told
     assert "fake" in told_of
-    assert "its output is silent: not armed: call arm()" in told_of
+    assert "its output is silent: call arm()" in told_of
     path.chmod(0o644)
     assert "chmod 600" in doctor_probes.file(str(path)).told
     path.chmod(0o600)

@@ -67,8 +67,8 @@ class Game:
     def ask(self, kind: type[Any], **fields: Any) -> Any:
         return self.desk.ask(self.peer, kind(session=self.welcome.session, id=7, **fields))
 
-    def arm(self, take: bool = False) -> Any:
-        return self.ask(Arm, take=take)
+    def arm(self, take: bool = False, *, resume: bool = False) -> Any:
+        return self.ask(Arm, take=take, resume=resume)
 
     def take(self) -> None:
         """Ask for the output with the number 5, and hear nothing yet."""
@@ -76,11 +76,11 @@ class Game:
         self.desk.sessions.handle(self.peer, "user", message, self.desk.clock.time)
 
 
-def armed() -> tuple[FakeControl, Game]:
+def armed(*, resume: bool = False) -> tuple[FakeControl, Game]:
     """A client that owns the output."""
     desk = FakeControl()
     game = desk.hello()
-    game.arm()
+    game.arm(resume=resume)
     return desk, game
 
 

@@ -106,6 +106,14 @@ def test_a_lost_lease_and_an_emergency_stop(game: pc.Client, connection: Path) -
             found = game.explain_silence()
             return found.text if found and found.cause == "lease lost" else ""
 
+        assert '"frozen" stands still: it sounds again' in eventually(lost)
+
+        def goes_on() -> bool:
+            frozen.renew()
+            return frozen.armed
+
+        assert eventually(goes_on)
+        frozen.arm(resume=False)
         assert '"frozen" lost its lease' in eventually(lost)
     game.stop()
     found = becomes(game, "stopped")

@@ -16,6 +16,7 @@ from pacinian.wire.asyncapi import CHANNELS, make_asyncapi
 from pacinian.wire.codec import encode
 from pacinian.wire.markdown import make_guide, make_reference
 from pacinian.wire.message_docs import describe_fields, summarise
+from pacinian.wire.silence import CAUSES
 from pacinian_lab.vectors.examples import make_examples
 
 ROOT = Path(__file__).parents[3]
@@ -78,6 +79,8 @@ def test_it_has_no_gaps_and_gives_the_limits() -> None:
         assert f"| `{code}` | {replies.CODES[code]} |" in PAGE
     for output in get_args(state.Output):
         assert f"| `{output}` | {state.OUTPUTS[output]} |" in PAGE
+    for cause, meaning in CAUSES.items():
+        assert f"| `{cause}` | {meaning} |" in PAGE
     assert set(replies.CODES) == set(get_args(replies.Code))
 
 

@@ -31,8 +31,8 @@ def test_a_state_says_in_a_line_what_it_emits() -> None:
     assert line == (
         '<State 7: sounding, armed by "game": 2 samples of 1 object, 1 hand, error 0.20%>'
     )
-    silent = State(**{**GIVEN, "output": "silent", "armed": False, "owner": ""})
-    assert repr(silent) == "<State 7: silent: not armed: call arm()>"
+    silent = State(**{**GIVEN, "output": "silent", "cause": "not armed", "why": "call arm()"})
+    assert repr(silent) == "<State 7: silent: call arm()>"
 
 
 def test_rows_fold_what_is_normal() -> None:

@@ -47,6 +47,9 @@ class OutputLease:
         self.fault = ""
         self.replies: list[tuple[bytes, Reply]] = []
         self._takeover = takeover
+        self.resumes = False
+        """Whether the lease ran out and the owner's next renewal arms the output again."""
+        self._resume = False  # the owner's last `arm` asked for that
         # Ids of the owner's pending `arm` requests, while another session's sound fades.
         self._asked: list[int] = []
 
@@ -60,7 +63,8 @@ class OutputLease:
         if self.permit.armed and now >= self.permit.until:
             expired = self.armed
             self._silence()
-            if expired:
+            self.resumes = expired and self._resume
+            if expired and not self._resume:
                 self._tell_owner(
                     "expired",
                     "the lease was not renewed in time: silence",
@@ -72,14 +76,18 @@ class OutputLease:
                     "expired", "the lease was not renewed while the last owner's sound faded"
                 )
                 return
-            epoch, scene = self.permit.epoch + 1, number_scene(self.owner.scene)
-            self.permit = Permit(ARMED, self.owner.until, epoch, scene=scene)
+            self._begin(self.owner)
             for request in self._asked:
                 self.replies.append((self.owner.peer, Ok(id=request)))
             self._asked = []
 
-    def arm(self, session: Session, request: int, take: bool, now: float) -> None:
-        """Arm the session's scene: at once, or when another session's sound has faded."""
+    def arm(
+        self, session: Session, request: int, take: bool, now: float, *, resume: bool = False
+    ) -> None:
+        """Arm the session's scene: at once, or when another session's sound has faded.
+
+        resume: whether a renewal after the lease ran out arms it again.
+        """
         if self.permit.stopped or self.fault:
             problem = f"a fault holds: {self.fault}" if self.fault else "an emergency stop holds"
             self._error(session, request, "stopped", problem, "reset first")
@@ -94,19 +102,21 @@ class OutputLease:
             self._refuse("owner", f"{session.name} has taken the output")
             self._tell_owner("owner", f"{session.name} has taken the output")
             self._close(now)
-        self.owner = session
+        self.owner, self._resume, self.resumes = session, resume, False
         session.until = max(session.until, now + session.lease)
         if self.armed:
-            self.renew(session)
+            self.renew(session, now)
             self.replies.append((session.peer, Ok(id=request)))
         else:
             self._asked.append(request)
             self.pass_time(now)
 
-    def renew(self, session: Session) -> None:
-        """Extend the lease of the session to `session.until`."""
+    def renew(self, session: Session, now: float) -> None:
+        """Extend the lease of the session to `session.until`, or begin it again if it ran out and `resumes`."""
         if session is self.owner and self.armed:
             self.permit = self.permit._replace(until=session.until)
+        elif session is self.owner and self.resumes and now < session.until:
+            self._begin(session)
 
     def disarm(self, session: Session, now: float) -> bool:
         """Let go of the output with a soft end. Return False if another session owns it."""
@@ -135,7 +145,7 @@ class OutputLease:
 
     def interrupt(self, code: Code, problem: str, advice: str = "arm again") -> None:
         """Silence at once, until the next `arm`."""
-        if self.permit.armed == ARMED:
+        if self.armed or self.resumes:
             self._tell_owner(code, problem, advice)
         self._refuse(code, problem)
         self._silence()
@@ -153,7 +163,7 @@ class OutputLease:
     def _leave(self, now: float) -> None:
         self._refuse("armed", "the session let go of the output first")
         self._close(now)
-        self.owner = None
+        self.owner, self.resumes = None, False
 
     def _close(self, now: float) -> None:
         if self.armed:
@@ -161,8 +171,15 @@ class OutputLease:
                 armed=CLOSES, until=min(self.permit.until, now + CLOSING)
             )
 
+    def _begin(self, session: Session) -> None:
+        epoch, scene = self.permit.epoch + 1, number_scene(session.scene)
+        self.permit = Permit(ARMED, session.until, epoch, scene=scene)
+        self.resumes = False
+
     def _silence(self) -> None:
+        """Silence at once. Whatever the reason, no renewal arms the output again; see `pass_time` for the exception."""
         self.permit = self.permit._replace(armed=SILENT, until=0.0)
+        self.resumes = False
 
     def _refuse(self, code: Code, problem: str) -> None:
         """Refuse every pending `arm` of the owner."""

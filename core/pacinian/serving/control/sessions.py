@@ -90,7 +90,7 @@ class ClientSessions:
                 self._renew(session, message, now)
                 return
             case Arm():
-                self.lease.arm(session, message.id, message.take, now)
+                self.lease.arm(session, message.id, message.take, now, resume=message.resume)
                 return
             case Disarm():
                 if not self.lease.disarm(session, now):
@@ -182,7 +182,7 @@ class ClientSessions:
         session.sequence, session.time, session.renewed = message.sequence, message.time, now
         sent = now - session.clock.age(message.time, now)
         session.until = max(session.until, sent + session.lease)
-        self.lease.renew(session)
+        self.lease.renew(session, now)
         self._tell(session.peer, self._make_renewed(session, message.id, now))
 
     def _make_renewed(self, session: Session, request: int, now: float) -> Renewed:

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from pacinian.devices.description import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
+from pacinian.serving.control.silence import find_cause
 from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities, Sound
@@ -151,10 +152,13 @@ class StatusPublisher:
             theirs = [fault[:MAX_TEXT] for fault in told.pop("faults", ())]
             told["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
             told["fault_count"] = told.get("fault_count", 0) + self.fault_count
-            return msgspec.convert({**nothing, **told, **common}, State)
+            made = msgspec.convert({**nothing, **told, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid
             self._view.unreadable += 1
-            return msgspec.convert({**nothing, **common}, State)
+            made = msgspec.convert({**nothing, **common}, State)
+        found = find_cause(made, resumes=ownership.resumes)
+        cause, why = found or ("", "")
+        return replace(made, cause=cause, why=why)
 
     def make_next_state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state to publish. Each hand update that reached the device is in exactly one of them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +19,14 @@ from pacinian.serving.ipc import messages
 from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import status
 from pacinian.serving.render.change_decoding import decode_changes
+from pacinian.serving.render.contact import explain_contact
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.quiet_zones import ZonePlacement
 from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_time import technique_to_scene
+from pacinian.wire.silence import UNTOUCHED, Silence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
 
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.01  # lead time of the fade before a permit expires [s]
+EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
@@ -110,6 +114,7 @@ class BetweenTicks:
         self._intensity = 1.0
         self._reset = 0
         self._told = 0.0  # when the next report is due [s]
+        self._explained, self._contact = -math.inf, Silence("nothing in reach", UNTOUCHED)
 
     def open(self) -> None:
         """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
@@ -265,4 +270,14 @@ class BetweenTicks:
         state["technique"], state["intensity"] = self._kind[0], self._intensity
         if not self._quiet:
             state["status"] = self._quieting.note
+        if state["hands"] and "asked" not in state:
+            state["cause"], state["why"] = self._explain(now)
         return state
+
+    def _explain(self, now: float) -> Silence:
+        """Return why there are no samples although a hand is seen. Distances are computed now and then."""
+        if now >= self._explained + EXPLAIN_PERIOD:
+            self._explained, shown = now, self.renderer.shown
+            hands = status.find_hands(self.renderer, now - self.renderer.start)
+            self._contact = explain_contact(hands, shown.objects)
+        return self._contact

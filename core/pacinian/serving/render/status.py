@@ -6,12 +6,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec.structs import asdict
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.rendering.probe import name_of
 from pacinian.scene.sampling.pose_prediction import FADE, HOLD
 from pacinian.scene.sampling.samples import BESIDE
+from pacinian.serving.render.contact import find_touches
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
@@ -29,12 +31,12 @@ EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # edges between the bins of `St
 def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     """Return fields of `pacinian.wire.state.State` at time t [s] of the scene."""
     report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
-    hands = [joints for hand in renderer.shown.hands if (joints := _joints(hand, t)) is not None]
+    hands = find_hands(renderer, t)
     return {
-        **_make_sample_fields(renderer),
+        **_make_sample_fields(renderer, hands),
         **_zones(renderer),
         "solver": shorten(renderer.session.solver.name),
-        "hands": b"".join(joints.astype("<f4").tobytes() for joints in hands),
+        "hands": b"".join(hand.joints.astype("<f4").tobytes() for hand in hands if hand.joints is not None),
         "ticks": report.ticks,
         "late": report.late_ticks,
         "rate": 1.0 / renderer.period,
@@ -47,7 +49,12 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _make_sample_fields(renderer: Renderer) -> dict[str, Any]:
+def find_hands(renderer: Renderer, t: float) -> list[Hand]:
+    """Return the hands at time t [s] of the scene, without those that are lost or were last seen long ago."""
+    return [seen for hand in renderer.shown.hands if (seen := _see(hand, t)) is not None]
+
+
+def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]:
     """Return the samples and the pressures on them, at full envelope."""
     player, session = renderer.player, renderer.session
     if renderer.halted is not None or not player.solved:
@@ -75,6 +82,7 @@ def _make_sample_fields(renderer: Renderer) -> dict[str, Any]:
         "error": error,
         "felt": _encode_felt(renderer, [samples.items[i] for i in used.tolist()]),
         "status": solution.status.name,
+        "touches": tuple(asdict(touch) for touch in find_touches(samples, hands)),
     }
 
 
@@ -96,12 +104,12 @@ def _encode_felt(renderer: Renderer, items: list[Object]) -> bytes:
     return np.array(figures, dtype="<f4").tobytes()
 
 
-def _joints(hand: Hand, t: float) -> Floats | None:
-    """Return a hand's joints, extrapolated by their velocities; None if the hand is lost, or was last seen long ago."""
+def _see(hand: Hand, t: float) -> Hand | None:
+    """Return a hand, extrapolated by its velocities; None if it is lost, or was last seen long ago."""
     if hand.lost or hand.time is None:
-        return None if hand.lost else hand.joints
+        return None if hand.lost else hand
     age = max(t - hand.time, 0.0)
-    return None if age >= HOLD + FADE else hand.extrapolate(min(age, HOLD)).joints
+    return None if age >= HOLD + FADE else hand.extrapolate(min(age, HOLD))
 
 
 def _counts(ticks: Floats) -> bytes:

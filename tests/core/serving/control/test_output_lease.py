@@ -233,7 +233,19 @@ def test_a_reset_that_nothing_needs_changes_nothing() -> None:
 steps = st.lists(
     st.tuples(
         st.sampled_from(
-            ["hello", "renew", "arm", "take", "disarm", "bye", "lost", "stop", "reset", "fault"]
+            [
+                "hello",
+                "renew",
+                "arm",
+                "resume",
+                "take",
+                "disarm",
+                "bye",
+                "lost",
+                "stop",
+                "reset",
+                "fault",
+            ]
         ),
         st.sampled_from([b"a", b"b", b"c"]),
         st.floats(0.0, 0.3),
@@ -244,15 +256,22 @@ steps = st.lists(
 
 @settings(max_examples=300)
 @given(steps)
-def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
+def test_whatever_clients_do_sound_is_bounded_owned_and_resumes_only_as_agreed(
     script: list[tuple[str, bytes, float]],
 ) -> None:
+    """After a lease ran out, a renewal lets its owner sound again if its `arm` asked for that; nothing else does."""
     desk = FakeControl()
     games: dict[bytes, Game] = {}
+    agreed: dict[bytes, bool] = {}  # what the last `arm` of each asked for
+    resumes: bytes | None = None  # who sounded, agreed, and has not been ended by anything but time
     sign = dict.fromkeys((b"a", b"b", b"c"), -1e9)  # of life, at most then
     for what, peer, seconds in script:
         before = desk.permit
         desk.wait(seconds)
+        ends = what in ("stop", "fault", "take") or (
+            what in ("hello", "lost", "disarm", "bye") and peer == resumes
+        )
+        resumes = None if ends or (what == "arm" and peer == resumes) else resumes
         if what == "hello":
             games[peer] = desk.hello(peer)
         elif what == "lost":
@@ -265,8 +284,12 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
             game, sign[peer] = games[peer], desk.clock.time
             if what == "renew":
                 game.renew()
-            elif what in ("arm", "take"):
-                game.desk.all(peer, Arm(session=game.welcome.session, id=7, take=what == "take"))
+            elif what in ("arm", "take", "resume"):
+                agreed[peer] = what == "resume"
+                ask = Arm(
+                    session=game.welcome.session, id=7, take=what == "take", resume=agreed[peer]
+                )
+                game.desk.all(peer, ask)
             else:
                 game.ask({"disarm": Disarm, "bye": Bye, "reset": Reset}[what])
         after, owner = desk.permit, desk.sessions.lease.owner
@@ -280,6 +303,11 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_never_resumes(
             assert desk.clock.time < after.until
             if before.armed != 1:
                 assert after.epoch > before.epoch, "sound only begins with a new permit"
+            if before.armed == 0:
+                assert what in ("arm", "take", "resume") or (what, peer) == ("renew", resumes)
+            resumes = owner.peer if agreed[owner.peer] else None
+        elif what == "renew" and owner is not None and peer == owner.peer:
+            assert resumes != peer, "it goes on, and sounds"
         if after.armed == 2:
             assert after.until <= desk.clock.time + CLOSING
         assert desk.sessions.list_sessions().owned == (owner.scene if owner else "")

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from pacinian.wire.control import Arm, Bye, Renew
+from pacinian.wire.control import Arm, Bye, Renew, Reset, Stop
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Ok, Renewed, Welcome
 
@@ -130,6 +130,28 @@ def test_expiry_silences_tells_the_owner_and_needs_a_new_arm() -> None:
     assert desk.armed == 0
     assert game.arm() == Ok(id=7)
     assert desk.permit.epoch == 2
+
+
+def test_a_game_that_goes_on_sounds_again_unless_something_else_ended_it() -> None:
+    """No error is told of a pause, and nothing but the owner's own fresh renewal ends it."""
+    desk, game = armed(resume=True)
+    game.renew()
+    assert desk.wait(LEASE + 1.0) == []
+    assert desk.armed == 0
+    assert not game.renew(late=LEASE).armed  # sent before the pause
+    assert game.renew().armed
+    assert desk.permit[:3] == (1, pytest.approx(desk.clock.time + LEASE), 2)
+    desk.wait(2 * LEASE)
+    assert [code(told) for told in desk.all(b"game", Stop())[:-1]] == ["stopped"]
+    game.ask(Reset)
+    assert not game.renew().armed
+    game.arm(resume=True)
+    desk.wait(2 * LEASE)
+    desk.sessions.lease.interrupt("fault", "the renderer was restarted")
+    assert [code(told) for _, told in desk.sessions.take_replies()] == [
+        "fault"
+    ]  # it waits in vain, so it is told
+    assert not game.renew().armed
 
 
 def test_a_renewal_that_comes_after_the_deadline_resurrects_nothing() -> None:

@@ -209,16 +209,19 @@ namespace Pacinian.Wire
     /// <summary>Own the output and make this client's scene active.</summary>
     public sealed class Arm : Request, IControl
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "take");
+        private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "take", "resume");
         private static readonly byte[][] Tag = Utf8.Of("arm");
 
         /// <summary>Take the output from another owner, if allowed.</summary>
         public bool Take;
 
+        /// <summary>After a lease that ran out, the next renewal lets the output sound again, if this client still owns it and there was no stop and no fault; since protocol 1.1.</summary>
+        public bool Resume;
+
         /// <inheritdoc/>
         public override void Write(Writer w)
         {
-            w.Map(4);
+            w.Map(5);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -227,13 +230,15 @@ namespace Pacinian.Wire
             w.Whole(Id);
             w.Word(Keys[3]);
             w.Bool(Take);
+            w.Word(Keys[4]);
+            w.Bool(Resume);
         }
 
         /// <inheritdoc/>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0xF;
+            ulong missing = 0x1F;
             if (!r.Map(out count))
             {
                 return false;
@@ -266,6 +271,7 @@ namespace Pacinian.Wire
                 case 1: return r.Binary(ref Session, 16, 16);
                 case 2: return r.Whole(ref Id, 0, 4294967295);
                 case 3: return r.Bool(ref Take);
+                case 4: return r.Bool(ref Resume);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -279,6 +285,10 @@ namespace Pacinian.Wire
             if ((missing & 0x8) != 0)
             {
                 Take = false;
+            }
+            if ((missing & 0x10) != 0)
+            {
+                Resume = false;
             }
         }
     }

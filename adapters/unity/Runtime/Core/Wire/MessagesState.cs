@@ -101,10 +101,85 @@ namespace Pacinian.Wire
         }
     }
 
+    /// <summary>A hand that feels an object.</summary>
+    public sealed class TouchState : IMessage
+    {
+        private static readonly byte[][] Keys = Utf8.Of("object", "hand", "position", "pressure", "strength");
+
+        /// <summary>Its name.</summary>
+        public string Object = "";
+
+        /// <summary>Name of the hand, or its side if it has none.</summary>
+        public string Hand = "";
+
+        /// <summary>Mean of the samples on this hand, weighted by their pressure [m].</summary>
+        public Vec3 Position;
+
+        /// <summary>Highest target radiation pressure [Pa].</summary>
+        public double Pressure;
+
+        /// <summary>That pressure over the object's own, 0..1. All are at full envelope.</summary>
+        public double Strength;
+
+        /// <inheritdoc/>
+        public void Write(Writer w)
+        {
+            w.Map(5);
+            w.Word(Keys[0]);
+            w.Text(Object);
+            w.Word(Keys[1]);
+            w.Text(Hand);
+            w.Word(Keys[2]);
+            w.Fixed(Position);
+            w.Word(Keys[3]);
+            w.Real(Pressure);
+            w.Word(Keys[4]);
+            w.Real(Strength);
+        }
+
+        /// <inheritdoc/>
+        public bool Read(Reader r)
+        {
+            int count, key = Reader.Other;
+            ulong missing = 0x1F;
+            if (!r.Map(out count))
+            {
+                return false;
+            }
+            for (; count > 0; count--)
+            {
+                key = r.Key(Keys, key + 1);
+                if (!One(r, key))
+                {
+                    return r.Within(Keys, key);
+                }
+                missing &= key < 0 ? missing : ~(1UL << key);
+            }
+            if ((missing & 0x1F) != 0)
+            {
+                return r.Missing(Keys, missing & 0x1F);
+            }
+            return true;
+        }
+
+        private bool One(Reader r, int key)
+        {
+            switch (key)
+            {
+                case 0: return r.Text(ref Object, 0, int.MaxValue);
+                case 1: return r.Text(ref Hand, 0, int.MaxValue);
+                case 2: return r.Fixed(ref Position);
+                case 3: return r.Real(ref Pressure);
+                case 4: return r.Real(ref Strength);
+                default: return key == Reader.Other && r.Skip();
+            }
+        }
+    }
+
     /// <summary>The emitted output and the health of the server. Published, and sent as the answer to `status`.</summary>
     public sealed class State : IReply, IState
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts");
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts", "cause", "why", "touches");
         private static readonly byte[][] Tag = Utf8.Of("state");
 
         /// <summary>`id` of the `status` that it answers; 0 if it is published. 0 to 4,294,967,295.</summary>
@@ -209,10 +284,19 @@ namespace Pacinian.Wire
         /// <summary>Histogram of the tick times of the last second, (64,) little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since protocol 1.1.</summary>
         public Bulk TickCounts;
 
+        /// <summary>Why the output is silent, for programs, as in the table below; empty if it sounds; since protocol 1.1. 0 to 200 characters.</summary>
+        public string Cause = "";
+
+        /// <summary>The same with what to do, for people; since protocol 1.1. 0 to 1,000 characters.</summary>
+        public string Why = "";
+
+        /// <summary>Hands that feel an object; none while the output is silent; since protocol 1.1.</summary>
+        public readonly Items<TouchState> Touches = new Items<TouchState>();
+
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(35);
+            w.Map(38);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -305,13 +389,23 @@ namespace Pacinian.Wire
             }
             w.Word(Keys[34]);
             w.Binary(TickCounts);
+            w.Word(Keys[35]);
+            w.Text(Cause);
+            w.Word(Keys[36]);
+            w.Text(Why);
+            w.Word(Keys[37]);
+            w.Array(Touches.Count);
+            for (int i = 0; i < Touches.Count; i++)
+            {
+                w.Message(Touches[i]);
+            }
         }
 
         /// <inheritdoc/>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x7FFFFFFFF;
+            ulong missing = 0x3FFFFFFFFF;
             if (!r.Map(out count))
             {
                 return false;
@@ -375,6 +469,9 @@ namespace Pacinian.Wire
                 case 32: return r.Binary(ref Inputs, 0, int.MaxValue);
                 case 33: return ReadClients(r);
                 case 34: return r.Binary(ref TickCounts, 0, int.MaxValue);
+                case 35: return r.Text(ref Cause, 0, 200);
+                case 36: return r.Text(ref Why, 0, 1000);
+                case 37: return ReadTouches(r);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -477,6 +574,18 @@ namespace Pacinian.Wire
             {
                 TickCounts.Clear();
             }
+            if ((missing & 0x800000000) != 0)
+            {
+                Cause = "";
+            }
+            if ((missing & 0x1000000000) != 0)
+            {
+                Why = "";
+            }
+            if ((missing & 0x2000000000) != 0)
+            {
+                Touches.Clear();
+            }
         }
 
         private bool ReadSkipped(Reader r)
@@ -545,6 +654,26 @@ namespace Pacinian.Wire
                     return r.Within(i);
                 }
                 Clients.Add(item);
+            }
+            return true;
+        }
+
+        private bool ReadTouches(Reader r)
+        {
+            int count;
+            Touches.Clear();
+            if (!r.Array(out count, 0, int.MaxValue))
+            {
+                return false;
+            }
+            for (int i = 0; i < count; i++)
+            {
+                TouchState item = Touches.Spare() ?? new TouchState();
+                if (!item.Read(r))
+                {
+                    return r.Within(i);
+                }
+                Touches.Add(item);
             }
             return true;
         }

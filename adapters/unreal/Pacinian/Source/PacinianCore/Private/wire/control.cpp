@@ -103,6 +103,8 @@ bool Arm::read(Reader& in, std::uint32_t left) {
       seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
     else if (key == "take")
       seen |= 1ull << 2, good = in.get(take);
+    else if (key == "resume")
+      seen |= 1ull << 3, good = in.get(resume);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -110,16 +112,18 @@ bool Arm::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 0)) return in.missing("session");
   if (!(seen & 1ull << 1)) id = 0;
   if (!(seen & 1ull << 2)) take = false;
+  if (!(seen & 1ull << 3)) resume = false;
   return true;
 }
 
 void Arm::write(Writer& out) const {
-  out.map(4);
+  out.map(5);
   out.text("type");
   out.text(tag);
   out.field("session", session);
   out.field("id", id);
   out.field("take", take);
+  out.field("resume", resume);
 }
 
 bool Disarm::read(Reader& in, std::uint32_t left) {

@@ -60,6 +60,42 @@ void ClientState::write(Writer& out) const {
   out.field("renewed", renewed);
 }
 
+bool TouchState::read(Reader& in, std::uint32_t left) {
+  std::uint64_t seen = 0;
+  for (std::string_view key; left > 0; --left) {
+    if (!in.key(key)) return false;
+    bool good = false;
+    if (key == "object")
+      seen |= 1ull << 0, good = in.get(object);
+    else if (key == "hand")
+      seen |= 1ull << 1, good = in.get(hand);
+    else if (key == "position")
+      seen |= 1ull << 2, good = in.tuple(position, [&](double& item) { return in.get(item); });
+    else if (key == "pressure")
+      seen |= 1ull << 3, good = in.get(pressure);
+    else if (key == "strength")
+      seen |= 1ull << 4, good = in.get(strength);
+    else
+      good = in.skip();
+    if (!good) return in.at(key);
+  }
+  if (!(seen & 1ull << 0)) return in.missing("object");
+  if (!(seen & 1ull << 1)) return in.missing("hand");
+  if (!(seen & 1ull << 2)) return in.missing("position");
+  if (!(seen & 1ull << 3)) return in.missing("pressure");
+  if (!(seen & 1ull << 4)) return in.missing("strength");
+  return true;
+}
+
+void TouchState::write(Writer& out) const {
+  out.map(5);
+  out.field("object", object);
+  out.field("hand", hand);
+  out.field("position", position);
+  out.field("pressure", pressure);
+  out.field("strength", strength);
+}
+
 bool State::read(Reader& in, std::uint32_t left) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
@@ -140,6 +176,13 @@ bool State::read(Reader& in, std::uint32_t left) {
           [&](ClientState& item) { return in.part(item); });
     else if (key == "tick_counts")
       seen |= 1ull << 33, good = in.get(tick_counts);
+    else if (key == "cause")
+      seen |= 1ull << 34, good = in.get(cause, {0, 200});
+    else if (key == "why")
+      seen |= 1ull << 35, good = in.get(why, {0, 1000});
+    else if (key == "touches")
+      seen |= 1ull << 36, good = in.items(touches, {},
+          [&](TouchState& item) { return in.part(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -178,11 +221,14 @@ bool State::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 31)) inputs.clear();
   if (!(seen & 1ull << 32)) clients.clear();
   if (!(seen & 1ull << 33)) tick_counts.clear();
+  if (!(seen & 1ull << 34)) cause.clear();
+  if (!(seen & 1ull << 35)) why.clear();
+  if (!(seen & 1ull << 36)) touches.clear();
   return true;
 }
 
 void State::write(Writer& out) const {
-  out.map(35);
+  out.map(38);
   out.text("type");
   out.text(tag);
   out.field("id", id);
@@ -219,6 +265,9 @@ void State::write(Writer& out) const {
   out.field("inputs", inputs);
   out.field("clients", clients);
   out.field("tick_counts", tick_counts);
+  out.field("cause", cause);
+  out.field("why", why);
+  out.field("touches", touches);
 }
 
 bool FrameState::read(Reader& in, std::uint32_t left) {

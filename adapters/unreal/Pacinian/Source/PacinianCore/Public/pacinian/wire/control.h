@@ -69,6 +69,9 @@ struct Arm : Request {
 
   /// take the output from another owner, if allowed
   bool take = false;
+  /// after a lease that ran out, the next renewal lets the output sound again, if this client still
+  /// owns it and there was no stop and no fault; since protocol 1.1
+  bool resume = false;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;

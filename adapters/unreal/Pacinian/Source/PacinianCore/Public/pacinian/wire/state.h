@@ -49,6 +49,23 @@ struct ClientState {
   PACINIANCORE_API void write(Writer& out) const;
 };
 
+/// A hand that feels an object.
+struct TouchState {
+  /// its name
+  std::string object;
+  /// name of the hand, or its side if it has none
+  std::string hand;
+  /// mean of the samples on this hand, weighted by their pressure [m]
+  std::array<double, 3> position{};
+  /// highest target radiation pressure [Pa]
+  double pressure = 0.0;
+  /// that pressure over the object's own, 0..1. All are at full envelope
+  double strength = 0.0;
+
+  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
+  PACINIANCORE_API void write(Writer& out) const;
+};
+
 /// The emitted output and the health of the server. Published, and sent as the answer to `status`.
 struct State {
   static constexpr std::string_view tag = "state";
@@ -128,6 +145,13 @@ struct State {
   /// of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since
   /// protocol 1.1
   Bytes tick_counts;
+  /// why the output is silent, for programs, as in the table below; empty if it sounds; since
+  /// protocol 1.1; 0 to 200 characters
+  std::string cause;
+  /// the same with what to do, for people; since protocol 1.1; 0 to 1,000 characters
+  std::string why;
+  /// hands that feel an object; none while the output is silent; since protocol 1.1
+  std::vector<TouchState> touches;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;

@@ -1,0 +1,123 @@
+"""What a hand touches, and if nothing, the nearest object: the renderer's part of why the output is silent."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
+from pacinian.scene.objects import Surface, Volume
+from pacinian.scene.sampling.perception_thresholds import lowest_threshold
+from pacinian.scene.sampling.sampler import find_vibration
+from pacinian.wire.silence import UNTOUCHED, Silence
+from pacinian.wire.state import TouchState
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.types import Floats
+
+BONE_POINTS = 5  # places on each bone at which the distance to an object is computed
+UNSEEN = "the touched skin faces away from the array, or hardly touches: turn the palm to the array, or press deeper"
+
+
+class Nearest(NamedTuple):
+    """The object nearest to a hand. gap: distance from the skin [m]; negative if the hand touches the object."""
+
+    item: Object
+    gap: float
+
+
+def find_touches(samples: Samples, hands: Sequence[Hand]) -> tuple[TouchState, ...]:
+    """Return which of the hands feel which objects, from the samples on their skin. Lost hands feel nothing."""
+    skins = [(hand, make_capsules(hand)) for hand in hands if not hand.lost]
+    if not skins or not len(samples):
+        return ()
+    P = samples.radiation_pressure
+    away = [distance_to_skin(capsules, samples.positions) for _, capsules in skins]
+    nearest = np.argmin(away, axis=0) if len(skins) > 1 else np.zeros(len(samples), dtype=np.intp)
+    felt = P > 0.0
+    pairs = sorted({*zip(nearest[felt].tolist(), samples.objects[felt].tolist(), strict=True)})
+    touches: list[TouchState] = []
+    for hand, item in pairs:
+        here = felt & (nearest == hand) & (samples.objects == item)
+        x, y, z = np.average(samples.positions[here], axis=0, weights=P[here]).tolist()
+        touches.append(
+            TouchState(
+                object=samples.items[item].name,
+                hand=skins[hand][0].name.rpartition("@")[0],  # without the client's number
+                position=(x, y, z),
+                pressure=float(P[here].max()),
+                strength=min(1.0, float((P[here] / samples.most[here]).max())),
+            )
+        )
+    return tuple(touches)
+
+
+def explain_contact(hands: Iterable[Hand], objects: Iterable[Object]) -> Silence:
+    """Return why no skin of the hands can be pressed. objects: with the pressures that are rendered."""
+    nearest = find_nearest(hands, objects)
+    if nearest is None:
+        return Silence("nothing in reach", UNTOUCHED)
+    name, pressure = nearest.item.name, nearest.item.pressure
+    if nearest.gap > 0.0:
+        away = f'"{name}" is nearest, {1e3 * nearest.gap:.0f} mm away'
+        return Silence("nothing in reach", f"{UNTOUCHED}: {away}")
+    if not pressure > 0.0:
+        return Silence("no pressure", f'"{name}" is touched, but its pressure is 0')
+    least = lowest_threshold(find_vibration(nearest.item))
+    if pressure < least:
+        told = f'"{name}" is touched, but its {pressure:.2g} Pa are below the {least:.2g} Pa that can be felt'
+        return Silence("too faint", told)
+    return Silence("out of the array's reach", f'"{name}" is touched, but {UNSEEN}')
+
+
+def find_nearest(hands: Iterable[Hand], objects: Iterable[Object]) -> Nearest | None:
+    """Return the object nearest to any hand; None without hands that are seen, or without objects."""
+    axes = [_sample_bones(hand) for hand in hands if not hand.lost]
+    if not axes:
+        return None
+    points, radii = map(np.concatenate, zip(*axes, strict=True))
+    nearest: Nearest | None = None
+    for bound, item in sorted(
+        ((_bound_gap(item, points, radii), item) for item in objects), key=lambda pair: pair[0]
+    ):
+        if nearest is not None and bound >= nearest.gap:
+            break
+        if (gap := _measure_gap(item, points, radii)) < (nearest.gap if nearest else math.inf):
+            nearest = Nearest(item, gap)
+    return nearest
+
+
+def _sample_bones(hand: Hand) -> tuple[Floats, Floats]:
+    """Return points on the axes of a hand's bones, (P, 3) [m], and the radius of the flesh at each, (P,) [m]."""
+    ends = make_capsules(hand)
+    along = np.linspace(0.0, 1.0, BONE_POINTS)[:, None, None]
+    first, last, radii = ends[:, :3], ends[:, 3:6], ends[:, 6:]
+    points = (1.0 - along) * first + along * last
+    around = (1.0 - along[..., 0]) * radii[:, 0] + along[..., 0] * radii[:, 1]
+    return points.reshape(-1, 3), around.ravel()
+
+
+def _bound_gap(item: Object, points: Floats, radii: Floats) -> float:
+    """Return a lower bound of the gap between skin and object, from its bounding sphere [m]."""
+    away = np.sqrt(((points - np.array(item.pose.position)) ** 2).sum(axis=1)) - radii
+    return float(away.min(initial=math.inf)) - item.bounding_radius
+
+
+def _measure_gap(item: Object, points: Floats, radii: Floats) -> float:
+    """Return the gap between skin and object [m]."""
+    local = (points - np.array(item.pose.position)) @ item.pose.matrix
+    if isinstance(item, (Surface, Volume)):
+        return float((item.distance(local, math.inf, math.inf) - radii).min(initial=math.inf))
+    places = item.sample_surface(item.radius).points
+    gaps = [
+        math.sqrt(((places - point) ** 2).sum(axis=1).min(initial=math.inf)) - radius
+        for point, radius in zip(local, radii.tolist(), strict=True)
+    ]
+    return min(gaps, default=math.inf) - item.radius
