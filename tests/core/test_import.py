@@ -4,8 +4,10 @@ import ast
 import inspect
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
+import grimp
 import pytest
 
 import pacinian
@@ -44,6 +46,14 @@ def test_the_air_has_a_default_only_where_the_result_keeps_it() -> None:
                     defaults.add(name)
     keep = {"solve", "solve_many", "Session", "Renderer"}
     assert defaults == keep | {"export"}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Imports within functions and those for type checkers count, too."""
+    packages = "pacinian", "pacinian_plugins", "pacinian_lab"
+    graph = grimp.build_graph(*packages, exclude_type_checking_imports=False, cache_dir=None)
+    imports = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
+    TopologicalSorter(imports).prepare()  # raises CycleError, which names the circle
 
 
 def test_importing_pacinian_loads_no_heavy_library_and_none_of_its_own_modules() -> None:

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from pacinian.wire.replies import Sound
-    from pacinian.wire.silence import Silence
     from pacinian.wire.state import State
 
 OUTPUT_COLOURS = {
@@ -49,13 +48,12 @@ def status(connection: str | None, as_json: bool) -> None:
 
     with Client(connection, name="pacinian status") as client:
         state, sound = client.status(), client.capabilities().sound
-        silence = client.explain_silence(state)
     if as_json:
-        click.echo(json.dumps({**plain(state, silence), **air(sound)}))
+        click.echo(json.dumps({**plain(state), **air(sound)}))
     else:
         from pacinian.cli.console import make_console
 
-        made = make_table(state, silence)
+        made = make_table(state)
         made.add_row("air", describe_air(sound))
         make_console().print(made)
     if state.output == "faulted":
@@ -77,10 +75,10 @@ def describe_air(sound: Sound | None) -> str:
     return f"{told}{sound.speed_of_sound:.1f} m/s"
 
 
-def plain(state: State, silence: Silence | None) -> dict[str, Any]:
+def plain(state: State) -> dict[str, Any]:
     """Convert a state for JSON. Bulk numbers become lists, or lists of rows if a row has several numbers.
 
-    silence: cause and text, or null; see `Client.explain_silence`.
+    Adds `silence`: cause and text, or null; see `State.silence`.
     """
     import msgspec
     import numpy as np
@@ -90,17 +88,16 @@ def plain(state: State, silence: Silence | None) -> dict[str, Any]:
         rows = np.frombuffer(getattr(state, name), kind).reshape(-1, width)
         told[name] = (rows[:, 0] if width == 1 else rows).tolist()
     del told["id"], told["type"]
-    told["silence"] = silence and silence._asdict()
+    told["silence"] = state.silence and state.silence._asdict()
     return told
 
 
-def make_table(state: State, silence: Silence | None) -> Table:
+def make_table(state: State) -> Table:
     """Return a state as a table: what is wrong is coloured."""
     from rich.table import Table
     from rich.text import Text
 
     from pacinian.rendering.skip_reasons import split_skips
-    from pacinian.wire.state_summary import summarise_state
 
     made = Table(box=None, show_header=False, pad_edge=False)
     made.add_column(style="dim", no_wrap=True)
@@ -112,6 +109,6 @@ def make_table(state: State, silence: Silence | None) -> Table:
         colours["left out"] = "yellow"
     faulty = {"faults", "restarts", *(f"  {i + 1}" for i in range(len(state.faults)))}
     colours |= dict.fromkeys(faulty, "red")
-    for name, value in summarise_state(state, silence).items():
+    for name, value in state.summarise().items():
         made.add_row(Text(name), Text(value, style=colours.get(name, "")))
     return made

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pacinian.client.client import Client
-    from pacinian.wire.silence import Silence
     from pacinian.wire.state import State
 
 REFRESH = 0.1  # period of redraws [s]
@@ -39,34 +38,33 @@ def watch(connection: str | None, seconds: float, as_json: bool) -> None:
     with Client(connection, name="pacinian watch") as client:
         states = _states(client, seconds)
         if as_json:
-            for state, silence in states:
-                click.echo(json.dumps(plain(state, silence)))
+            for state in states:
+                click.echo(json.dumps(plain(state)))
         else:
             _show(states)
 
 
-def _states(client: Client, seconds: float) -> Iterator[tuple[State, Silence | None]]:
-    """Yield the newest states, each with the reason why it is silent."""
+def _states(client: Client, seconds: float) -> Iterator[State]:
+    """Yield the newest states."""
     from pacinian.errors import Refused
-    from pacinian.wire.silence import explain_silence
 
     end = time.perf_counter() + seconds
     for state in client.watch():
         with suppress(Refused):  # the state shows what happened to the output
             client.renew()  # keeps the session alive
-        yield state, explain_silence(state)
+        yield state
         if time.perf_counter() >= end:
             return
 
 
-def _show(states: Iterator[tuple[State, Silence | None]]) -> None:
+def _show(states: Iterator[State]) -> None:
     from rich.live import Live
 
     from pacinian.cli.console import make_console
 
     drawn = -math.inf
     with Live(console=make_console(), auto_refresh=False) as live:
-        for state, silence in states:
+        for state in states:
             if (now := time.perf_counter()) >= drawn + REFRESH:
                 drawn = now
-                live.update(make_table(state, silence), refresh=True)
+                live.update(make_table(state), refresh=True)

@@ -17,7 +17,7 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
-from pacinian.wire.silence import explain_silence
+from pacinian.wire.silence import DISCONNECTED
 from pacinian.wire.state import State
 
 if TYPE_CHECKING:
@@ -245,9 +245,9 @@ class Client(BaseClient):
         an error.
         """
         try:
-            return explain_silence(self.status() if state is None else state)
+            return (self.status() if state is None else state).silence
         except ConnectionLost:
-            return explain_silence(None)
+            return DISCONNECTED
 
     def look(self) -> State | None:
         """Return the newest state published since the last call, or None. Does not wait."""

@@ -7,6 +7,6 @@ codec.py          bytes to messages and back      convert.py, convert_*.py      
 binary_arrays.py  numbers in a `bin`              error_path.py                    path of the field that is wrong
 markdown.py       docs/wire*.md, with *.md        asyncapi.py                      the AsyncAPI document
 message_docs.py   field tables from docstrings    connection.py                    the connection file
-emergency.py      a stop without a connection     silence.py                       why an output is silent
-state_summary.py  a state in words
+emergency.py      a stop without a connection     silence.py                       causes of silence
+wording.py        words for figures of a state
 """

@@ -1,11 +1,8 @@
-"""Why an output is silent, as a published state tells it."""
+"""The causes of silence that a state can give."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
-
-if TYPE_CHECKING:
-    from pacinian.wire.state import State
+from typing import Literal, NamedTuple
 
 Cause = Literal[
     "not connected",
@@ -41,7 +38,6 @@ CAUSES: dict[Cause, str] = {
 }
 """Meanings of the values of `State.cause`. The first that applies is told."""
 
-NOT_CONNECTED = "not connected to a server: start `pacinian serve`, then connect again"
 UNTOUCHED = "the hand touches no object"
 
 
@@ -55,8 +51,6 @@ class Silence(NamedTuple):
         return self.text
 
 
-def explain_silence(state: State | None) -> Silence | None:
-    """Return why the output is silent; None if it sounds. state: the newest; None without a connection."""
-    if state is None:
-        return Silence("not connected", NOT_CONNECTED)
-    return Silence(state.cause, state.why) if state.cause else None
+DISCONNECTED = Silence(
+    "not connected", "not connected to a server: start `pacinian serve`, then connect again"
+)

@@ -8,8 +8,11 @@ from msgspec import Meta, Struct
 
 from pacinian.notebook import Card, card
 from pacinian.wire.protocol import Id, Name, Seconds, Text
+from pacinian.wire.silence import Silence
 
 STATE, FRAME = b"state", b"frame"
+MAX_LISTED_FAULTS = 3
+HAND_BYTES = 26 * 3 * 4  # size of the joints of one hand in `State.hands` [bytes]
 
 Output = Literal[
     "silent",
@@ -45,6 +48,21 @@ class ClientState(Struct, frozen=True, kw_only=True):
     dropped: int
     age: float
     renewed: float
+
+    def describe(self) -> str:
+        """Return its scene, and how much it has sent."""
+        from pacinian.wire.wording import count
+
+        words = ["owner"] if self.owner else []
+        words += [
+            f"scene {self.scene}",
+            count(self.objects, "object"),
+            count(self.commands, "command"),
+        ]
+        words += [count(self.errors, "error")] if self.errors else []
+        words += [f"{self.dropped:,} dropped"] if self.dropped else []
+        words += [f"newest applied after {1e3 * self.age:.1f} ms"] if self.commands else []
+        return ", ".join(words)
 
 
 class TouchState(Struct, frozen=True, kw_only=True):
@@ -127,16 +145,63 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     why: Annotated[str, Meta(max_length=1000)] = ""
     touches: tuple[TouchState, ...] = ()
 
-    def __repr__(self) -> str:
-        from pacinian.wire.state_summary import describe_state
+    @property
+    def silence(self) -> Silence | None:
+        """Why the output is silent, and what to do; None if it sounds."""
+        return Silence(self.cause, self.why) if self.cause else None
 
-        return f"<State {self.sequence}: {describe_state(self)}>"
+    def describe(self) -> str:
+        """Return one line on what the output emits, and for whom."""
+        from pacinian.wire.wording import count
+
+        if self.output != "sounding":
+            return f"{self.output}: {self.silence}" if self.silence else self.output
+        hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4
+        return (
+            f'sounding, armed by "{self.owner}": {count(samples, "sample")} of '
+            f"{count(len(self.objects), 'object')}, {count(hands, 'hand')}, error {self.error:.2%}"
+        )
+
+    def summarise(self) -> dict[str, str]:
+        """Return names and values of what a person wants to know first."""
+        from pacinian.rendering.skip_reasons import split_skips
+        from pacinian.wire.wording import count, describe_felt, list_counts, share
+
+        hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4
+        median, p99, longest = self.tick_ms
+        rows = {"output": self.output + (", armed" if self.armed else "")}
+        if self.silence is not None:
+            rows["why"] = self.silence.text
+        rows |= {
+            "owner": f"{self.owner}, scene {self.scene}" if self.owner else "nobody",
+            "solver, backend": f"{self.solver or 'none'}, {self.backend or 'none'}",
+            "technique, strength": f"{self.technique or 'of each object'}, {self.intensity:.0%}",
+            "rendered": f"{count(samples, 'sample')} of {count(len(self.objects), 'object')}, {count(hands, 'hand')}",
+        }
+        if samples:
+            rows["error"] = f"{self.error:.2%} of the target sound pressures, as emitted"
+        felt = describe_felt(self.objects, self.felt)
+        rows |= {f"felt of {name}": text for name, text in felt.items()}
+        rows |= {
+            "ticks": f"{self.ticks:,} at {self.rate:g} Hz, {share(self.late, self.ticks)} late",
+            "tick time": f"median {median:.2f} ms, p99 {p99:.2f} ms, max {longest:.2f} ms",
+            "frames": f"{self.frames:,}, longest gap {1e3 * self.longest_gap:.1f} ms",
+            "left out": str(split_skips(self.skipped)),
+        }
+        if restarts := list_counts(self.restarts):
+            rows["restarts"] = restarts
+        if self.fault_count:
+            rows["faults"] = f"{self.fault_count}, newest first:"
+            for i, fault in enumerate(reversed(self.faults[-MAX_LISTED_FAULTS:])):
+                rows[f"  {i + 1}"] = fault
+        return rows | {f"client {client.name}": client.describe() for client in self.clients}
+
+    def __repr__(self) -> str:
+        return f"<State {self.sequence}: {self.describe()}>"
 
     @card
     def _repr_html_(self) -> Card:
-        from pacinian.wire.state_summary import summarise_state
-
-        return Card(f"State {self.sequence}", summarise_state(self))
+        return Card(f"State {self.sequence}", self.summarise())
 
 
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):

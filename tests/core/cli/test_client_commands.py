@@ -108,7 +108,7 @@ def test_a_terminal_has_colours_unless_they_are_refused(
         monkeypatch.setenv("NO_COLOR", "1")
     console = make_console()
     with console.capture() as shown:
-        console.print(make_table(state(**FULL), None))
+        console.print(make_table(state(**FULL)))
     green = re.search(r"\x1b\[[\d;]*32m", shown.get())
     assert bool(green) is not no_color
 

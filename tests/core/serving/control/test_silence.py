@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.serving.control.silence import find_cause
-from pacinian.wire.silence import CAUSES, Cause, explain_silence
+from pacinian.wire.silence import CAUSES, Cause
 from pacinian.wire.state import ClientState, State
 
 HAND = bytes(26 * 3 * 4)
@@ -103,9 +103,5 @@ def test_a_pause_that_ends_by_itself_needs_no_arm() -> None:
 
 
 def test_a_client_reads_what_the_server_has_found() -> None:
-    assert (
-        str(explain_silence(state(cause="pause", why="an envelope is at 0")))
-        == "an envelope is at 0"
-    )
-    assert explain_silence(state(output="sounding")) is None
-    assert "pacinian serve" in str(explain_silence(None))
+    assert str(state(cause="pause", why="an envelope is at 0").silence) == "an envelope is at 0"
+    assert state(output="sounding").silence is None

@@ -8,9 +8,8 @@ import pytest
 
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities, Plugin, Pressures, Shown
-from pacinian.wire.silence import Silence
 from pacinian.wire.state import ClientState, FrameState, State
-from pacinian.wire.state_summary import share, summarise_state
+from pacinian.wire.wording import share
 
 GIVEN: dict[str, Any] = {
     "sequence": 7, "time": 1.0, "output": "sounding", "armed": True, "owner": "game", "scene": "hall",
@@ -36,7 +35,7 @@ def test_a_state_says_in_a_line_what_it_emits() -> None:
 
 
 def test_rows_fold_what_is_normal() -> None:
-    rows = summarise_state(SOUNDING)
+    rows = SOUNDING.summarise()
     assert rows["output"] == "sounding, armed"
     assert "why" not in rows
     assert rows["ticks"] == "2,000 at 1000 Hz, 2 % late"
@@ -46,14 +45,8 @@ def test_rows_fold_what_is_normal() -> None:
     assert [rows["  1"], rows["  2"]] == ["last", "first"]
     assert "force 100.0%" in rows["felt of ball"]
     assert "errors" not in rows["client game"]
-    calm = summarise_state(State(**{**GIVEN, "restarts": {}, "faults": (), "fault_count": 0}))
+    calm = State(**{**GIVEN, "restarts": {}, "faults": (), "fault_count": 0}).summarise()
     assert not {"restarts", "faults"} & calm.keys()
-
-
-def test_a_better_known_cause_replaces_that_of_the_state() -> None:
-    silent = State(**{**GIVEN, "output": "silent"})
-    known = Silence("nothing in reach", "the ball is far")
-    assert summarise_state(silent, known)["why"] == "the ball is far"
 
 
 def test_a_notebook_shows_the_same_rows() -> None:
@@ -95,6 +88,6 @@ def test_states_are_decoded_without_loading_scenes() -> None:
     """A light client prints a state only when a person looks."""
     import subprocess
 
-    code = "import sys, pacinian.wire.codec; print('pacinian.wire.state_summary' in sys.modules)"
+    code = "import sys, pacinian.wire.codec; print('pacinian.wire.wording' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

@@ -1,0 +1,36 @@
+"""Words for the figures of a state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.solving.felt_regions import FeltRegion
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+
+def count(number: int, what: str) -> str:
+    """Return a number and what it counts, in the plural if it is not 1."""
+    return f"{number:,} {what}{'' if number == 1 else 's'}"
+
+
+def share(part: int, whole: int) -> str:
+    """Return part / whole in percent; "0 %" only if there are none."""
+    if not part:
+        return "0 %"
+    percent = 100.0 * part / max(1, whole)
+    return f"{percent:.0f} %" if percent >= 1.0 else f"{max(percent, 0.01):.2f} %"
+
+
+def list_counts(counts: Mapping[str, int]) -> str:
+    """Return the counts that are not 0, each with its name."""
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n)
+
+
+def describe_felt(objects: Iterable[str], felt: bytes) -> dict[str, str]:
+    """Return the felt quality of objects that have regions, between their samples. felt: as in `State`."""
+    figures = zip(objects, np.frombuffer(felt, "<f4").reshape(-1, 4).tolist(), strict=False)
+    return {name: str(FeltRegion(*four)) for name, four in figures if four[0] == four[0]}
