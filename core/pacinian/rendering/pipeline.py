@@ -123,6 +123,11 @@ class Pipeline:
         """The last frame; None before the first."""
         return self._frame if self._made else None
 
+    @property
+    def silent(self) -> bool:
+        """Whether the last frame is silent, and so are all later ones if nothing changes."""
+        return bool(self._made) and self.player.steady and not self._frame.amplitude.any()
+
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.stages.enter("sample")

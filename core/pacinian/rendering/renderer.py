@@ -147,6 +147,11 @@ class Renderer:
         return self._emitter.halted
 
     @property
+    def silent(self) -> bool:
+        """Whether the output is silent, and stays so with the same scene, limits and solver."""
+        return self._pipeline.silent if self.halted is None else not self._emitter.loud
+
+    @property
     def player(self) -> Modulator:
         """The modulator, which turns samples into rows of gains."""
         return self._pipeline.player

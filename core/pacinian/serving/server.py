@@ -23,7 +23,7 @@ from pacinian.serving.ipc.auth import Authenticator, make_secrets
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory import settle_memory
-from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
+from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity, open_wakes
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection import Connection, check_replaceable, locate_connection
 from pacinian.wire.emergency import StopSocket
@@ -63,7 +63,11 @@ def serve(
         folder = stack.enter_context(shared_memory.folder())
         capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         files = {
-            name: stack.enter_context(shared_memory.SharedRegister.create(folder / name, capacity))
+            name: stack.enter_context(
+                shared_memory.SharedRegister.create(
+                    folder / name, capacity, open_wakes(folder / name)
+                )
+            )
             for name, capacity in capacities.items()
         }
         # The stop is answered whatever the others do; ZeroMQ's threads inherit the priority.

@@ -19,6 +19,7 @@ from pacinian.serving.ipc.messages import (
     FrameHead,
     Permit,
     compute_frame_capacity,
+    open_wakes,
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister, folder
 
@@ -50,7 +51,10 @@ class GuardProcess:
         self._folder = self._stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(self._array))}
         names = "permit", "frame", "orders", "device"
-        self._memory = {n: SharedRegister.create(self._folder / n, sizes[n]) for n in names}
+        self._memory = {
+            path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
+            for path in map(self._folder.joinpath, names)
+        }
         self._epoch = self._sequence = 0
         told = child_process.LaunchConfig(str(self._folder), settings)
         if orphan:

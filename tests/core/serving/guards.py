@@ -20,6 +20,7 @@ from pacinian.serving.ipc.messages import (
     FrameHead,
     Permit,
     compute_frame_capacity,
+    open_wakes,
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister, folder
 from pacinian.serving.settings import Safety, Settings
@@ -104,7 +105,10 @@ class Server:
         self.folder = self.stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(N)}
         names = "permit", "frame", "orders", "device"
-        self.memory = {n: SharedRegister.create(self.folder / n, sizes[n]) for n in names}
+        self.memory = {
+            path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
+            for path in map(self.folder.joinpath, names)
+        }
         self.processes: list[child_process.Process] = []
         self.sequence, self.epoch = 0, 1
 

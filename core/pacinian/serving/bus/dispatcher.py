@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -121,6 +122,11 @@ class CommandDispatcher:
             self._refuse(peer, data, "session", problem, now, "$.session")
         else:
             self._answer(client, self._do(client, command, now, len(data)), now)
+
+    @property
+    def due(self) -> float:
+        """When the next object may expire [s]; infinite if none will."""
+        return min((room.due for room in self.scenes.values()), default=math.inf)
 
     def round(self, now: float) -> None:
         """Do the timed work, and report errors found while batching."""

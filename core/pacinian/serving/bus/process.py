@@ -28,7 +28,15 @@ from pacinian.serving.ipc import child_process, scheduling
 from pacinian.serving.ipc.auth import Authenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
 from pacinian.serving.ipc.memory import settle_memory
-from pacinian.serving.ipc.messages import Changes, ChangesAck, DeviceStatus, SessionTable, pack
+from pacinian.serving.ipc.messages import (
+    Changes,
+    ChangesAck,
+    DeviceStatus,
+    SessionTable,
+    open_wake_pipe,
+    open_wakes,
+    pack,
+)
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.wire.codec import encode
 
@@ -38,6 +46,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from pacinian.acoustics.array import Array
+    from pacinian.serving.ipc.wake_pipe import WakePipe
     from pacinian.serving.settings import Settings
     from pacinian.types import Gains
 
@@ -48,16 +57,19 @@ MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # maximum messages and bytes received
 MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
 # Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
 MIN_ROUND_INTERVAL = 3e-4
-# Time to wait for messages [ms]: while the renderer or the converter has work pending, and
-# otherwise.
-SOON_MS, LATER_MS = 1, 5
+# Time to wait for messages [s]: while the renderer or the converter has work pending; otherwise;
+# on a system where a new session cannot end the wait.
+SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
 SWITCH = 2e-4  # thread switch interval [s]: limits how long a conversion blocks the loop
 TELL = 0.05  # interval between two status reports [s]
 QUEUE = 256  # messages of one client that may wait here
 
 
 class Bus:
-    """Connects the dispatcher to its socket and to the shared memory. Times are those of `clock` [s]."""
+    """Connects the dispatcher to its socket and to the shared memory. Times are those of `clock` [s].
+
+    wake: ends the wait for messages, if the sessions have changed or the renderer has taken a batch.
+    """
 
     def __init__(
         self,
@@ -67,6 +79,7 @@ class Bus:
         memory: Mapping[str, SharedRegister],
         name: Callable[[str], str],
         executor: Executor,
+        wake: WakePipe,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.port = int(socket.getsockopt_string(zmq.LAST_ENDPOINT).rpartition(":")[2])
@@ -77,8 +90,11 @@ class Bus:
         self.dispatcher = CommandDispatcher(
             settings, array, run, self._sessions, self._gains, RateLimitedLog(clock), executor
         )
+        self._wake = wake
         self._poller = zmq.Poller()
         self._poller.register(socket, zmq.POLLIN)
+        if wake.works:
+            self._poller.register(wake.fileno(), zmq.POLLIN)
         self._told = -TELL  # [s]
         self._busy = False
         self._begun = -math.inf  # begin of the last round [s]
@@ -92,14 +108,13 @@ class Bus:
             time.sleep(self._begun + MIN_ROUND_INTERVAL - begin)
         self._begun = self._clock()
         outbox = self.dispatcher.batcher
-        wait = (
-            0
-            if self._busy
-            else SOON_MS
-            if outbox.waits or len(self.dispatcher.converter)
-            else LATER_MS
-        )
-        if self._poller.poll(wait):
+        wait = LATER if self._wake.works else POLLED
+        if outbox.waits or len(self.dispatcher.converter):
+            wait = SOON
+        due = 0.0 if self._busy else min(wait, self.dispatcher.due - self._begun)
+        ready = self._poller.poll(max(0, math.ceil(1e3 * due)))
+        self._wake.clear()
+        if any(source is self._socket for source, _ in ready):
             self._take()
         with self.dispatcher.catch_faults("sessions"):
             if (sessions := self._sessions()) is not None:
@@ -175,8 +190,14 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
     warm_up(array, settings.medium.make())
     with contextlib.ExitStack() as stack:
         memory: dict[str, SharedRegister] = {
-            name: stack.enter_context(SharedRegister.attach(folder / name)) for name in FILES
+            name: stack.enter_context(
+                SharedRegister.attach(path, open_wakes(path) if name == "changes" else ())
+            )
+            for name in FILES
+            for path in (folder / name,)
         }
+        wake = open_wake_pipe(folder, "bus")
+        stack.callback(wake.close)
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
@@ -194,7 +215,7 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
             ) from error
         executor = ThreadPoolExecutor(1)
         stack.callback(executor.shutdown, cancel_futures=True)
-        yield Bus(settings, array, socket, memory, gate.name, executor)
+        yield Bus(settings, array, socket, memory, gate.name, executor, wake)
 
 
 def main() -> None:

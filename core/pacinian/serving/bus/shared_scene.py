@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING
@@ -96,6 +97,11 @@ class SharedScene:
             self.pending.hand()
         if self.zones.pop(client, None) is not None:
             self.pending.quiet = True
+
+    @property
+    def due(self) -> float:
+        """When the next object may expire [s]; infinite if none will."""
+        return self._ends[0][0] if self._ends else math.inf
 
     def expire(self, now: float) -> None:
         """Remove the objects that have expired."""

@@ -40,8 +40,10 @@ if TYPE_CHECKING:
 
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
-# Longest wait for requests in one round, while the output is armed and otherwise [s].
-MAX_WAIT, IDLE_WAIT = 0.005, 0.02
+# Longest wait for requests in one round: while the output is armed; otherwise; and while nobody
+# watches the state either [s].
+MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.005, 0.02, 0.05
+REST_PUBLISH = 0.25  # least interval between two states that nobody watches [s]
 OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
 MIN_WAIT = 0.001  # wait for requests if timed work is due sooner [s]
 # Step of the times at which frames are published, in periods.
@@ -110,9 +112,12 @@ class ControlLoop:
 
     def round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        longest = MAX_WAIT if self.sessions.lease.permit.armed else IDLE_WAIT
-        due = min(self._due.values()) - self._clock()
-        self._doors.wait(min(longest, max(due, MIN_WAIT)))
+        watchers, armed = self._doors.watchers, self.sessions.lease.permit.armed
+        if self._supervisor.trusted and not (armed or watchers):
+            self._doors.wait(REST_WAIT)
+        else:
+            due = min(self._due.values()) - self._clock()
+            self._doors.wait(min(MAX_WAIT if armed else IDLE_WAIT, max(due, MIN_WAIT)))
         self._stop()
         for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
             self._request(peer, user, data)
@@ -128,6 +133,10 @@ class ControlLoop:
         if self._is_due("others", OTHERS, now):
             self._probe(now, owner=False)
         every = 1.0 / self._settings.state_rate
+        if self._doors.watchers > watchers:
+            self._due["publish"] = self._due["frame"] = now
+        elif not self._doors.watchers:
+            every = max(every, REST_PUBLISH)
         if self._is_due("publish", every, now):
             self._publish(now)
         after = (self._offset + GOLDEN) % 1.0

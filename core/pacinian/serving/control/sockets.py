@@ -52,6 +52,8 @@ class ControlSockets:
     ) -> None:
         self.stop = stop
         self.counts: Counter[str] = Counter()
+        self.watchers = 0
+        """Number of connections to the state socket."""
         self._gate = gate
         with contextlib.ExitStack() as stack:
             self._control = stack.enter_context(context.socket(zmq.ROUTER))
@@ -112,10 +114,11 @@ class ControlSockets:
                 except zmq.Again:
                     break
                 event, value = EVENT.unpack(head)
-                if event == zmq.EVENT_ACCEPTED:
-                    self.counts["connections"] += 1
-                elif event == zmq.EVENT_DISCONNECTED:
-                    self.counts["disconnections"] += 1
+                came = (event == zmq.EVENT_ACCEPTED) - (event == zmq.EVENT_DISCONNECTED)
+                if monitor is self._monitors[-1]:
+                    self.watchers = max(0, self.watchers + came)
+                if came:
+                    self.counts["connections" if came > 0 else "disconnections"] += 1
                 else:
                     why = REFUSED[event]
                     self.counts[f"refused_{why}"] += 1

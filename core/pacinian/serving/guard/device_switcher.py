@@ -141,6 +141,12 @@ class DeviceSwitcher:
         """The choice of the guard's device, or of the device that was left while the guard has none."""
         return self._choices.get(self._guard.generation)
 
+    @property
+    def busy(self) -> bool:
+        """Whether a device is being opened, waits for its first frame, or is to be closed."""
+        guard = self._guard
+        return self._opening is not None or guard.coming is not None or bool(guard.leaving)
+
     def follow(self, orders: RequestedSettings) -> None:
         """Carry out the orders that are new."""
         number, choice = orders.backend

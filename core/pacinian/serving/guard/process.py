@@ -24,7 +24,14 @@ from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.memory import settle_memory
-from pacinian.serving.ipc.messages import DeviceStatus, Permit, RequestedSettings, pack
+from pacinian.serving.ipc.messages import (
+    DeviceStatus,
+    Permit,
+    RequestedSettings,
+    open_wake_pipe,
+    open_wakes,
+    pack,
+)
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
 
@@ -37,7 +44,8 @@ if TYPE_CHECKING:
 
 # Polling interval while there may be sound, and otherwise [s].
 POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
-TELL = 0.01  # interval between two status reports [s]
+# Interval between two status reports, and while there is nothing to do [s].
+TELL, REST_TELL = 0.01, 0.05
 # Thread switch interval [s]: a thread that opens a device yields to the sounding one after this
 # time.
 SWITCH = 1e-4
@@ -59,10 +67,14 @@ class GuardLoop:
 
     def __init__(self, folder: Path, settings: Settings) -> None:
         with contextlib.ExitStack() as stack:
-            permit, frame, orders, device = (
+            permit, frame, orders = (
                 stack.enter_context(SharedRegister.attach(folder / name))
-                for name in ("permit", "frame", "orders", "device")
+                for name in ("permit", "frame", "orders")
             )
+            path = folder / "device"
+            device = stack.enter_context(SharedRegister.attach(path, open_wakes(path)))
+            self._wake = open_wake_pipe(folder, "guard")
+            stack.callback(self._wake.close)
             self._stack = stack.pop_all()
         self._permit = RegisterReader(permit, Permit.unpack, Permit())
         self._frame = RegisterReader(frame, bytes, b"")
@@ -82,7 +94,8 @@ class GuardLoop:
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
         self._told = -TELL  # [s]
-        self._rests = False  # there is no sound, and nothing to do but to look for a permit
+        # There is no sound, and nothing to do until a new permit or new orders end the wait.
+        self._rests = False
         self._orders.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
             import_backend(self._orders.value.backend[1] or configured)
@@ -108,14 +121,8 @@ class GuardLoop:
         return self
 
     def turn(self) -> float:
-        """Run one round; return the time to wait until the next [s].
-
-        While there is no sound, and no permit or order has changed, only one round in `TELL` does anything.
-        """
+        """Run one round; return the time to `wait` until the next [s]."""
         guard = self.guard
-        news = self._permit.waiting or self._orders.waiting or guard.changed
-        if self._rests and not news and time.perf_counter() - self._told < TELL:
-            return IDLE_INTERVAL
         if self._orders.look():
             self.devices.follow(self._orders.value)
         self.devices.poll()
@@ -132,8 +139,15 @@ class GuardLoop:
         if switched:
             return 0.0
         sound = self._permit.value.armed or guard.loud
-        self._rests = bool(known) and not (sound or guard.stuck)
-        return POLL_INTERVAL if sound else IDLE_INTERVAL
+        self._rests = bool(known) and not (sound or guard.stuck or self.devices.busy)
+        return POLL_INTERVAL if sound else REST_TELL if self._rests else IDLE_INTERVAL
+
+    def wait(self, seconds: float) -> None:
+        """Wait until the next round. If there is nothing to do, a new permit or new orders end the wait."""
+        if self._rests:
+            self._wake.wait(seconds)
+        else:
+            time.sleep(seconds)
 
     def tell(self) -> None:
         """Publish the device status."""
@@ -204,7 +218,7 @@ def main() -> None:
             if not rounds.guard.stuck:
                 # No alarm while there is no device: opening one may take long.
                 _rearm_alarm(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
-            time.sleep(rounds.turn())
+            rounds.wait(rounds.turn())
         _rearm_alarm(LAST)
     # If the parent has gone, it cannot remove the files itself.
     shared_memory.remove(told.path, LEFT)

@@ -11,6 +11,9 @@
     device    guard     control, render    DeviceStatus
     traffic   bus       control            BusStatus
 
+A new value in `permit`, `orders`, `changes`, `device`, `taken` or `sessions` also wakes those that wait for it:
+`open_wakes`.
+
 All are MessagePack arrays, except for `permit` and `frame`, which are read each tick and packed by `struct`. All times
 are of `time.perf_counter`, which all processes of one machine share.
 """
@@ -19,7 +22,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -29,9 +32,13 @@ from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
 from pacinian.scene.setup import Choice as Configured
 from pacinian.serving.ipc.scheduling import ANY
+from pacinian.serving.ipc.wake_pipe import WakePipe
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 from pacinian.wire.time import Technique
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 # Capacities of the files [bytes]. That of `frame` depends on the array: see
 # `compute_frame_capacity`.
@@ -45,6 +52,15 @@ CAPACITIES = {
     "device": 1 << 19,
     "traffic": 1 << 20,
 }
+# The processes that wait for a new value of a file. The other readers look at it now and then.
+WAITS = {
+    "permit": ("guard", "render"),
+    "orders": ("guard", "render"),
+    "changes": ("render",),
+    "device": ("render",),
+    "taken": ("bus",),
+    "sessions": ("bus",),
+}
 MAX_ROWS = 64  # maximum number of rows of a frame
 HEAD = 72  # size of a frame's head, before its levels [bytes]
 
@@ -52,6 +68,16 @@ HEAD = 72  # size of a frame's head, before its levels [bytes]
 def compute_frame_capacity(transducers: int) -> int:
     """Return the capacity of the file `frame` [bytes]."""
     return HEAD + 4 * MAX_ROWS * transducers
+
+
+def open_wake_pipe(folder: Path, process: str) -> WakePipe:
+    """Open the pipe on which a process waits. folder: of the shared memory."""
+    return WakePipe(folder / f"{process}.wake")
+
+
+def open_wakes(file: Path) -> tuple[WakePipe, ...]:
+    """Open the pipes of the processes that wait for a file, for its writer."""
+    return tuple(open_wake_pipe(file.parent, process) for process in WAITS.get(file.name, ()))
 
 
 class Permit(NamedTuple):

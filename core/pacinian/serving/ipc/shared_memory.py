@@ -23,8 +23,10 @@ from pacinian.errors import ServerError
 from pacinian.serving.ipc.file_lock import FileLock
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
+    from collections.abc import Callable, Generator, Sequence
     from types import TracebackType
+
+    from pacinian.serving.ipc.wake_pipe import WakePipe
 
 T = TypeVar("T")
 
@@ -85,32 +87,32 @@ class SharedRegister:
     """A value of at most `capacity` [bytes]. A context manager. One process calls `create`, the others `attach`.
 
     If a writer is killed in the middle of a value, readers keep the value before. A new writer that attaches continues
-    the numbers.
+    the numbers. wakes: for a writer, the pipes of processes that wait for a new value; closed with the register.
     """
 
-    def __init__(self, path: Path, mapped: mmap.mmap) -> None:
-        self.path, self._map = path, mapped
+    def __init__(self, path: Path, mapped: mmap.mmap, wakes: Sequence[WakePipe] = ()) -> None:
+        self.path, self._map, self._wakes = path, mapped, wakes
         self._words = memoryview(mapped).cast("Q")
         self.capacity = self._words[1]
 
     @classmethod
-    def create(cls, path: Path, capacity: int) -> SharedRegister:
+    def create(cls, path: Path, capacity: int, wakes: Sequence[WakePipe] = ()) -> SharedRegister:
         """Create a register for values of at most `capacity` [bytes]. Raises ServerError."""
         room = -(-max(1, capacity) // WORD) * WORD
         mapped = _map_file(path, os.O_CREAT | os.O_EXCL, _size(room))
         with memoryview(mapped) as view, view.cast("Q") as words:
             words[1], words[0] = room, MAGIC
-        return cls(path, mapped)
+        return cls(path, mapped, wakes)
 
     @classmethod
-    def attach(cls, path: Path) -> SharedRegister:
+    def attach(cls, path: Path, wakes: Sequence[WakePipe] = ()) -> SharedRegister:
         """Attach to a register that another process created. Raises ServerError."""
         mapped = _map_file(path, 0, 0)
         if len(mapped) >= WORD * HEAD and len(mapped) % WORD == 0:
             with memoryview(mapped) as view, view.cast("Q") as words:
                 ours = words[0] == MAGIC and len(mapped) == _size(words[1])
             if ours:
-                return cls(path, mapped)
+                return cls(path, mapped, wakes)
         mapped.close()
         raise ServerError(f"{path}: is not shared memory of this version")
 
@@ -135,6 +137,8 @@ class SharedRegister:
         self._words[word + 1], self._words[word + 2] = length, crc
         self._words[word] = number
         self._words[2] = number
+        for pipe in self._wakes:
+            pipe.wake()
         return number
 
     def read(self, after: int = 0) -> tuple[int, bytes] | None:
@@ -161,6 +165,8 @@ class SharedRegister:
         """Unmap the memory. May be called twice."""
         self._words.release()
         self._map.close()
+        for pipe in self._wakes:
+            pipe.close()
 
     def __enter__(self) -> SharedRegister:
         return self

@@ -10,7 +10,8 @@ from msgspec.msgpack import Decoder
 from msgspec.structs import replace
 
 from pacinian.errors import describe_error, shorten
-from pacinian.rendering.clock import Clock, SystemClock
+from pacinian.rendering.clock import Clock, SystemClock, pace
+from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.renderer import RAMP, Renderer
 from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.sampling.sampler import Sampler
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from pacinian.scene.modulation.technique import Technique
     from pacinian.serving.ipc.messages import RequestedSettings
     from pacinian.serving.ipc.shared_memory import SharedRegister
+    from pacinian.serving.ipc.wake_pipe import WakePipe
     from pacinian.serving.render.background_loader import BackgroundLoader
     from pacinian.serving.render.solver_switcher import SolverSwitcher
     from pacinian.serving.settings import Settings
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.01  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
+REST = 0.05  # longest time between two reports while the loop rests [s]
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
@@ -53,7 +56,7 @@ class BetweenTicks:
     """Does the server's work between ticks of the renderer: takes changes and orders, reports, dims and silences.
 
     files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
-    then `renderer.run(on_tick=loop.run_between)` or single ticks, then `close`. Raises ArgumentError.
+    then `run_ticks` or single ticks of the renderer, then `close`. Raises ArgumentError.
     """
 
     def __init__(
@@ -113,8 +116,9 @@ class BetweenTicks:
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS
         self._intensity = 1.0
         self._reset = 0
-        self._told = 0.0  # when the next report is due [s]
         self._explained, self._contact = -math.inf, Silence("nothing in reach", UNTOUCHED)
+        self._reported, self._report_interval = -math.inf, 1.0 / settings.state_rate  # [s]
+        self._switched = False  # another device has not got a frame yet
 
     def open(self) -> None:
         """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
@@ -128,6 +132,41 @@ class BetweenTicks:
         self.renderer.scene = self._scene
         self._report(self.clock.now())
 
+    def run_ticks(self, wake: WakePipe) -> None:
+        """Tick for ever, or rest while there is nothing to do. wake: ends the rest.
+
+        Late ticks are skipped, so that frames are current and the newest hands are used at once.
+        """
+        renderer = self.renderer
+        with realtime_section():
+            while True:
+                for due, lost in pace(self.clock, renderer.period, behind=0.0):
+                    renderer.report.skipped["missed ticks"] += lost
+                    renderer.tick(due)
+                    self.run_between()
+                    if self.rests:
+                        break
+                while self.rests:
+                    wake.wait(self._reported + max(REST, self._report_interval) - self.clock.now())
+                    self.run_between()
+
+    @property
+    def rests(self) -> bool:
+        """Whether another tick would change nothing: there is silence, no permit, and nothing new or pending."""
+        if not self.renderer.silent or self._choosing.making:
+            return False
+        if self.renderer.halted is not None:
+            return True  # until a reset
+        return not (
+            self._permit.waiting
+            or self._permit.value.armed
+            or self._changes.waiting
+            or self._switched
+            or self.renderer.shown is not self.felt.hushed
+            or self.felt.loading
+            or self._quieting.preparing
+        )
+
     def close(self) -> None:
         """Silence the output."""
         self.renderer.close()
@@ -137,8 +176,8 @@ class BetweenTicks:
         for step in self._follow, self._listen, self._choose, self._mend:
             self._try(step)
         now = self.clock.now()
-        if now >= self._told:
-            self._told = now + 1.0 / self._settings.state_rate
+        if now >= self._reported + self._report_interval:
+            self._reported = now
             self._try(lambda: self._report(now))
 
     def _try(self, step: Callable[[], object]) -> str:
@@ -153,7 +192,9 @@ class BetweenTicks:
 
     def _follow(self) -> None:
         if self._device.look():
+            before = self.renderer.backend
             self._note(self._outputs.follow(self.renderer))
+            self._switched = self._switched or self.renderer.backend is not before
 
     def _listen(self) -> None:
         if self._orders.look():
@@ -161,6 +202,7 @@ class BetweenTicks:
 
     def _scene(self, t: float) -> Scene:
         """Return the scene of a tick."""
+        self._switched = False
         self._permit.look()
         self._try(self._take)
         self._quiet = self._is_quiet()

@@ -17,7 +17,7 @@ from msgspec.msgpack import Decoder
 from pacinian.plugins.backend import Capability
 from pacinian.serving.ipc import child_process, scheduling
 from pacinian.serving.ipc.memory import settle_memory
-from pacinian.serving.ipc.messages import DeviceStatus
+from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
@@ -45,8 +45,14 @@ def _render(told: child_process.LaunchConfig) -> None:
     settings = told.settings
     with ExitStack() as stack:
         files = {
-            name: stack.enter_context(SharedRegister.attach(told.path / name)) for name in FILES
+            name: stack.enter_context(
+                SharedRegister.attach(path, open_wakes(path) if name == "taken" else ())
+            )
+            for name in FILES
+            for path in (told.path / name,)
         }
+        wake = open_wake_pipe(told.path, "render")
+        stack.callback(wake.close)
         array, medium = settings.array.make(), settings.medium.make()
         chosen = make_solver(settings.solver)
         warm_up(array, medium, chosen, Capability(rate=settings.rate), settings.rate)
@@ -67,8 +73,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         loop.open()
         settle_memory()
         scheduling.start_background_thread(functools.partial(_list, loop), "offers")
-        # Skip late ticks, so that frames are current and the newest hands are used at once.
-        loop.renderer.run(on_tick=loop.run_between, behind=0.0)
+        loop.run_ticks(wake)
 
 
 def _list(loop: BetweenTicks) -> None:

@@ -37,6 +37,11 @@ class ZonePlacement:
         self._next: tuple[Zone, ...] | None = None
         self._seen: tuple[Zone, ...] | None = None
 
+    @property
+    def preparing(self) -> bool:
+        """Whether zones are being prepared, so that `keeps` must be called again."""
+        return self._next is not None
+
     def keeps(self, zones: tuple[Zone, ...]) -> bool:
         """Whether `limits` keeps all these zones quiet. May replace `limits`. Does not wait for a preparation."""
         self.note = ""

@@ -125,6 +125,11 @@ class SceneReplica:
             self._hushed = self.scene, self.scene.remove(*names)
         return self._hushed[1]
 
+    @property
+    def loading(self) -> bool:
+        """Whether something is being loaded, so that `apply` must be called again."""
+        return bool(self._loading)
+
     def input(self, scene: Scene) -> Input:
         """Return the newest hand update in an earlier state of this scene."""
         return self._inputs.get(scene, Input())

@@ -71,6 +71,11 @@ class SolverSwitcher:
         self._next: tuple[int, Choice] | None = None  # to make next, once none is being made
         self._results: dict[str, str] = {}
 
+    @property
+    def making(self) -> bool:
+        """Whether a solver is being made, so that `poll` must be called again."""
+        return bool(self._making)
+
     def order(self, number: int, choice: Choice) -> None:
         """Order a solver; the newest order wins."""
         if self._next is not None:

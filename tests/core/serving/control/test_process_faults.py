@@ -245,7 +245,11 @@ def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
             news.send_multipart([struct.pack("=HI", zmq.EVENT_ACCEPTED, 0), b"somewhere"])
         doors._monitors = [monitor]
         doors.take_refusals()
-        assert doors.counts["connections"] == 1000
+        assert doors.counts["connections"] == doors.watchers == 1000
+        for _ in range(1000):
+            news.send_multipart([struct.pack("=HI", zmq.EVENT_DISCONNECTED, 0), b"somewhere"])
+        doors.take_refusals()
+        assert doors.watchers == 0
 
 
 @linux

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,18 +14,22 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.setup import Choice
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
-from pacinian.serving.guard.process import GuardLoop
+from pacinian.serving.guard.process import REST_TELL, GuardLoop
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     MAX_ROWS,
     DeviceStatus,
     FrameHead,
     Permit,
+    RequestedSettings,
     compute_frame_capacity,
+    open_wakes,
+    pack,
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
+from pacinian.wire.control import Choice as Selected
 
 from ....waiting import eventually
 
@@ -594,7 +599,7 @@ def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
     """What a guard shares with others, in `tmp_path`."""
     sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(SIMULATED.array.make()))}
     files = {
-        name: SharedRegister.create(tmp_path / name, sizes[name])
+        name: SharedRegister.create(tmp_path / name, sizes[name], open_wakes(tmp_path / name))
         for name in ("permit", "frame", "orders", "device")
     }
     yield files
@@ -639,6 +644,31 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
         other.raises.clear()
         rounds.turn()
         assert not other.loud
+
+
+def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
+    memory: dict[str, SharedRegister], tmp_path: Path
+) -> None:
+    """Each comes before or while it waits. A wait that nothing ends would hang this test."""
+    with GuardLoop(tmp_path, SIMULATED) as rounds:
+        rounds.backends = ()
+        open_device(rounds)
+        eventually(lambda: rounds.turn() == REST_TELL)
+        memory["permit"].write(FOREVER.pack())
+        rounds.wait(1e4)
+        assert rounds.turn() <= 0.25e-3
+        memory["permit"].write(FOREVER._replace(armed=0).pack())
+        assert rounds.turn() == REST_TELL
+        rounds.wait(1e4)
+        orders = pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
+        threading.Timer(0.01, memory["orders"].write, [orders]).start()
+        rounds.wait(1e4)
+
+        def follow() -> None:
+            assert rounds.turn() < REST_TELL  # another device is opened, then waits for its frame
+            write_frame(memory, 2)
+
+        eventually(lambda: rounds.guard.generation == 2, follow)
 
 
 def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(

@@ -187,6 +187,46 @@ def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
     assert server.sounds
 
 
+def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
+    make: Callable[..., Server],
+) -> None:
+    server = make()
+    loop = server.loop
+    assert not loop.rests  # nothing has been sent
+    noise = pc.Noise(low_frequency=50.0, high_frequency=200.0)
+    slow = msgspec.structs.replace(POINT, envelope=noise)
+    orders = RequestedSettings(solver=(1, Choice(name="gs-pat")))
+    rouse: dict[str, Callable[[], object]] = {
+        "a change": server.put,
+        "a permit": server.arm,
+        "a slow object": lambda: server.put(slow),
+        "a solver": lambda: server.tell("orders", orders),
+        "a device": lambda: server.tell("device", msgspec.structs.replace(server.device, next=2)),
+        "a zone": lambda: server.change(zones(ZONE)),
+    }
+
+    def work() -> None:
+        server.tick()
+        for job in (*server.threads, *len(server.loader) * [server.loader._load_next]):
+            job()
+        server.threads.clear()
+
+    for what, happens in rouse.items():
+        eventually(lambda: loop.rests, work)
+        happens()
+        loop.run_between()
+        assert not loop.rests, what
+        server.tick(2)
+        if what == "a permit":
+            assert server.sounds
+            server.arm(armed=0)
+            assert not loop.rests
+            server.tick()
+            assert server.sounds  # it fades
+            assert not loop.rests
+        assert what != "a device" or server.frame[0].device == 2
+
+
 @pytest.mark.parametrize("end", ["closing", "stopped", "expiry", "none"])
 def test_it_lets_go_softly(server: Server, end: str) -> None:
     server.put()
@@ -438,14 +478,25 @@ def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
 @pytest.mark.parametrize("end", ["terminate", "orphan"])
 def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
     sizes = {**messages.CAPACITIES, "frame": messages.compute_frame_capacity(N)}
-    files = {name: SharedRegister.create(tmp_path / name, sizes[name]) for name in FILES}
+    files = {
+        path.name: SharedRegister.create(path, sizes[path.name], messages.open_wakes(path))
+        for path in map(tmp_path.joinpath, FILES)
+    }
     settings = Settings(array=Units(columns=1, rows=1))
     process = child_process.start("render", child_process.LaunchConfig(str(tmp_path), settings))
     try:
         device = DeviceStatus(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         files["device"].write(messages.pack(device))
-        files["permit"].write(Permit(1, 1e12, 3).pack())
         eventually(lambda: files["taken"].number > 0)
+
+        def rests() -> bool:
+            """Whether it goes on to report without a new frame."""
+            frames, reports = files["frame"].number, files["report"].number
+            eventually(lambda: files["report"].number > reports + 1)
+            return files["frame"].number == frames
+
+        eventually(rests)
+        files["permit"].write(Permit(1, 1e12, 3).pack())
         item = msgspec.msgpack.encode(POINT)
         files["changes"].write(messages.pack(Changes(1, 1, (PutObject("a", item, False),))))
 

@@ -1,0 +1,69 @@
+"""A wait that another process can end: a named pipe in the folder of the shared memory.
+
+A process that has nothing to do waits here, and does not look at the shared memory again and again. Whoever writes a
+value for it then writes a byte to its pipe. A byte that was written before the wait ends the wait at once, so none is
+missed. A process that does not wait lets the bytes lie; a full pipe is as good as one byte.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+POLL_INTERVAL = 1e-3  # longest wait on a system without named pipes [s]
+BYTES = 1 << 16  # read at once: what a pipe holds
+
+
+class WakePipe:
+    """The pipe of one process, at `path`. Made if it is missing; any process may make it, and any may write to it."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = -1
+        if sys.platform != "win32":
+            import select
+
+            with contextlib.suppress(FileExistsError):
+                os.mkfifo(path, 0o600)
+            self._file = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+            self._poll = select.poll()
+            self._poll.register(self._file, select.POLLIN)
+
+    @property
+    def works(self) -> bool:
+        """Whether this system has named pipes. Without, a wait is a short sleep, after which the caller must look."""
+        return self._file >= 0
+
+    def fileno(self) -> int:
+        """Return the file descriptor, to wait for it among others; -1 if there are no named pipes."""
+        return self._file
+
+    def wake(self) -> None:
+        """End the wait of the process, or its next wait."""
+        if self.works:
+            with contextlib.suppress(BlockingIOError):  # full
+                os.write(self._file, b"!")
+
+    def wait(self, seconds: float) -> None:
+        """Wait until another process calls `wake`, at most `seconds`; in steps of a millisecond."""
+        if not self.works:
+            time.sleep(min(max(seconds, 0.0), POLL_INTERVAL))
+        elif self._poll.poll(max(0, math.ceil(1e3 * seconds))):
+            self.clear()
+
+    def clear(self) -> None:
+        """Take all bytes, so that the next wait is for later ones."""
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._file, BYTES)
+
+    def close(self) -> None:
+        """Close the pipe. May be called twice."""
+        if self.works:
+            os.close(self._file)
+            self._file = -1
