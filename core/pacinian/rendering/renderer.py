@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.budget_controller import BudgetController
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
-    from pacinian.rendering.report import Fault
+    from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.tick_alternation import TickAlternation
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
@@ -145,6 +145,11 @@ class Renderer:
     def halted(self) -> Fault | None:
         """The fault that keeps the output silent, if any."""
         return self._emitter.halted
+
+    @property
+    def stage(self) -> Stage:
+        """The present stage of the tick; between ticks "scene"."""
+        return self._stages.stage
 
     @property
     def silent(self) -> bool:

@@ -16,6 +16,7 @@ from pacinian_lab.commands.bench_footprint import footprint
 from pacinian_lab.commands.bench_regions import regions
 from pacinian_lab.commands.bench_scenes import scenes
 from pacinian_lab.commands.bench_server import bus
+from pacinian_lab.commands.bench_tick import tick
 from pacinian_lab.commands.bench_view import view
 
 if TYPE_CHECKING:
@@ -244,5 +245,5 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-for command in (scenes, regions, bus, view, devices, expiry, footprint, faults, hostile):
+for command in (scenes, tick, regions, bus, view, devices, expiry, footprint, faults, hostile):
     bench.add_command(command)

@@ -18,13 +18,13 @@ from pacinian.scene.setup import Units
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
+from pacinian_lab.solvers.timing import calibrate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 UPDATE_INTERVAL = 1.0 / 90.0  # of the game [s]
 SETTLE = 3.0  # before each window, until the spare guard is ready and ramps have ended [s]
-LOOP = 1_000_000  # additions of the calibration loop
 BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
 STATES = "idle", "armed", "moved", "hand"
 
@@ -62,14 +62,6 @@ def measure(side: int, seconds: float, rounds: int = 1) -> Iterator[Row]:
                 game.arm()
                 for state in STATES[1:]:
                     yield window(state, partial(_play, game, state))
-
-
-def calibrate() -> float:
-    """Return the processor time of a fixed Python loop [s]."""
-    begin, total = time.process_time(), 0
-    for i in range(LOOP):
-        total += i
-    return time.process_time() - begin
 
 
 def _window(

@@ -48,6 +48,14 @@ def measure(call: Callable[[], Any], seconds: float) -> tuple[Any, Times]:
     return result, Times(quantile(times, 0.5), quantile(times, 0.99), len(times))
 
 
+def calibrate(additions: int = 1_000_000) -> float:
+    """Return the processor time of a fixed Python loop [s]. Compare times of two machines as ratios to it."""
+    begin, total = time.process_time(), 0
+    for i in range(additions):
+        total += i
+    return time.process_time() - begin
+
+
 def quantile(ascending: list[float], share: float) -> float:
     """Return the smallest element that is not less than a fraction `share` of all elements."""
     return ascending[max(0, math.ceil(share * len(ascending)) - 1)]
