@@ -10,6 +10,7 @@ import click
 from click.core import ParameterSource
 
 from pacinian_lab.commands.bench_devices import devices
+from pacinian_lab.commands.bench_examples import examples
 from pacinian_lab.commands.bench_expiry import expiry
 from pacinian_lab.commands.bench_faults import faults, hostile
 from pacinian_lab.commands.bench_footprint import footprint
@@ -245,5 +246,7 @@ def _print(rows: Sequence[Row]) -> None:
             console.print(f"- {cell.solver}, {place}: {cell.note}", highlight=False, markup=False)
 
 
-for command in (scenes, tick, regions, bus, view, devices, expiry, footprint, faults, hostile):
+for command in (
+    scenes, tick, regions, examples, bus, view, devices, expiry, footprint, faults, hostile
+):  # fmt: skip
     bench.add_command(command)

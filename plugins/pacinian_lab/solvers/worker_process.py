@@ -45,9 +45,9 @@ class Worker:
         self._offers: list[tuple[str, str]] = []
 
     @classmethod
-    def of(cls, name: str, python: str, threads: int) -> Worker:
-        """Return a worker for the contestant `workers/{name}.py`, run by this Python."""
-        files = (HERE / "worker.py", HERE / "workers" / f"{name}.py")
+    def of(cls, name: str, python: str, threads: int, folder: Path = HERE / "workers") -> Worker:
+        """Return a worker for the contestant `{name}.py` of a folder, run by this Python."""
+        files = (HERE / "worker.py", folder / f"{name}.py")
         return cls(name, [python, "-P", *(str(file) for file in files)], threads)
 
     def offers(self) -> list[tuple[str, str]]:

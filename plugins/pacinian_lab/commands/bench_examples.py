@@ -1,0 +1,62 @@
+"""`pacinian bench examples`: the peers' own haptic examples, made by them and by Pacinian."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.option(
+    "--peers", metavar="DIR", help="Folder in which `.ci/peers` built the peers' environments."
+)
+@click.option(
+    "--threads",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Threads of each package.",
+)
+@click.option(
+    "--seconds", type=click.FloatRange(0.0, 60.0), default=0.5, show_default=True,
+    help="Time to measure each way of making each example.",
+)  # fmt: skip
+@click.option("--markdown", is_flag=True, help="One table in Markdown.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object instead of tables.")
+def examples(
+    peers: str | None, threads: int, seconds: float, markdown: bool, as_json: bool
+) -> None:
+    """Make the peers' own haptic examples, by them and by Pacinian, and compare time and field.
+
+    Peaks are searched near the foci, in a field by code that no solver uses. docs/comparison.md explains the figures.
+    """
+    from rich.console import Console
+
+    from pacinian_lab.examples import run, tables
+    from pacinian_lab.examples.examples import make_examples
+    from pacinian_lab.solvers import peers as environments
+
+    root = Path(peers) if peers else environments.folder()
+    missing = [peer for peer in environments.PEERS if environments.python(root, peer) is None]
+    if missing:
+        click.echo(environments.advice(root, missing), err=True)
+    console, todo = Console(), make_examples()
+    workers = run.start(root, threads)
+    try:
+        report = Console(stderr=True).print
+        rows = list(run.measure(workers, todo, seconds, report))
+    finally:
+        for worker in workers:
+            worker.close()
+    if as_json:
+        versions = {name: at for worker in workers for name, at in worker.versions.items()}
+        plain = [{**row._asdict(), "score": vars(row.score)} for row in rows]
+        click.echo(json.dumps({"versions": versions, "rows": plain}))
+    elif markdown:
+        click.echo(tables.write_markdown(rows, todo))
+    else:
+        for table in tables.tabulate(rows, todo):
+            console.print(table)
+            console.print()
