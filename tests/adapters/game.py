@@ -74,7 +74,7 @@ class Game:
 
     def event(self, what: str, code: str = "") -> dict[str, Any]:
         """The next event of that kind, and of that code."""
-        return self.wait(lambda t: t.get("event") == what and code in ("", t["code"]))
+        return self.wait(lambda t: t.get("event") == what and code in ("", t.get("code")))
 
     def wait(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         """The next thing told that is wanted; what is told before it is not waited for any more."""

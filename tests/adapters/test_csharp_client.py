@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,6 +11,7 @@ from msgspec.structs import replace
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.state import TouchState
 
 from ..core.client.fake import Fake, state, usual
 from .game import HEAVY, fill
@@ -100,6 +102,66 @@ def test_what_is_felt_is_told_by_the_objects_name(server: Fake, game: Game) -> N
     server.publish(replace(felt, sequence=2, output="silent"))
     game.until(lambda s: s["sequence"] == 2)
     assert not game.felt("ball")["known"]
+
+
+def test_touches_begin_move_and_end(server: Fake, game: Game) -> None:
+    """Also for a state that was lost, for a hand that changes objects between two, and with the session."""
+    subscribed(server, game)
+    own = game.status()["scene"]
+    numbers = itertools.count(1)
+
+    def publish(*touches: tuple[str, str, float], scene: str = own) -> None:
+        told = tuple(
+            TouchState(object=o, hand=h, position=(0.0, 0.0, z), pressure=10.0 * z, strength=z)
+            for o, h, z in touches
+        )
+        server.publish(state(next(numbers), scene=scene, touches=told))
+
+    def hears(event: str) -> tuple[str, str]:
+        told = game.event(event)
+        return told["object"], told["hand"]
+
+    publish(("ball", "left", 0.25), ("ball", "right", 0.5))
+    assert [hears("touch"), hears("touch")] == [("ball", "left"), ("ball", "right")]
+    publish(("ball", "right", 0.75))
+    assert hears("left") == ("ball", "left")
+    assert game.until(lambda s: s["strength"] == 0.75)["height"] == 0.75
+    publish(("cube", "right", 1.0))
+    assert hears("left") == ("ball", "right")
+    assert hears("touch") == ("cube", "right")
+    publish(("cube", "right", 1.0), scene="another game's")
+    assert hears("left") == ("cube", "right")
+    publish(("cube", "right", 1.0))
+    assert hears("touch") == ("cube", "right")
+    server.say(replies.Error(code="session", message="gone"))
+    assert hears("left") == ("cube", "right")
+    game.event("lost")
+
+
+def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
+    server: Fake, start: Callable[..., Game], file: Path
+) -> None:
+    with start(file) as game:
+        status = game.status()
+        assert status["cause"] == "not connected"
+        assert "call Start" in status["why"]
+        assert not game.do("put ball 0 0 0.2 5")["done"]
+        game.do("start")
+        refused = game.event("refused", "session")
+        assert "`put` was asked for, but there is no session" in refused["message"]
+        game.until(lambda s: s["status"] == "Connected")
+        server.stream = lambda: state(cause="pause", why="an envelope is at 0")
+        game.until(lambda s: (s["cause"], s["why"]) == ("pause", "an envelope is at 0"))
+        server.stream = lambda: state(output="sounding", owner="other", scene="hall")
+        game.until(lambda s: s["cause"] == "" or s["cause"] == "not the owner")
+        server.answers[control.Renew] = lambda m: replies.Renewed(
+            id=m.id, sequence=m.sequence, time=m.time, server_time=m.time, until=m.time, owner=False, armed=False
+        )  # fmt: skip
+        assert (
+            '"other" owns the output' in game.until(lambda s: s["cause"] == "not the owner")["why"]
+        )
+        server.close()
+        game.until(lambda s: s["cause"] == "not connected" and "has gone" in s["why"])
 
 
 @pytest.mark.parametrize("of", ["control", "state"])

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from ..waiting import PATIENCE
+from ..waiting import PATIENCE, eventually
 from .game import (
     LEASE,
     kill,
+    look,
     sound,
     sounded_since,
     wait_for_expiry,
@@ -68,18 +69,57 @@ def test_a_game_that_does_not_tick_is_silent_when_its_lease_is_over(
     player.do("tick off")
     wait_for_expiry(real, since)
     assert player.do("put other 0 0 0.3 5")["done"]  # the client's own thread lives
+    player.until(lambda s: s["cause"] == "lease lost" or s["armed"])
     player.do("tick on")
-    told = player.event("ended", "expired")
-    assert "not renewed in time" in told["message"]
-    assert "arm again" in told["advice"]
-    status = player.until(lambda s: s["output"] == "silent")
-    assert (status["owner"], status["armed"]) == (True, False)
-    mark = real.log.count
-    player.do("move ball 0 0.01 0.21")
-    player.do("field at 0 0 0.2")
-    player.wait(lambda told: "field" in told)
-    assert not sounded_since(real, mark)  # nothing resumes by itself
+    still = player.event("stood still")
+    assert still["seconds"] > LEASE
+    player.until(lambda s: s["armed"] and s["output"] == "sounding")  # by itself
+    assert not any(told.get("event") == "ended" for told in player.told)
+
+
+@pytest.mark.parametrize("player", [LEASE], indirect=True)
+def test_a_game_that_goes_on_is_silent_if_it_was_armed_only_once_or_stopped_meanwhile(
+    real: Server, player: Game
+) -> None:
+    for how, code in (("arm once", "expired"), ("arm", "stopped")):
+        player.do(how)
+        player.sounding()
+        since = time.perf_counter()
+        player.do("tick off")
+        wait_for_expiry(real, since)
+        if code == "stopped":
+            player.do("stop")
+            eventually(lambda: look(real).output == "stopped")
+        player.do("tick on")
+        player.event("ended", code)
+        mark = real.log.count
+        player.do("move ball 0 0.01 0.21")
+        player.do("field at 0 0 0.2")
+        player.wait(lambda told: "field" in told)
+        assert not sounded_since(real, mark)
+    player.do("reset")
+    player.until(lambda s: s["output"] == "silent")
     player.sounding()
+
+
+@pytest.mark.parametrize("player", [LEASE], indirect=True)
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_whole_program_that_stood_still_is_told_apart_from_a_long_frame(
+    real: Server, player: Game, whole: bool
+) -> None:
+    """As at a breakpoint, at which the client's own thread stands still, too."""
+    if whole:
+        player.do("hold")
+    since = time.perf_counter()
+    player.stand_still()
+    wait_for_expiry(real, since)
+    player.say("status")
+    still = player.event("stood still")
+    assert (still["whole"], still["seconds"] > LEASE) == (whole, True)
+    assert ("breakpoint" in still["text"]) is whole
+    if whole:
+        player.do("release")
+    player.until(lambda s: s["armed"] and s["output"] == "sounding")
 
 
 @pytest.mark.parametrize("how", ["kill", "dispose"])

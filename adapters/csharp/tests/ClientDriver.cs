@@ -25,6 +25,7 @@ namespace Pacinian.Tests
         private readonly ManualResetEvent _held = new ManualResetEvent(true);
         private readonly AutoResetEvent _stands = new AutoResetEvent(false);
         private bool _ends, _still, _waves;
+        private Touch _moved;
 
         private ClientDriver(Options options)
         {
@@ -34,6 +35,10 @@ namespace Pacinian.Tests
             _client.Connected += () => Event("connected", "", "", "");
             _client.Lost += why => Event("lost", "", why, "");
             _client.Ended += why => Event("ended", why.Code, why.Message, why.Advice);
+            _client.TouchBegan += touch => Event("touch", touch);
+            _client.TouchMoved += touch => _moved = touch;
+            _client.TouchEnded += touch => Event("left", touch);
+            _client.StoodStill += still => ClientJson.Say("event", "stood still", "seconds", still.Seconds, "whole", still.Whole, "text", still.ToString());
             _client.Refused += why => Event("refused", why.Code, why.Message, why.Advice, why.Path);
         }
 
@@ -98,7 +103,7 @@ namespace Pacinian.Tests
                 case "quiet": done = _client.Quiet(Zones(words)); break;
                 case "wave": _waves = name == "on"; break;
                 case "lose": _waves = false; _hands.Clear(); done = _client.Hands(_hands); break;
-                case "arm": done = _client.Arm(name == "take"); break;
+                case "arm": done = _client.Arm(name == "take", name != "once"); break;
                 case "disarm": done = _client.Disarm(); break;
                 case "stop": _client.Stop(); break;
                 case "reset": done = _client.Reset(); break;
@@ -132,6 +137,8 @@ namespace Pacinian.Tests
                 "solvers", abilities == null ? -1 : abilities.Solvers.Count, "age", seen ? _client.Age(state) : -1.0,
                 "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
                 "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
+                "cause", _client.Silence.Cause ?? "", "why", _client.Silence.ToString(),
+                "touched", _moved.Object ?? "", "strength", _moved.Strength, "height", _moved.Position.Z,
                 "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
         }
 
@@ -191,6 +198,11 @@ namespace Pacinian.Tests
         {
             ClientJson.Say(
                 "event", what, "code", code, "message", message, "advice", advice, "path", path, "time", _client.Now);
+        }
+
+        private void Event(string what, Touch touch)
+        {
+            ClientJson.Say("event", what, "object", touch.Object, "hand", touch.Hand, "strength", touch.Strength, "time", _client.Now);
         }
 
         private static double Number(string word)

@@ -9,10 +9,13 @@ namespace Pacinian
     {
         private const double Change = 12.0; // [s] that another solver or backend may take to be ready
 
-        /// <summary>This client's scene is to be felt, for as long as it ticks. take: from its owner, if need be.</summary>
-        public bool Arm(bool take = false)
+        /// <summary>
+        /// This client's scene is to be felt, for as long as it ticks. take: from its owner, if need be. resume: if the game
+        /// stands still for longer than its lease, it sounds again when it goes on; otherwise it is to be armed again.
+        /// </summary>
+        public bool Arm(bool take = false, bool resume = true)
         {
-            return Ask("arm", new Arm { Take = take });
+            return Ask("arm", new Arm { Take = take, Resume = resume });
         }
 
         /// <summary>Silence, softly; the output is let go.</summary>
@@ -84,7 +87,7 @@ namespace Pacinian
 
         private bool Add(PendingRequest request)
         {
-            return Woken(_shared.Requests.Add(_standing.Session, request));
+            return Told(request.What, Woken(_shared.Requests.Add(_standing.Session, request)));
         }
     }
 }

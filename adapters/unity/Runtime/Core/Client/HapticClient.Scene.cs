@@ -14,7 +14,7 @@ namespace Pacinian
         {
             Writer part = _shared.Writers.Rent();
             item.Write(part);
-            return Fits(part, "$.objects[" + name + "]") && Write(Kind.Put, name, part, new Movement());
+            return Fits(part, "$.objects[" + name + "]") && Told("put", Write(Kind.Put, name, part, new Movement()));
         }
 
         /// <summary>A new pose of an object that is there.</summary>
@@ -32,7 +32,7 @@ namespace Pacinian
         /// <summary>Takes away all objects, hands and quiet zones of this client.</summary>
         public bool Clear()
         {
-            return Woken(_shared.Outbox.Clear(_standing.Session, Now));
+            return Told("clear", Woken(_shared.Outbox.Clear(_standing.Session, Now)));
         }
 
         /// <summary>How strong an object that is there is over time, from now on.</summary>
@@ -40,7 +40,7 @@ namespace Pacinian
         {
             Writer part = _shared.Writers.Rent();
             envelope.Write(part);
-            return Fits(part, "$.envelope") && Write(Kind.Envelope, name, part, new Movement());
+            return Fits(part, "$.envelope") && Told("envelope", Write(Kind.Envelope, name, part, new Movement()));
         }
 
         /// <summary>
@@ -73,12 +73,23 @@ namespace Pacinian
             {
                 zones[i].Write(part);
             }
-            return Woken(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now));
+            return Told("quiet", Woken(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now)));
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)
         {
             return Woken(_shared.Outbox.Write(_standing.Session, kind, name, part, ref movement, Now));
+        }
+
+        /// <summary>Refuses aloud what was asked for without a session: once, until the next. Not what is sent in each frame.</summary>
+        private bool Told(string what, bool done)
+        {
+            if (!done && !_toldNoSession)
+            {
+                _toldNoSession = true;
+                _shared.Inbox.Refuse(Problems.NoSession(what, _started));
+            }
+            return done;
         }
 
         private bool Woken(bool done)

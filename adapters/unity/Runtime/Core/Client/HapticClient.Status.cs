@@ -1,3 +1,4 @@
+using System.Collections.Generic;
 using Pacinian.Wire;
 
 namespace Pacinian
@@ -81,6 +82,18 @@ namespace Pacinian
         public RegionFelt Felt(string name)
         {
             return RegionFelt.Of(State, name);
+        }
+
+        /// <summary>Why the output is silent, and what to do; "" while it sounds, and before the first state.</summary>
+        public Silence Silence
+        {
+            get { return Silence.Of(_standing, State); }
+        }
+
+        /// <summary>Hands that feel an object of this client's scene now.</summary>
+        public IReadOnlyList<Touch> Touches
+        {
+            get { return _touches.Now; }
         }
 
         /// <summary>Our steady clock [s].</summary>

@@ -20,10 +20,11 @@ namespace Pacinian
         private readonly SharedState _shared;
         private readonly Worker _worker;
         private readonly List<Thread> _stops = new List<Thread>();
+        private readonly Touches _touches = new Touches();
         private Standing _standing = Standing.None(ClientStatus.Stopped, "");
         private Trips _trips;
         private double _offset;
-        private bool _started, _ended;
+        private bool _started, _ended, _toldNoSession;
 
         /// <summary>Not started yet.</summary>
         public HapticClient(Options options)
@@ -44,7 +45,7 @@ namespace Pacinian
         /// <summary>The session is over, and why: nothing of it goes on.</summary>
         public event Action<string> Lost;
 
-        /// <summary>It does not sound any more, unasked: expired, owner, stopped or fault.</summary>
+        /// <summary>It does not sound any more, unasked: owner, stopped or fault; without `resume`, expired, too.</summary>
         public event Action<Refusal> Ended;
 
         /// <summary>What the server would not do.</summary>
@@ -52,6 +53,21 @@ namespace Pacinian
 
         /// <summary>The server has published a state, which is good until the next tick.</summary>
         public event Action<State> StateChanged;
+
+        /// <summary>A hand begins to feel an object of this client's scene. Touches come with the states, 60 times a second.</summary>
+        public event Action<Touch> TouchBegan;
+
+        /// <summary>It feels it still, where and as strongly as told.</summary>
+        public event Action<Touch> TouchMoved;
+
+        /// <summary>It feels it no more, as it was told last.</summary>
+        public event Action<Touch> TouchEnded;
+
+        /// <summary>
+        /// The game stood still for longer than its lease while it was armed. It sounds again by itself if it was armed with
+        /// `resume`, still owns the output, and nothing else has ended the sound.
+        /// </summary>
+        public event Action<Standstill> StoodStill;
 
         /// <summary>Begins to connect.</summary>
         public void Start()
@@ -67,7 +83,7 @@ namespace Pacinian
 
         /// <summary>
         /// Once in each of the game's frames: it is alive, so the lease goes on; what has happened is told. A game that
-        /// does not tick is silent when its lease is over.
+        /// does not tick is silent when its lease is over, until it ticks again.
         /// </summary>
         public void Tick()
         {
@@ -75,17 +91,23 @@ namespace Pacinian
             {
                 return;
             }
-            _shared.Heartbeat.LastTick = Now;
+            double still, worker;
+            _shared.Heartbeat.Tick(Now, out still, out worker);
             _worker.Wake();
+            if (Armed && still > Lease)
+            {
+                StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.5 * still });
+            }
             bool fresh = _shared.Inbox.Look(out _standing, out _trips, out _offset);
             Notice notice;
             while (!_ended && _shared.Inbox.Take(out notice, ref _standing))
             {
                 Raise(notice);
             }
-            if (fresh && !_ended && StateChanged != null)
+            if (fresh && !_ended)
             {
-                StateChanged(State);
+                Follow(State.Scene == Scene ? State : null);
+                StateChanged?.Invoke(State);
             }
         }
 
@@ -116,12 +138,17 @@ namespace Pacinian
             return (int)Math.Max(0.0, 1e3 * (due - Timing.Now()));
         }
 
+        private void Follow(State state)
+        {
+            _touches.Follow(state, TouchBegan, TouchMoved, TouchEnded);
+        }
+
         private void Raise(Notice notice)
         {
             switch (notice.What)
             {
-                case Happening.Connected: Connected?.Invoke(); break;
-                case Happening.Lost: Lost?.Invoke(notice.Why.Message); break;
+                case Happening.Connected: _toldNoSession = false; Connected?.Invoke(); break;
+                case Happening.Lost: Follow(null); Lost?.Invoke(notice.Why.Message); break;
                 case Happening.Ended: Ended?.Invoke(notice.Why); break;
                 case Happening.Refused: Refused?.Invoke(notice.Why); break;
                 case Happening.Answered: notice.Callback(notice.Answer); break;

@@ -97,6 +97,18 @@ namespace Pacinian
             };
         }
 
+        /// <summary>What was asked for while there is no session, in which it is lost.</summary>
+        public static Refusal NoSession(string what, bool started)
+        {
+            return new Refusal
+            {
+                Code = "session",
+                Message = "`" + what + "` was asked for, but there is no session",
+                Path = "",
+                Advice = started ? "do it when Connected is raised" : "call Start, and do it when Connected is raised",
+            };
+        }
+
         /// <summary>A stop that was not confirmed.</summary>
         public static Refusal Unstopped(string problem)
         {

@@ -78,6 +78,7 @@ namespace Pacinian
             while (!_end)
             {
                 double now = clock();
+                _shared.Heartbeat.Step(now);
                 sessions.Step(now, _shared.Heartbeat.LastTick);
                 transport.Wait(sessions.Patience(now));
             }

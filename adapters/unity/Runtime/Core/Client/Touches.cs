@@ -1,0 +1,75 @@
+using System;
+using System.Collections.Generic;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>
+    /// The touches of the newest state, compared with those before: a state that was lost loses no end. Nothing is allocated
+    /// once the lists are long enough.
+    /// </summary>
+    internal sealed class Touches
+    {
+        private readonly List<Touch> _now = new List<Touch>();
+
+        /// <summary>Those there are.</summary>
+        public IReadOnlyList<Touch> Now
+        {
+            get { return _now; }
+        }
+
+        /// <summary>Tells what has ended, begun and moved. state: the newest one; null: nothing is touched any more.</summary>
+        public void Follow(State state, Action<Touch> began, Action<Touch> moved, Action<Touch> ended)
+        {
+            int count = state == null ? 0 : state.Touches.Count;
+            for (int i = _now.Count - 1; i >= 0 && i < _now.Count; i--)
+            {
+                Touch old = _now[i];
+                if (Find(state, count, old) < 0)
+                {
+                    _now.RemoveAt(i);
+                    ended?.Invoke(old);
+                }
+            }
+            for (int i = 0; i < count; i++)
+            {
+                Touch touch = Touch.Of(state.Touches[i]);
+                int known = Find(state.Touches[i]);
+                if (known < 0)
+                {
+                    _now.Add(touch);
+                    began?.Invoke(touch);
+                }
+                else
+                {
+                    _now[known] = touch;
+                    moved?.Invoke(touch);
+                }
+            }
+        }
+
+        private static int Find(State state, int count, Touch touch)
+        {
+            for (int i = 0; i < count; i++)
+            {
+                if (touch.Same(state.Touches[i]))
+                {
+                    return i;
+                }
+            }
+            return -1;
+        }
+
+        private int Find(TouchState state)
+        {
+            for (int i = 0; i < _now.Count; i++)
+            {
+                if (_now[i].Same(state))
+                {
+                    return i;
+                }
+            }
+            return -1;
+        }
+    }
+}
