@@ -6,9 +6,10 @@ The uncertain quantities are independent. With z standard normal and eps the sta
     T       ->  T + eps_temperature z                                          speed of sound, density, absorption
     g_n     ->  g_n (1 + eps_gain z_n) exp(j eps_phase z'_n)                   independent transducers
 
-If only the phases and gains of transducers scatter, the mean square pressure is known exactly,
+If only the phases and gains of transducers scatter, the mean square pressure is known exactly. With b_n = B_mn g_n and
+k_n = exp(-eps_phase,n^2 / 2),
 
-    E|p_m|^2 = s |p_m|^2 + (1 + eps_gain^2 - s) sum_n |B_mn g_n|^2,    s = exp(-eps_phase^2),
+    E|p_m|^2 = |sum_n k_n b_n|^2 + sum_n (1 + eps_gain,n^2 - k_n^2) |b_n|^2,
 
 as for the gain of an antenna with surface errors (J. Ruze, Proc. IEEE 54, 633, 1966). If only P0 is uncertain, all
 quantities of a band are exact, because |p| is proportional to P0. All other quantities are sampled with a seed.
@@ -19,7 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from pacinian.checks import check_integer, check_kind, check_near, check_number,
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
@@ -47,19 +48,25 @@ class Uncertainty:
     """Standard deviations of what a prediction depends on; 0 for what is known.
 
     pressure: of ln P0, that is, about the relative one of P0 (0.3 for published values of one transducer type).
-    temperature: of the air [K]. phase: of each transducer [rad]. gain: of each transducer's strength, relative.
-    Raises ArgumentError.
+    temperature: of the air [K]. phase: of each transducer [rad]. gain: of each transducer's strength, relative. Both
+    are one number for all transducers, or N of them, as `DeviceDescription.uncertainty` gives. Raises ArgumentError.
     """
 
     pressure: float = 0.0
     temperature: float = 0.0
-    phase: float = 0.0
-    gain: float = 0.0
+    phase: float | Sequence[float] = 0.0
+    gain: float | Sequence[float] = 0.0
 
     def __post_init__(self) -> None:
         most = (MAX_PRESSURE, MAX_TEMPERATURE, MAX_PHASE, MAX_GAIN)
         for one, high in zip(fields(self), most, strict=True):
-            checked = check_number(one.name, getattr(self, one.name), low=0.0, high=high)
+            given = getattr(self, one.name)
+            if one.name in ("phase", "gain") and np.ndim(given):
+                checked: Any = tuple(check_numbers(one.name, given, (None,)).tolist())
+                check_number(one.name, min(checked, default=0.0), low=0.0, high=high)
+                check_number(one.name, max(checked, default=0.0), low=0.0, high=high)
+            else:
+                checked = check_number(one.name, given, low=0.0, high=high)
             object.__setattr__(self, one.name, checked)
 
 
@@ -179,6 +186,10 @@ class _Problem:
         check_near("points", self.q, array.centre)
         self.nominal: Complexes = field(array, gains, self.q, self.air, "double")
         self.g: Complexes = np.asarray(gains, dtype=np.complex128)
+        self.phase, self.gain = (
+            _spread(name, value, len(self.g))
+            for name, value in (("phase", uncertainty.phase), ("gain", uncertainty.gain))
+        )
         self.confidence = check_number("confidence", confidence, low=0.5, high=0.999)
         self.count = check_integer("samples", samples, low=MIN_SAMPLES)
         if self.count * max(len(self.q), len(self.g)) > MAX_VALUES:
@@ -189,7 +200,7 @@ class _Problem:
         """Return a band of a quantity that is proportional to P0^power. quantity: of p, (..., M) [Pa], and the air."""
         nominal, s = np.asarray(quantity(self.nominal, self.air)), power * self.given.pressure
         ends = (1.0 - self.confidence) / 2.0, (1.0 + self.confidence) / 2.0
-        scattered = self.given.phase > 0.0 or self.given.gain > 0.0
+        scattered = self.phase.any() or self.gain.any()
         if not (scattered or self.given.temperature):
             low, high = (nominal * math.exp(s * NormalDist().inv_cdf(end)) for end in ends)
             mean = nominal * math.exp(s * s / 2.0)
@@ -215,8 +226,8 @@ class _Problem:
         found: list[Floats] = []
         for k in range(self.count):
             scatter = self.chance.standard_normal((2, len(self.g)))
-            g = self.g * (1.0 + self.given.gain * scatter[0])
-            g *= np.exp(1j * self.given.phase * scatter[1])
+            g = self.g * (1.0 + self.gain * scatter[0])
+            g *= np.exp(1j * self.phase * scatter[1])
             air = warm(self.air, warmer[k]) if self.given.temperature else self.air
             found.append(quantity(field(self.array, g, self.q, air), air))
         return np.array(found, dtype=np.float64)
@@ -229,16 +240,24 @@ class _Problem:
 
     def _mean_square(self) -> Complexes:
         """Return the root of E|p|^2 if transducers scatter, (M,) [Pa]."""
-        kept = math.exp(-(self.given.phase**2))
-        apart = np.empty(len(self.q))
+        kept = np.exp(-(self.phase**2) / 2.0)
+        square = np.empty(len(self.q))
         rows = max(1, CHUNK // len(self.g))
         for first in range(0, len(self.q), rows):
             part = slice(first, first + rows)
-            B = matrix(self.array, self.q[part], self.air)
-            apart[part] = (np.abs(B * self.g) ** 2).sum(axis=1)
-        together = np.abs(self.nominal) ** 2
-        square = kept * together + (1.0 + self.given.gain**2 - kept) * apart
+            b = matrix(self.array, self.q[part], self.air) * self.g
+            square[part] = np.abs(b @ kept) ** 2 + np.abs(b) ** 2 @ (1.0 + self.gain**2 - kept**2)
         return np.sqrt(square).astype(np.complex128)
+
+
+def _spread(name: str, value: float | Sequence[float], count: int) -> Floats:
+    """Return a deviation for each of `count` transducers. Raises ArgumentError."""
+    given = np.asarray(value, dtype=np.float64)
+    if given.ndim and len(given) != count:
+        raise ArgumentError(
+            "uncertainty", f"has {len(given)} values of `{name}` for {count} transducers"
+        )
+    return np.broadcast_to(given, (count,))
 
 
 def warm(air: Air, by: float) -> Air:

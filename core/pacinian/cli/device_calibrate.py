@@ -1,4 +1,4 @@
-"""`pacinian devices calibrate`: computes strengths and phases of the channels from a microphone scan."""
+"""`pacinian devices calibrate`: computes strengths and phases of the channels, P0 and the pose from a scan."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ from pacinian.cli.doctor_rules import Finding
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
+    from pacinian.devices.description import DeviceDescription
     from pacinian.devices.scan import Scan
     from pacinian.devices.scan_fit import ScanFit
+    from pacinian.types import Floats
 
 MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
 VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
+MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
 @click.command()
@@ -35,6 +38,18 @@ MAX_LISTED = 8  # items listed in one finding
     "--position-error", default=0.001, show_default=True, type=float,
     help="Standard error of the microphone's coordinates [m], which the fit corrects.",
 )  # fmt: skip
+@click.option(
+    "--shift-error", default=0.001, show_default=True, type=float,
+    help="Standard error of the array's place in the microphone's frame [m], which the fit finds.",
+)  # fmt: skip
+@click.option(
+    "--turn-error", default=0.005, show_default=True, type=float,
+    help="Standard error of the array's tilt in the microphone's frame [rad], which the fit finds.",
+)  # fmt: skip
+@click.option(
+    "--sensitivity-error", default=0.1, show_default=True, type=float,
+    help="Relative standard error of the microphone's sensitivity, for that of P0.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 def calibrate(
     file: Path,
@@ -42,18 +57,22 @@ def calibrate(
     out: Path,
     temperature: float | None,
     position_error: float,
+    shift_error: float,
+    turn_error: float,
+    sensitivity_error: float,
     as_json: bool,
 ) -> None:
     """Compute a calibration from a description FILE and microphone SCANS.
 
     A scan is a CSV file with the columns x,y,z,serial,channel,amplitude,phase ([m], any unit, [rad]) of channels driven
-    one at a time, or an NPZ file with positions, drives and readings. It needs at least 6 positions of the microphone,
-    better 12, at different heights. The result replaces all strengths, phases and dead channels of FILE. This command
-    drives no device; docs/devices.md explains how to measure.
+    one at a time, or an NPZ or HDF5 file with positions, readings and perhaps drives. It needs at least 6 positions of
+    the microphone, better 12, at different heights. The result has standard errors. It replaces all strengths, phases
+    and dead channels of FILE. This command drives no device; docs/devices.md explains how to measure.
     """
     from pacinian.acoustics.air import Air
+    from pacinian.checks import check_number
     from pacinian.cli.doctor import tell
-    from pacinian.devices.calibration import write_calibration
+    from pacinian.devices.calibration import Measurement, write_calibration
     from pacinian.devices.scan import read_scan, undo_calibration
     from pacinian.devices.scan_fit import fit_scan
 
@@ -64,6 +83,7 @@ def calibrate(
         )
     if len(given) <= len(scans):
         raise click.BadParameter("a file is given twice, so its readings would count twice")
+    check_number("sensitivity_error", sensitivity_error, low=0.0, high=1.0)
     device = undo_calibration(file)
     scan = reduce(add, (read_scan(path, device) for path in scans))
     speed = None if temperature is None else Air(temperature=temperature).speed_of_sound
@@ -73,30 +93,38 @@ def calibrate(
         scan.positions,
         scan.readings[:, np.argsort(order)],
         position_error=position_error,
+        shift_error=shift_error,
+        turn_error=turn_error,
         speed_of_sound=speed,
     )
     keys = [(w.serial, int(c)) for w in device.wiring for c in w.channels]
     measured: Measured = {
-        key: (float(np.abs(fit.responses[n])), float(np.angle(fit.responses[n])))
+        key: Measurement(
+            float(np.abs(fit.responses[n])),
+            float(np.angle(fit.responses[n])),
+            float(fit.gain_errors[n]),
+            float(fit.phase_errors[n]),
+        )
         for key, n in zip(keys, order, strict=True)
         if not fit.unseen[n]
     }
     write_calibration(out, measured)
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
-    findings = _findings(fit, scan, names, device.transducer.pressure)
+    findings = [*_findings(fit, scan, names), _judge_strength(fit, scan, device, sensitivity_error)]
     if as_json:
         told = {
             "out": str(out),
             "findings": [asdict(f) for f in findings],
+            "pressure": fit.pressure,
+            "pressure_error": float(np.hypot(fit.pressure_error, sensitivity_error)),
+            "unit": f"{scan.unit} m" if scan.unit else "",
+            "speed_of_sound": fit.speed_of_sound,
+            "speed_error": fit.speed_error,
+            "pose": {"position": fit.pose.position, "rotation": fit.pose.rotation},
+            "pose_errors": fit.pose_errors.tolist(),
             "channels": [
-                dict(
-                    zip(
-                        ("serial", "channel", "gain", "phase"), (*key, *measured[key]), strict=True
-                    ),
-                    error=float(fit.errors[n]),
-                )
-                for key, n in zip(keys, order, strict=True)
-                if key in measured
+                {"serial": serial, "channel": channel, **values._asdict()}
+                for (serial, channel), values in measured.items()
             ],
         }
         click.echo(json.dumps(told))
@@ -105,13 +133,32 @@ def calibrate(
         click.echo(f"{out}: {len(measured)} channels; set it as `calibration` in {file}")
 
 
-def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> list[Finding]:
-    """Return the findings of a fit. names: names of the transducers. pressure: pressure of their kind [Pa m]."""
+def _judge_strength(
+    fit: ScanFit, scan: Scan, device: DeviceDescription, sensitivity_error: float
+) -> Finding:
+    """Return P0 and what to do about it. sensitivity_error: relative standard error of the microphone's sensitivity."""
+    described, error = device.transducer.pressure, np.hypot(fit.pressure_error, sensitivity_error)
+    told = f"P0 is {fit.pressure:.4g} {scan.unit or 'units'} m"
+    if scan.unit != "Pa":
+        fix = "to know P0, give readings in pascal, and name their unit: amplitude [Pa]"
+        return Finding("strength", "ok", f"{told} (described: {described:g} Pa m)", fix)
+    told += f", give or take {error:.0%}"
+    ratio = fit.pressure / described
+    if not 1.0 / MAX_RATIO <= ratio <= MAX_RATIO:
+        fix = "check the microphone's sensitivity and the unit of the readings: Pa, mPa, uPa"
+        return Finding("strength", "warning", f"{told}, {ratio:.2g} times the described", fix)
+    fix = f"set pressure = {fit.pressure:.4g} and pressure_error = {error:.3f} under [transducer]"
+    return Finding("strength", "ok", f"{told} (described: {described:g})", fix)
+
+
+def _findings(fit: ScanFit, scan: Scan, names: list[str]) -> list[Finding]:
+    """Return the findings of a fit. names: names of the transducers."""
     from pacinian.acoustics.air import Air
 
     good = ~fit.dead & ~fit.unseen
-    s, errors = fit.responses[good], fit.errors[good]
+    s, errors, sizes = fit.responses[good], fit.phase_errors[good], fit.gain_errors[good]
     moved = 1e3 * np.linalg.norm(fit.positions - scan.positions, axis=1)  # [mm]
+    shift, turn = fit.shift, np.degrees(fit.turn)
     room = Air(temperature=20.0).speed_of_sound
     air = 293.15 * (fit.speed_of_sound / room) ** 2 - 273.15  # [degC]
     scatter = np.degrees(np.sqrt(np.mean(np.angle(np.where(s.real < 0.0, -s, s)) ** 2)))
@@ -121,8 +168,10 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
         "fit": f"{fit.residual:.1%} of a typical reading is not explained; {fit.outliers} outliers",
         "air": f"{fit.speed_of_sound:.2f} m/s, give or take {fit.speed_error:.2f}: {air:.0f} degC",
         "microphone": f"corrected by {moved.mean():.2f} mm in the mean, {moved.max():.2f} mm at most",
-        "strength": f"{np.abs(s).min():.2f} to {np.abs(s).max():.2f} times the mean, which is "
-        f"{fit.gain * pressure:.3g} at 1 m in the microphone's unit (described: {pressure:g} Pa)",
+        "pose": f"the array is shifted by {_measure(1e3 * shift, 1e3 * fit.pose_errors[:3], '.2f')} mm and turned by "
+        f"{_measure(turn, np.degrees(fit.pose_errors[3:]), '.2f')} deg",
+        "gain": f"{np.abs(s).min():.2f} to {np.abs(s).max():.2f} times the mean; "
+        f"standard error {np.sqrt(np.mean(sizes**2)):.1%}, {sizes.max():.1%} at most",
         "phase": f"scatter {scatter:.1f} deg; standard error {mean:.1f} deg, {worst:.1f} deg at most",
         "focus": f"{before:.3f} of its radiation pressure uncorrected, some "
         f"{np.exp(-np.mean(errors**2)):.3f} corrected",
@@ -131,6 +180,9 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
     if mean > VAGUE:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
+    for text in fit.vague:
+        what, _, fix = text.partition(": ")
+        found.append(Finding("unknown", "warning", what, fix))
     places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
     for name, which, items, fix in (
         ("positions that do not fit", fit.residuals > MISFIT, places, "measure there again"),
@@ -149,3 +201,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], pressure: float) -> li
             text = f"{len(chosen)}: {', '.join(chosen[:MAX_LISTED])}{more}"
             found.append(Finding(name, "warning", text, fix))
     return found
+
+
+def _measure(values: Floats, errors: Floats, form: str) -> str:
+    return ", ".join(f"{v:{form}} +- {e:{form}}" for v, e in zip(values, errors, strict=True))

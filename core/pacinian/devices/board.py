@@ -10,14 +10,16 @@ from msgspec.structs import force_setattr
 
 from pacinian.acoustics.array import MIN_STRENGTH
 from pacinian.acoustics.pose import Pose
+from pacinian.acoustics.uncertainty import MAX_GAIN, MAX_PHASE
 from pacinian.checks import check_number
 from pacinian.devices.layouts import Grid, Places, Unit
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Indices
+    from pacinian.types import Complexes, Floats, Indices
 
 MAX_STRENGTH = 100.0  # gain of a channel, relative to its kind
+GAIN_SCATTER, PHASE_SCATTER = 0.1, 0.35  # of transducers of one kind, relative and [rad]
 
 
 class Board(Struct, frozen=True, forbid_unknown_fields=True):
@@ -27,7 +29,8 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
     of the board. order: transducer of the layout that each channel drives, (L,); by default the layout's own order.
     dead: channels that make no sound, or must make none. Channels of a gain below 0.001 count as dead, too. gain:
     strength of each channel relative to its kind; one, or (L,). phase: lead of each channel's sound [rad]; one, or
-    (L,). Raises ArgumentError.
+    (L,). gain_error, phase_error: standard errors of both, relative and [rad]; one, or (L,); by default the scatter of
+    transducers of one kind, 10 % and 20 degrees. Raises ArgumentError.
     """
 
     serial: str = ""
@@ -37,6 +40,8 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
     dead: tuple[int, ...] = ()
     gain: float | tuple[float, ...] = 1.0
     phase: float | tuple[float, ...] = 0.0
+    gain_error: float | tuple[float, ...] = GAIN_SCATTER
+    phase_error: float | tuple[float, ...] = PHASE_SCATTER
 
     def __post_init__(self) -> None:
         L = self.layout.count
@@ -45,7 +50,12 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
         wrong = [c for c in self.dead if not 0 <= c < L]
         if wrong or len(set(self.dead)) < len(self.dead):
             raise ArgumentError("dead", f"must be different channels of 0 to {L - 1}: {wrong}")
-        for name, low, high in (("gain", 0.0, MAX_STRENGTH), ("phase", -1e3, 1e3)):
+        for name, low, high in (
+            ("gain", 0.0, MAX_STRENGTH),
+            ("phase", -1e3, 1e3),
+            ("gain_error", 0.0, MAX_GAIN),
+            ("phase_error", 0.0, MAX_PHASE),
+        ):
             value: float | tuple[float, ...] = getattr(self, name)
             if isinstance(value, tuple):
                 if len(value) != L:
@@ -69,6 +79,15 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
         made = np.asarray(gain * np.exp(1j * phase), np.complex128)
         made[list(self.dead)] = 0.0
         return made
+
+    @property
+    def errors(self) -> tuple[Floats, Floats]:
+        """Standard errors of each channel's gain, relative, and of its phase [rad], (L,) each."""
+        L = self.layout.count
+        return (
+            np.broadcast_to(np.asarray(self.gain_error, float), (L,)),
+            np.broadcast_to(np.asarray(self.phase_error, float), (L,)),
+        )
 
     @property
     def alive(self) -> Indices:

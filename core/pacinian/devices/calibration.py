@@ -1,17 +1,18 @@
-"""Calibration files: the measured strength and phase of every channel."""
+"""Calibration files: the measured strength and phase of every channel, and their standard errors."""
 
 from __future__ import annotations
 
 import csv
 import io
 import uuid
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
 
 from pacinian import documents
 from pacinian.checks import check_integer, check_number
+from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
 
 if TYPE_CHECKING:
@@ -21,26 +22,40 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 4 << 20  # size of a file, enough for some 100,000 channels [bytes]
 COLUMNS = ("serial", "channel", "gain", "phase")
-Measured = dict[tuple[str, int], tuple[float, float]]
+ERROR_COLUMNS = ("gain_error", "phase_error")
+
+
+class Measurement(NamedTuple):
+    """Strength relative to the kind and phase [rad] of a channel, and their standard errors, relative and [rad]."""
+
+    gain: float
+    phase: float
+    gain_error: float = GAIN_SCATTER
+    phase_error: float = PHASE_SCATTER
+
+
+Measured = dict[tuple[str, int], Measurement]
 
 
 def read_calibration(path: Path) -> Measured:
-    """Read gain and phase [rad] by serial and channel from a CSV file with these four columns.
+    """Read measurements by serial and channel from a CSV file: serial, channel, gain, phase, gain_error, phase_error.
 
-    Raises SceneFileError, which names the file, the line and the fix.
+    The last two columns may be missing; the errors are then those of uncalibrated transducers. Raises SceneFileError,
+    which names the file, the line and the fix.
     """
     found: Measured = {}
     try:
         text = io.StringIO(documents.read_bytes(path, largest=MAX_BYTES).decode(), newline="")
         rows = csv.reader(text, skipinitialspace=True)
         head = tuple(name.strip() for name in next(rows, []))
-        if head != COLUMNS:
-            raise SceneFileError(path, "line 1", f"must be {','.join(COLUMNS)}")
+        if head not in (COLUMNS, COLUMNS + ERROR_COLUMNS):
+            wanted = f"{','.join(COLUMNS)}, and may go on with {','.join(ERROR_COLUMNS)}"
+            raise SceneFileError(path, "line 1", f"must be {wanted}")
         for row in rows:
             if not row:
                 continue
             where = f"line {rows.line_num}"
-            key, values = _row(path, where, row)
+            key, values = _row(path, where, row, len(head))
             if key in found:
                 raise SceneFileError(path, where, f"measures channel {key[1]} of it again")
             found[key] = values
@@ -49,13 +64,20 @@ def read_calibration(path: Path) -> Measured:
     return found
 
 
-def _row(path: Path, where: str, row: list[str]) -> tuple[tuple[str, int], tuple[float, float]]:
-    if len(row) != len(COLUMNS):
-        raise SceneFileError(path, where, f"must have {len(COLUMNS)} values, not {len(row)}")
-    serial, channel, gain, phase = (value.strip() for value in row)
+def _row(path: Path, where: str, row: list[str], count: int) -> tuple[tuple[str, int], Measurement]:
+    if len(row) != count:
+        raise SceneFileError(path, where, f"must have {count} values, not {len(row)}")
+    serial, channel, gain, phase, *errors = (value.strip() for value in row)
     try:
         key = serial, check_integer("channel", check_number("channel", float(channel)), low=0)
-        values = check_number("gain", float(gain), low=0.0), check_number("phase", float(phase))
+        values = Measurement(
+            check_number("gain", float(gain), low=0.0),
+            check_number("phase", float(phase)),
+            *(
+                check_number(name, float(error), low=0.0)
+                for name, error in zip(ERROR_COLUMNS, errors, strict=False)
+            ),
+        )
     except ArgumentError as error:
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
@@ -69,9 +91,9 @@ def write_calibration(path: Path, measured: Measured) -> None:
     try:
         with beside.open("w", encoding="utf-8", newline="") as file:
             rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(COLUMNS)
-            for (serial, channel), (gain, phase) in measured.items():
-                rows.writerow([serial, channel, f"{gain:.5f}", f"{phase:.5f}"])
+            rows.writerow(COLUMNS + ERROR_COLUMNS)
+            for (serial, channel), values in measured.items():
+                rows.writerow([serial, channel, *(f"{value:.5f}" for value in values)])
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
@@ -95,10 +117,12 @@ def apply_calibration(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...
 
 def _calibrate_board(board: Board, found: Measured) -> Board:
     L = board.layout.count
-    gain, phase = (
-        np.broadcast_to(np.asarray(v, float), (L,)).copy() for v in (board.gain, board.phase)
-    )
+    columns = {
+        name: np.broadcast_to(np.asarray(getattr(board, name), float), (L,)).copy()
+        for name in Measurement._fields
+    }
     for channel in range(L):
         if (board.serial, channel) in found:
-            gain[channel], phase[channel] = found[board.serial, channel]
-    return replace(board, gain=tuple(gain.tolist()), phase=tuple(phase.tolist()))
+            for column, value in zip(columns.values(), found[board.serial, channel], strict=True):
+                column[channel] = value
+    return replace(board, **{name: tuple(column.tolist()) for name, column in columns.items()})

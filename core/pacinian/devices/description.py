@@ -13,7 +13,8 @@ from msgspec.structs import replace
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import DirectivityTable, omni, t4010a1
 from pacinian.acoustics.transducer import Transducer
-from pacinian.checks import check_integer
+from pacinian.acoustics.uncertainty import MAX_PRESSURE, Uncertainty
+from pacinian.checks import check_integer, check_number
 from pacinian.devices.board import Board
 from pacinian.devices.calibration import apply_calibration
 from pacinian.documents import decode_document, json_schema
@@ -28,14 +29,17 @@ DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
 class Element(Struct, frozen=True, forbid_unknown_fields=True):
     """The kind of transducer, as `pacinian.Transducer`; by default that of the AUTD units.
 
-    directivity: a name, or a table as measured.
+    pressure_error: standard error of `pressure`, relative; by default that of published values. directivity: a name, or
+    a table as measured.
     """
 
     frequency: float = 40_000.0
     pressure: float = 4.386
+    pressure_error: float = 0.3
     directivity: Literal["omni", "t4010a1"] | DirectivityTable = "t4010a1"
 
     def __post_init__(self) -> None:
+        check_number("pressure_error", self.pressure_error, low=0.0, high=MAX_PRESSURE)
         self.make()
 
     def make(self) -> Transducer:
@@ -139,6 +143,22 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
             np.concatenate(normals),
             self.transducer.make(),
             np.concatenate(responses),
+        )
+
+    def uncertainty(self, temperature: float = 0.0) -> Uncertainty:
+        """Return how sure the array's strength and responses are, for `predict_radiation_pressure` and the others.
+
+        temperature: standard deviation of the air's temperature [K]. The errors of phases and gains are those of the
+        boards and of the calibration, in the order of `array()`; they count as independent. Raises ArgumentError.
+        """
+        gain: list[float] = []
+        phase: list[float] = []
+        for board in self.boards:
+            kept, drives = _list_alive(board), np.argsort(board.drives)
+            for kind, errors in zip((gain, phase), board.errors, strict=True):
+                kind.extend(errors[drives][kept].tolist())
+        return Uncertainty(
+            pressure=self.transducer.pressure_error, temperature=temperature, phase=phase, gain=gain
         )
 
     @property

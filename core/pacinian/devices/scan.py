@@ -2,25 +2,33 @@
 
 A CSV file has one reading per row, in any order, with one channel driven at a time:
 
-    x,y,z,serial,channel,amplitude,phase
+    x,y,z,serial,channel,amplitude [Pa],phase
 
 x, y, z: position of the microphone [m], in the frame of the description. serial, channel: the only channel that is
-driven, at full drive and phase 0. amplitude: reading in any unit, the same for all rows. phase: [rad], -2 pi to 2 pi,
-positive where the sound leads, with one reference for the whole scan, such as the drive.
+driven, at full drive and phase 0. amplitude: peak, in any unit, the same for all rows. phase: [rad], -2 pi to 2 pi,
+positive where the sound leads, with one reference for the whole scan, such as the drive. A unit in brackets after the
+name of a column replaces the default, as in `x [mm]` or `phase [deg]`.
 
-An NPZ file has patterns that drive many channels at a time, which is less noisy:
+An NPZ or HDF5 file has arrays of a device's C channels, board by board:
 
-    positions (M, 3) [m]; drives (K, C) complex, the gain of each of the device's C channels, board by board, in each of
-    K >= C patterns; readings (K, M) complex, as amplitude exp(j phase)
+    positions (M, 3) [m]; readings (M, C) complex, as amplitude exp(j phase), NaN where missing
+
+or, for patterns that drive many channels at a time, which is less noisy:
+
+    positions (M, 3) [m]; drives (K, C) complex, the gain of each channel in each of K >= C patterns; readings (K, M)
+
+In an HDF5 file, the attribute `units` of a dataset names its unit.
 """
 
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
+import re
 import zipfile
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.structs import replace
@@ -28,7 +36,7 @@ from msgspec.structs import replace
 from pacinian.checks import check_integer, check_number, check_numbers
 from pacinian.devices.scan_fit import MAX_POSITIONS
 from pacinian.documents import MAX_BYTES, decode_document
-from pacinian.errors import ArgumentError, SceneFileError
+from pacinian.errors import ArgumentError, MissingExtra, SceneFileError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,7 +45,15 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 COLUMNS = ("x", "y", "z", "serial", "channel", "amplitude", "phase")
-MAX_NPZ_BYTES = 1 << 30  # size of an NPZ file, unpacked [bytes]
+ARRAYS = ("positions", "drives", "readings")
+MAX_ARRAY_BYTES = 1 << 30  # size of the arrays of a file, unpacked [bytes]
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
+SIZES = {
+    prefix + unit: (scale, unit)
+    for unit in ("Pa", "V")
+    for prefix, scale in (("", 1.0), ("k", 1e3), ("m", 1e-3), ("u", 1e-6), ("\u00b5", 1e-6))
+}  # to the base unit
 MAX_AMPLITUDE = 1e12  # reading, in the scan's unit
 MAX_CONDITION = 100.0  # condition number of the drives, by which noise may grow
 PHASELESS = (
@@ -48,33 +64,72 @@ PHASELESS = (
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """A scan. positions: of the microphone [m], (M, 3). readings: of each channel, complex, (M, C); NaN if missing."""
+    """A scan at M different positions.
+
+    positions: of the microphone [m], (M, 3). readings: of each channel, complex, (M, C); NaN if missing. unit: of the
+    readings, "Pa", "V" or "", which is unknown.
+    """
 
     positions: Floats
     readings: Complexes
+    unit: str = ""
 
     def __add__(self, other: Scan) -> Scan:
-        return Scan(
-            np.concatenate([self.positions, other.positions]),
-            np.concatenate([self.readings, other.readings]),
+        """Return both as one scan. Raises ArgumentError if both read a channel at one position, or in other units."""
+        if self.unit != other.unit:
+            raise ArgumentError("scans", f"have two units, {self.unit!r} and {other.unit!r}")
+        return merge_positions(
+            Scan(
+                np.concatenate([self.positions, other.positions]),
+                np.concatenate([self.readings, other.readings]),
+                self.unit,
+            )
         )
 
 
+def merge_positions(scan: Scan) -> Scan:
+    """Return a scan with one row for each position, whose error its readings share.
+
+    Raises ArgumentError if a channel was read twice at a position: its mean is the reading.
+    """
+    places, row = np.unique(scan.positions, axis=0, return_inverse=True)
+    if len(places) == len(scan.positions):
+        return scan
+    row = row.reshape(-1)
+    merged = np.full((len(places), scan.readings.shape[1]), np.nan, np.complex128)
+    for m, values in zip(row, scan.readings, strict=True):
+        given = ~np.isnan(values)
+        if (twice := given & ~np.isnan(merged[m])).any():
+            place = " ".join(f"{x:g}" for x in places[m])
+            raise ArgumentError(
+                "positions",
+                f"have {place} m twice, with {int(twice.sum())} channels read again: average these readings, or "
+                "give the second place its own coordinates, as measured",
+            )
+        merged[m, given] = values[given]
+    return Scan(places, merged, scan.unit)
+
+
 def read_scan(path: Path, device: DeviceDescription) -> Scan:
-    """Read a scan of `device`, .csv or .npz. Raises SceneFileError, which names the file, the place and the fix."""
+    """Read a scan of `device`: .csv, .npz, or .h5 or .hdf5, which need the extra `scans`.
+
+    Raises SceneFileError, which names the file, the place and the fix, and MissingExtra.
+    """
+    readers = {".csv": _read_csv, ".npz": _read_npz, ".h5": _read_hdf5, ".hdf5": _read_hdf5}
     try:
-        if path.suffix not in (".csv", ".npz"):
-            raise SceneFileError(path, "", "must end in .csv or .npz")
+        if path.suffix not in readers:
+            raise SceneFileError(path, "", f"must end in {', '.join(readers)}")
         if not path.is_file():
             raise SceneFileError(path, "", "cannot be read: it is not there, or not a file")
-        scan = _read_csv(path, device) if path.suffix == ".csv" else _read_npz(path, device)
+        scan = readers[path.suffix](path, device)
     except OSError as error:
         raise SceneFileError(path, "", f"cannot be read: {error.strerror or error}") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise SceneFileError(path, "", f"is not CSV: {error}") from error
     except ArgumentError as error:
         raise SceneFileError(path, "", str(error)) from error
-    phases = np.angle(scan.readings[np.abs(scan.readings) > 0.0])
+    with np.errstate(invalid="ignore"):
+        phases = np.angle(scan.readings[np.abs(scan.readings) > 0.0])
     if len(phases) and not np.ptp(phases):
         raise SceneFileError(path, "", PHASELESS)
     return scan
@@ -103,16 +158,17 @@ def _read_csv(path: Path, device: DeviceDescription) -> Scan:
     rows: dict[tuple[float, ...], Complexes] = {}
     with path.open(encoding="utf-8-sig", newline="") as file:
         lines = csv.reader(file, skipinitialspace=True)
-        head = tuple(name.strip() for name in next(lines, []))
+        head, units = _read_head(path, next(lines, []))
         if "amplitude" in head and "phase" not in head:
             raise SceneFileError(path, "line 1", PHASELESS)
         if head != COLUMNS:
-            raise SceneFileError(path, "line 1", f"must be {','.join(COLUMNS)}")
+            wanted = f"{','.join(COLUMNS)}, with units in brackets if others than m and rad"
+            raise SceneFileError(path, "line 1", f"must be {wanted}")
         for line in lines:
             if not line:
                 continue
             where = f"line {lines.line_num}"
-            place, serial, channel, reading = _read_row(path, where, line)
+            place, serial, channel, reading = _read_row(path, where, line, units)
             first, size = starts.get(serial, (0, -1))
             if size < 0:
                 known = ", ".join(map(repr, starts))
@@ -127,63 +183,156 @@ def _read_csv(path: Path, device: DeviceDescription) -> Scan:
             row[first + channel] = reading
     if not rows:
         raise SceneFileError(path, "", "holds no reading")
-    return Scan(np.array(list(rows)), np.array(list(rows.values())))
+    return Scan(np.array(list(rows)), np.array(list(rows.values())), units.size)
+
+
+@dataclass(frozen=True)
+class _Units:
+    """Factors to [m], to the base unit `size` ("Pa", "V" or "") and to [rad]."""
+
+    lengths: tuple[float, ...] = (1.0, 1.0, 1.0)
+    scale: float = 1.0
+    size: str = ""
+    angle: float = 1.0
+
+
+def _read_head(path: Path, cells: list[str]) -> tuple[tuple[str, ...], _Units]:
+    """Return the names of the columns, and the units in brackets behind them."""
+    found = [re.fullmatch(r"\s*(\S*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*", cell) for cell in cells]
+    names = tuple(one[1] if one else cell for one, cell in zip(found, cells, strict=True))
+    given = {one[1]: one[2] for one in found if one and one[2] is not None}
+    known: dict[str, dict[str, Any]] = {
+        **dict.fromkeys("xyz", LENGTHS), "amplitude": SIZES, "phase": ANGLES
+    }  # fmt: skip
+    for name, unit in given.items():
+        if name in known and unit not in known[name]:
+            raise SceneFileError(
+                path, "line 1", f"has `{name}` in {unit!r}; there are {', '.join(known[name])}"
+            )
+    scale, size = SIZES[given["amplitude"]] if "amplitude" in given else (1.0, "")
+    lengths = tuple(LENGTHS[given.get(axis, "m")] for axis in "xyz")
+    return names, _Units(lengths, scale, size, ANGLES[given.get("phase", "rad")])
 
 
 def _read_row(
-    path: Path, where: str, line: list[str]
+    path: Path, where: str, line: list[str], units: _Units
 ) -> tuple[tuple[float, ...], str, int, complex]:
     if len(line) != len(COLUMNS):
         raise SceneFileError(path, where, f"must have {len(COLUMNS)} values, not {len(line)}")
     x, y, z, serial, channel, amplitude, phase = (value.strip() for value in line)
     turn = 2.0 * math.pi + 1e-6
     try:
-        place = tuple(check_number(n, float(v)) for n, v in (("x", x), ("y", y), ("z", z)))
+        place = tuple(
+            check_number(n, float(v)) * unit
+            for n, v, unit in zip("xyz", (x, y, z), units.lengths, strict=True)
+        )
         index = check_integer("channel", check_number("channel", float(channel)), low=0)
         size = check_number("amplitude", float(amplitude), low=0.0, high=MAX_AMPLITUDE)
-        angle = check_number("phase", float(phase))
+        angle = check_number("phase", float(phase)) * units.angle
     except ArgumentError as error:
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
         raise SceneFileError(path, where, f"must be numbers: {error}") from error
     if abs(angle) > turn:
         raise SceneFileError(
-            path, where, f"`phase` must be -2 pi to 2 pi [rad], not {angle:g}: were degrees given?"
+            path,
+            where,
+            f"`phase` must be -2 pi to 2 pi [rad], not {angle:g}: were degrees given? Then name the column phase [deg]",
         )
-    return place, serial, index, size * complex(math.cos(angle), math.sin(angle))
+    return place, serial, index, units.scale * size * complex(math.cos(angle), math.sin(angle))
 
 
 def _read_npz(path: Path, device: DeviceDescription) -> Scan:
     try:
         with zipfile.ZipFile(path) as file:
-            if sum(part.file_size for part in file.infolist()) > MAX_NPZ_BYTES:
-                raise SceneFileError(path, "", f"is larger than {MAX_NPZ_BYTES >> 20} MiB")
+            if sum(part.file_size for part in file.infolist()) > MAX_ARRAY_BYTES:
+                raise SceneFileError(path, "", f"is larger than {MAX_ARRAY_BYTES >> 20} MiB")
         with np.load(path, allow_pickle=False) as file:
-            missing = {"positions", "drives", "readings"} - set(file.files)
-            if missing:
-                raise SceneFileError(path, "", f"lacks {', '.join(sorted(missing))}")
-            q, drives, readings = file["positions"], file["drives"], file["readings"]
+            parts = {name: file[name] for name in ARRAYS if name in file.files}
     except SceneFileError:
         raise
     except (ValueError, EOFError, MemoryError, zipfile.BadZipFile, NotImplementedError) as error:
         raise SceneFileError(path, "", f"is not NPZ: {error}") from error
+    return _make_scan(path, parts, device)
+
+
+def _read_hdf5(path: Path, device: DeviceDescription) -> Scan:
+    try:
+        import h5py
+    except ImportError as error:
+        raise MissingExtra("h5py", "scans") from error
+    try:
+        with h5py.File(path, "r") as file:
+            parts: dict[str, Any] = {}
+            units: dict[str, str] = {}
+            for name in ARRAYS:
+                link = file.get(name, getlink=True)
+                if link is None:
+                    continue
+                data = file[name] if isinstance(link, h5py.HardLink) else None
+                if not isinstance(data, h5py.Dataset) or data.is_virtual or data.external:
+                    raise SceneFileError(path, name, "must be a dataset in this file, not a link")
+                if data.shape is None:
+                    raise SceneFileError(path, name, "is empty: it must have a shape")
+                if data.nbytes > MAX_ARRAY_BYTES:
+                    raise SceneFileError(path, name, f"is larger than {MAX_ARRAY_BYTES >> 20} MiB")
+                parts[name], units[name] = data[()], _read_unit(data.attrs)
+    except SceneFileError:
+        raise
+    except (OSError, ValueError, KeyError, RuntimeError, TypeError, MemoryError) as error:
+        raise SceneFileError(path, "", f"is not HDF5: {error}") from error
+    for name, known in (("positions", LENGTHS), ("readings", SIZES)):
+        if units.get(name) and units[name] not in known:
+            raise SceneFileError(
+                path, name, f"are in {units[name]!r}; there are {', '.join(known)}"
+            )
+    scan = _make_scan(path, parts, device)
+    scale, unit = SIZES.get(units["readings"], (1.0, ""))
+    length = LENGTHS.get(units["positions"], 1.0)
+    return dataclasses.replace(
+        scan, positions=scan.positions * length, readings=scan.readings * scale, unit=unit
+    )
+
+
+def _read_unit(attributes: Any) -> str:
+    given = attributes.get("units", "")
+    return given.decode(errors="replace") if isinstance(given, bytes) else str(given)
+
+
+def _make_scan(path: Path, parts: dict[str, Any], device: DeviceDescription) -> Scan:
+    """Return the scan that the arrays of a file hold. Raises ArgumentError, SceneFileError."""
+    missing = {"positions", "readings"} - set(parts)
+    if missing:
+        raise SceneFileError(path, "", f"lacks {', '.join(sorted(missing))}")
+    readings = parts["readings"]
+    if readings.dtype.names and {"real", "imag"} <= set(readings.dtype.names):  # by MATLAB
+        readings = readings["real"] + 1j * readings["imag"]
     if not np.iscomplexobj(readings):
         raise SceneFileError(path, "readings", PHASELESS)
-    q = check_numbers("positions", q, (None, 3))
+    q = check_numbers("positions", parts["positions"], (None, 3))
     C = sum(board.layout.count for board in device.boards)
+    if "drives" not in parts:
+        Y = _check_complex("readings", readings, C, "channels of the device", gaps=True)
+        if len(Y) != len(q):
+            raise ArgumentError("readings", f"must be of {len(q)} positions, not {len(Y)}")
+        return merge_positions(Scan(q, Y))
     Y = _check_complex("readings", readings, len(q), "positions")
-    G = _check_complex("drives", drives, C, "channels of the device")
+    G = _check_complex("drives", parts["drives"], C, "channels of the device")
     if len(G) != len(Y):
         raise ArgumentError("readings", f"must be of {len(G)} patterns, as drives, not {len(Y)}")
-    return Scan(q, decode_drives(G, Y))
+    return merge_positions(Scan(q, decode_drives(G, Y)))
 
 
-def _check_complex(name: str, value: Complexes, columns: int, what: str) -> Complexes:
+def _check_complex(
+    name: str, value: Complexes, columns: int, what: str, *, gaps: bool = False
+) -> Complexes:
+    """Return a matrix of complex numbers. gaps: whether NaN, which means missing, may be there."""
     if value.dtype.kind not in "iufc" or value.ndim != 2 or value.shape[1] != columns:
         wanted = f"must be numbers of shape (K, {columns}), {columns} being the {what}"
         raise ArgumentError(name, f"{wanted}, not {value.dtype} {value.shape}")
     made = value.astype(np.complex128)
-    if not (np.isfinite(made).all() and np.abs(made).max(initial=0.0) <= MAX_AMPLITUDE):
+    there = made[~np.isnan(made)] if gaps else made
+    if not (np.isfinite(there).all() and np.abs(there).max(initial=0.0) <= MAX_AMPLITUDE):
         raise ArgumentError(name, f"must be finite, and at most {MAX_AMPLITUDE:g}")
     return made
 

@@ -1,15 +1,13 @@
-"""The response of each transducer, from a microphone scan.
+"""The response of each transducer, P0, the speed of sound and the array's pose, from a microphone scan.
 
-Least squares for s, q and c in
+Least squares for s, q, c and the pose T of the array in the frame of the scan, in
 
-    X_mn = mu s_n B_mn(q_m, c),    B as in `pacinian.matrix`, with the absorption of air
+    X_mn = mu s_n B_mn(q_m, c, T),    B as in `pacinian.matrix`, with the absorption of air
 
 X_mn is the reading of the microphone at position m while only transducer n is driven. mu, the microphone's gain and
 phase, is one complex number for the whole scan. It cannot be separated from a factor common to all responses, so their
-mean strength is set to 1 and their common phase to 0. For given positions q and speed of sound c, each s_n follows in
-closed form.
-Gauss-Newton steps correct q and c with s eliminated (variable projection, Golub and Pereyra 1973). Readings far from
-the rest lose their weight (Cauchy's, iterated).
+mean strength is set to 1 and their common phase to 0; the factor is P0 in the microphone's unit.
+`pacinian.devices.scan_model` has the method.
 """
 
 from __future__ import annotations
@@ -20,59 +18,89 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.acoustics.propagation import matrix
 from pacinian.checks import check_near, check_number, check_numbers
+from pacinian.devices.scan_model import MIN_SUM, Prior, ScanModel, fit_model
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
+    from pacinian.acoustics.pose import Pose
     from pacinian.types import ArrayLike, Complexes, Flags, Floats
 
 MIN_POSITIONS, MAX_POSITIONS = 6, 1000
-MIN_SPEED, MAX_SPEED = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
-TRIAL_STEP = 0.5  # step of the first grid search over the speed of sound [m/s]
-SPEED, SPEED_ERROR = 343.0, 10.0  # prior of the speed of sound: a room, give or take 17 K [m/s]
 POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
+SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's frame [m], [rad]
 MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
-MAX_STEPS = 60  # Gauss-Newton steps
-SETTLED = 1e-7  # largest correction of a position at convergence [m]
-OUTLYING = 3.0  # distance at which a reading loses weight, in standard errors
+MAX_POSE_MOVE = 3.0  # rms correction of the pose, in standard errors
 TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
-MIN_NOISE = 1e-4  # noise floor, relative to that quantile: no microphone is better
 MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
-MIN_SUM = 1e-300  # floor of sums of squares that are divisors
-MEDIAN = 1.177  # median of a Rayleigh distribution of unit scale
+MIN_TOLD = (
+    0.1  # information from the scan, relative to that from before; below, a parameter is unknown
+)
+MIN_SHARE = 0.2  # share of a parameter in what is unknown, from which it is named
+SHARED = (
+    "speed of sound",
+    "absorption of the air",
+    *(f"shift of the array along {axis}" for axis in "xyz"),
+    *(f"turn of the array about {axis}" for axis in "xyz"),
+)  # what all positions have in common
+REMEDIES = {
+    SHARED[
+        0
+    ]: "give the temperature, or measure at distances of which the largest is twice the smallest",
+    **dict.fromkeys(
+        SHARED[2:5], "measure where the array is, or scan at more positions, at different heights"
+    ),
+    **dict.fromkeys(
+        SHARED[5:8], "measure the array's tilt, or scan positions over twice the array's width"
+    ),
+}  # the absorption needs none: it makes P0 uncertain, and little else
 
 
 @dataclass(frozen=True, eq=False)
 class ScanFit:
-    """The fit of N transducers to a scan at M positions.
+    """The fit of N transducers to a scan at M positions. Errors are standard errors.
 
     responses: complex responses, (N,), of mean strength 1; 0 if dead, 1 if unseen.
-    errors: standard errors of the responses, (N,), both of their relative strengths and of their phases [rad].
+    gain_errors, phase_errors: errors of the responses' sizes, relative, and of their phases [rad], (N,).
     dead: weaker than a tenth of the mean, (N,). unseen: the scan does not determine the response, (N,). reversed: in
         antiphase to most others, (N,).
-    positions: corrected positions of the microphone [m], (M, 3). residuals: unexplained part of a typical reading at
-        each position, relative to the expected rms there, (M,). residual: the same for the whole scan. outliers:
-        number of readings that lost most of their weight.
-    speed_of_sound: fitted or given speed [m/s]. speed_error: its standard error [m/s]. gain: ratio of the rms reading
-        to the predicted sound pressure [microphone's unit/Pa].
+    positions: corrected positions of the microphone [m], (M, 3), with position_errors [m], (M, 3). residuals:
+        unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual: the
+        same for the whole scan. outliers: number of readings that lost most of their weight.
+    speed_of_sound: fitted or given speed [m/s]. speed_error: its error [m/s].
+    pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
+        its centre [m] and the turn about its centre as a rotation vector [rad], (3,) each. pose_errors: errors of both,
+        (6,).
+    pressure: mean P0 of the transducers that are not dead [microphone's unit x m]. pressure_error: its relative error,
+        without that of the microphone's sensitivity.
+    covariance: of the speed of sound, the absorption [1/m], the shift, the turn and ln P0, in this order, (9, 9).
+    vague: what the scan does not tell, or does not tell apart, each with the remedy. The errors include it.
     """
 
     responses: Complexes
-    errors: Floats
+    gain_errors: Floats
+    phase_errors: Floats
     dead: Flags
     unseen: Flags
     reversed: Flags
     positions: Floats
+    position_errors: Floats
     residuals: Floats
     residual: float
     outliers: int
     speed_of_sound: float
     speed_error: float
-    gain: float
+    pose: Pose
+    shift: Floats
+    turn: Floats
+    pose_errors: Floats
+    pressure: float
+    pressure_error: float
+    covariance: Floats
+    vague: tuple[str, ...]
 
 
 def fit_scan(
@@ -81,42 +109,80 @@ def fit_scan(
     readings: Complexes,
     *,
     position_error: float = POSITION_ERROR,
+    shift_error: float = SHIFT_ERROR,
+    turn_error: float = TURN_ERROR,
     speed_of_sound: float | None = None,
 ) -> ScanFit:
     """Fit the response of each of N transducers to a scan at M positions.
 
     array: array as described, without responses. positions: positions of the microphone [m], (M, 3). readings: complex
     readings in any unit, (M, N), of positive phase where the sound leads; NaN if missing. position_error: standard
-    error of each coordinate [m]; above 1 mm the fit may converge a whole wavelength off. speed_of_sound: [m/s]; fitted
-    by default. Raises ArgumentError, also if the scan does not fit the array.
+    error of each coordinate of a position [m]; above 1 mm the fit may converge a whole wavelength off. shift_error,
+    turn_error: standard errors of the array's place [m] and tilt [rad] in the frame of the positions; 0 if they are
+    exact. speed_of_sound: [m/s]; fitted by default. Raises ArgumentError, also if the scan does not fit the array, or
+    has fewer readings than unknowns.
     """
     q0 = check_numbers("positions", positions, (None, 3))
     check_near("positions", q0, array.centre)
-    if not MIN_POSITIONS <= len(q0) <= MAX_POSITIONS:
-        wanted = f"{MIN_POSITIONS} to {MAX_POSITIONS}; 8 or more are good"
-        raise ArgumentError("positions", f"must be {wanted}, not {len(q0)}")
     check_number("position_error", position_error, low=1e-6, high=0.01)
+    check_number("shift_error", shift_error, low=0.0, high=0.01)
+    check_number("turn_error", turn_error, low=0.0, high=0.1)
     X = np.asarray(readings, np.complex128)
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")
+    if len(q0) > MAX_POSITIONS:
+        raise ArgumentError("positions", f"must be at most {MAX_POSITIONS}, not {len(q0)}")
     read = ~np.isnan(X)
     finite = read.any() and bool(np.isfinite(X[read]).all())
     size = float(np.quantile(np.abs(X[read]), TYPICAL)) if finite else 0.0
-    if not 0.0 < size < np.inf:
+    if len(q0) and not 0.0 < size < np.inf:
         raise ArgumentError("readings", "must be finite, and most of them not 0")
-    X = np.where(read, X / size, 0.0)
-    best = _Fit(array, q0, X, read, position_error, speed_of_sound)
-    if best.residual > MAX_RESIDUAL:
-        turned = _Fit(array, q0, X.conj(), read, position_error, speed_of_sound)
-        raise ArgumentError("readings", _advise(best.residual, turned.residual))
-    moved = float(np.sqrt(np.mean((best.q - q0) ** 2)))
+    X = np.where(read, X / max(size, MIN_SUM), 0.0)
+    prior = Prior(
+        position_error,
+        shift_error,
+        turn_error,
+        speed_of_sound,
+        Air(attenuation="absorbing").beta(array.transducer.frequency),
+    )
+    if len(q0) < MIN_POSITIONS:
+        vague = _find_vague(fit_model(array, q0, X, read, prior)) if len(q0) else ()
+        wanted = f"{MIN_POSITIONS} to {MAX_POSITIONS}; 8 or more are good"
+        raise ArgumentError("positions", "; ".join([f"must be {wanted}, not {len(q0)}", *vague]))
+    _check_count(read)
+    best = fit_model(array, q0, X, read, prior)
+    if _residual(best) > MAX_RESIDUAL:
+        turned = fit_model(array, q0, X.conj(), read, prior)
+        raise ArgumentError("readings", _advise(_residual(best), _residual(turned)))
+    moved = float(np.sqrt(np.mean((best.positions - q0) ** 2)))
     if moved > MAX_MOVE * position_error:
         raise ArgumentError(
             "positions",
             f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
             f"{1e3 * position_error:g} mm: measure them again, and check the temperature if it is given",
         )
-    return best.finish(size)
+    pose = np.r_[best.shift, best.turn] / prior.shared[2:]
+    if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
+        raise ArgumentError(
+            "positions",
+            f"fit an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
+            f"{np.linalg.norm(best.turn):.3f} rad, far more than its pose is wrong by: measure the pose again",
+        )
+    return _finish(best, size)
+
+
+def _check_count(read: Flags) -> None:
+    """Raise ArgumentError if there are fewer readings than unknowns. read: which there are, (M, N)."""
+    M, T, count = len(read), int(read.any(axis=0).sum()), int(read.sum())
+    unknowns = 2 * T + 3 * M + len(SHARED)
+    if 2 * count <= unknowns:
+        raise ArgumentError(
+            "readings",
+            f"are {2 * count} numbers for {unknowns} unknowns (2 for each of {T} transducers, 3 for each of {M} "
+            f"positions, {len(SHARED)} for the air and the pose): the phases of the transducers cannot be told apart "
+            f"from the positions, the {SHARED[0]} and the pose. Read more transducers at each position: "
+            f"{(unknowns // 2) // M + 1} or more",
+        )
 
 
 def _advise(residual: float, turned: float) -> str:
@@ -129,151 +195,119 @@ def _advise(residual: float, turned: float) -> str:
     )
 
 
-class _Fit:
-    """State of the iteration. X: readings, (M, N), 0 if missing."""
+def _compare(noise: float, expected: Complexes) -> float:
+    rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
+    return float(np.sqrt(2.0)) * noise / max(rms, MIN_SUM)
 
-    def __init__(
-        self, array: Array, q: Floats, X: Complexes, read: Flags, error: float, c: float | None
-    ) -> None:
-        self.array, self.X, self.read, self.W = array, X, read, read.astype(np.float64)
-        M = len(q)
-        self.q, self.c = q.copy(), SPEED if c is None else c
-        if c is None:
-            self.c = self._try_speeds()
-        prior = np.r_[np.full(3 * M, error), SPEED_ERROR if c is None else 1e-9] ** -2.0
-        first = np.r_[q.ravel(), SPEED if c is None else c]
-        for _ in range(MAX_STEPS):
-            self._weigh()
-            H, slope = self._normal()
-            away = np.r_[self.q.ravel(), self.c] - first
-            self.cov = np.linalg.inv(H / self.noise**2 + np.diag(prior))
-            step = self.cov @ (slope / self.noise**2 - prior * away)
-            self.q += step[:-1].reshape(M, 3)
-            self.c = float(np.clip(self.c + step[-1], MIN_SPEED, MAX_SPEED))
-            if np.abs(step[:-1]).max() < SETTLED:
-                break
-        self._weigh()
 
-    def _propagate(self, c: float) -> Complexes:
-        medium = Air(speed_of_sound=c, attenuation="absorbing")
-        B: Complexes = matrix(self.array, self.q, medium) / self.array.transducer.pressure
-        return B
+def _residual(model: ScanModel) -> float:
+    """Return the unexplained part of a typical reading, relative to the expected rms."""
+    return _compare(model.noise, model.F[model.read])
 
-    def _try_speeds(self) -> float:
-        """Return the speed of sound [m/s] of a coarse grid that explains the readings best."""
-        B, r = self._propagate(self.c), self._distances()[1][..., 0]
-        S = np.maximum((self.read * np.abs(B) ** 2).sum(axis=0), MIN_SUM)
 
-        def explain(c: float) -> float:
-            turn = self._wavenumber(c) - self._wavenumber(self.c)
-            heard = (B.conj() * np.exp(1j * turn * r) * self.X).sum(axis=0)
-            return float((np.abs(heard) ** 2 / S).sum())
+def _find_vague(model: ScanModel) -> tuple[str, ...]:
+    """Return which shared parameters the scan tells hardly better than they were known before, with remedies.
 
-        return float(max(np.arange(MIN_SPEED, MAX_SPEED, TRIAL_STEP), key=explain))
+    Parameters that only a combination of them is known of are named together.
+    """
+    first, prior = 3 * len(model.p), model.prior.shared
+    asked = np.flatnonzero(
+        [error > 1e-6 and name in REMEDIES for error, name in zip(prior, SHARED, strict=True)]
+    )
+    after = model.cov[first:, first:][np.ix_(asked, asked)] / np.outer(prior[asked], prior[asked])
+    gained = np.linalg.inv(after) - np.eye(len(asked))  # by the readings, relative to the priors
+    values, vectors = np.linalg.eigh((gained + gained.T) / 2.0)
+    unknown = vectors[:, values < MIN_TOLD]
+    share = np.abs(unknown @ unknown.T)
+    left = [i for i in range(len(asked)) if share[i, i] >= MIN_SHARE]
+    groups: list[tuple[str, list[str]]] = []  # what cannot be told apart, with remedies
+    while left:
+        names = [SHARED[asked[i]] for i in left if share[left[0], i] >= MIN_SHARE]
+        left = [i for i in left if share[left[0], i] < MIN_SHARE]
+        fix = "; ".join(dict.fromkeys(REMEDIES[name] for name in names))
+        groups.append((fix, names))
+    alone: dict[str, list[str]] = {}  # by remedy
+    for fix, names in groups:
+        if len(names) == 1:
+            alone.setdefault(fix, []).append(names[0])
+    told = [
+        f"the scan does not tell the {', the '.join(names)}: {fix}" for fix, names in alone.items()
+    ]
+    together = [
+        f"the scan does not tell apart the {', the '.join(names[:-1])} and the {names[-1]}: {fix}"
+        for fix, names in groups
+        if len(names) > 1
+    ]
+    return (*told, *together)
 
-    def _distances(self) -> tuple[Floats, Floats]:
-        d = self.q[:, None, :] - self.array.positions  # (M, N, 3) [m]
-        return d, np.sqrt((d * d).sum(axis=2, keepdims=True))
 
-    def _wavenumber(self, c: float) -> float:
-        return 2.0 * np.pi * self.array.transducer.frequency / c
+def _finish(model: ScanModel, size: float) -> ScanFit:
+    """Normalise, find dead, unseen and reversed transducers, and propagate errors. Raises ArgumentError.
 
-    def _responses(self, B: Complexes) -> Complexes:
-        self.V = self.W * np.abs(B) ** 2  # (M, N)
-        self.S = self.V.sum(axis=0)  # (N,)
-        s: Complexes = (self.W * B.conj() * self.X).sum(axis=0) / np.maximum(self.S, MIN_SUM)
-        return s
-
-    def _weigh(self) -> None:
-        """Update the responses for these positions, the noise (standard error of a real part) and the weights."""
-        B = self._propagate(self.c)
-        F = B * self._responses(B)
-        count = self.read.sum(
-            axis=0
-        )  # readings of each transducer; its response uses up one degree of freedom
-        spent = np.sqrt(np.maximum(1.0 - 1.0 / np.maximum(count, 1), 0.25))
-        self.away = np.abs(self.X - F) / spent
-        self.noise = max(float(np.median(self.away[self.read])) / MEDIAN, MIN_NOISE)
-        self.W = self.read / (1.0 + (self.away / (OUTLYING * self.noise)) ** 2)
-        self.s = self._responses(B)
-        self.F = B * self.s
-
-    def _normal(self) -> tuple[Floats, Floats]:
-        """Return the normal equations of positions and speed, responses eliminated: (3M + 1, 3M + 1), (3M + 1,).
-
-        dF/dq = -j k u F, dF/dc = j k r / c F. Only phases count, because amplitudes change 100 times more slowly.
-        """
-        d, r = self._distances()
-        k = self._wavenumber(self.c)
-        T = np.concatenate([-k * d / r, k * r / self.c], axis=2)  # (M, N, 4)
-        M, N = self.X.shape
-        own = np.einsum("mn,mni,mnj->mij", self.V * np.abs(self.s) ** 2, T, T, optimize=True)
-        H = np.zeros((3 * M + 1, 3 * M + 1))
-        for m in range(M):
-            part = slice(3 * m, 3 * m + 3)
-            H[part, part] = own[m, :3, :3]
-            H[part, -1] = H[-1, part] = own[m, :3, 3]
-        H[-1, -1] = own[:, 3, 3].sum()
-        VT = self.V[..., None] * T
-        pulled = np.concatenate(
-            [VT[..., :3].transpose(0, 2, 1).reshape(3 * M, N), VT[..., 3].sum(axis=0)[None]]
+    size: reading that was scaled to 1.
+    """
+    strength, noise = np.abs(model.s), model.response_noise
+    mean, seen = 0.0, model.S > 0.0
+    for _ in range(3):  # the mean is over transducers that are seen and alive
+        mean = float(strength[seen].mean()) if seen.any() else 0.0
+        seen = (noise <= MAX_ERROR * mean) & (strength > MIN_STRENGTH * mean)
+    if not seen.any():
+        raise ArgumentError(
+            "readings",
+            "show no transducer: place the microphone before the array, drive it harder",
         )
-        self.turn: Floats = pulled / np.maximum(self.S, MIN_SUM)
-        H -= (pulled * np.abs(self.s) ** 2) @ self.turn.T
-        G = np.einsum("mni,mn->mi", T, self.W * np.imag(self.F.conj() * (self.X - self.F)))
-        return H, np.r_[G[:, :3].ravel(), G[:, 3].sum()]
-
-    @property
-    def residual(self) -> float:
-        """Unexplained part of a typical reading, relative to the expected rms."""
-        return self._compare(self.noise, self.F[self.read])
-
-    @staticmethod
-    def _compare(noise: float, expected: Complexes) -> float:
-        rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
-        return float(np.sqrt(2.0)) * noise / max(rms, MIN_SUM)
-
-    def finish(self, size: float) -> ScanFit:
-        """Normalise, and find dead, unseen and reversed transducers. Raises ArgumentError.
-
-        size: reading that was scaled to 1.
-        """
-        strength, noise = np.abs(self.s), self.noise / np.sqrt(np.maximum(self.S, MIN_SUM))
-        mean, seen = 0.0, self.S > 0.0
-        for _ in range(3):  # the mean is over transducers that are seen and alive
-            mean = float(strength[seen].mean()) if seen.any() else 0.0
-            seen = (noise <= MAX_ERROR * mean) & (strength > MIN_STRENGTH * mean)
-        if not seen.any():
-            raise ArgumentError(
-                "readings",
-                "show no transducer: place the microphone before the array, drive it harder",
-            )
-        unseen = noise > MAX_ERROR * mean
-        s = self.s / mean
-        axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # squares: reversed ones do not cancel
-        s = s * np.exp(-0.5j * np.angle(axis))
-        if s[seen].real.sum() < 0.0:
-            s = -s
-        dead = ~unseen & ~seen
-        s[dead], s[unseen] = 0.0, 1.0
-        turn = self.turn - self.turn[:, seen].mean(axis=1, keepdims=True)  # phase by q and c
-        by_place = np.einsum("pn,pq,qn->n", turn, self.cov, turn, optimize=True)
-        relative = noise / np.where(seen, strength, mean)
-        residuals = [
-            self._compare(float(np.median(away[read])) / MEDIAN, F[read]) if read.any() else 0.0
-            for away, F, read in zip(self.away, self.F, self.read, strict=True)
-        ]
-        return ScanFit(
-            s,
-            np.sqrt(relative**2 + by_place),
-            dead,
-            unseen,
-            seen & (s.real < 0.0),
-            self.q,
-            np.array(residuals),
-            self.residual,
-            int((self.read & (self.W < 0.1)).sum()),
-            self.c,
-            float(np.sqrt(self.cov[-1, -1])),
-            mean * size / self.array.transducer.pressure,
-        )
+    unseen = noise > MAX_ERROR * mean
+    s = model.s / mean
+    axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # squares: reversed ones do not cancel
+    s = s * np.exp(-0.5j * np.angle(axis))
+    if s[seen].real.sum() < 0.0:
+        s = -s
+    dead = ~unseen & ~seen
+    s[dead], s[unseen] = 0.0, 1.0
+    M = len(model.p)
+    weight = np.where(seen, strength, 0.0) / strength[seen].sum()  # of each response in the mean
+    common = model.J @ weight  # d ln mean / d (p, c, beta)
+    J = model.J - common[:, None]
+    cov = model.cov[: 3 * M + 2, : 3 * M + 2]
+    by_size, by_phase = (
+        np.einsum("pn,pq,qn->n", K, cov, K, optimize=True) for K in (J.real, J.imag)
+    )
+    own = (noise / np.where(seen, strength, mean)) ** 2
+    shared = float((weight**2 * own).sum())
+    own = np.maximum(own * (1.0 - 2.0 * weight) + shared, 0.0)
+    K = np.zeros((9, 3 * M + 8))  # speed, absorption, shift, turn, ln P0
+    K[:8, 3 * M :] = np.eye(8)
+    K[8, : 3 * M + 2] = common.real
+    covariance = K @ model.cov @ K.T
+    covariance[8, 8] += shared
+    places = np.einsum("mip,pq,miq->mi", model.D, model.cov, model.D, optimize=True)
+    residuals = [
+        _compare(float(np.median(away[read])) / np.sqrt(np.log(4.0)), F[read])
+        if read.any()
+        else 0.0
+        for away, F, read in zip(model.away, model.F, model.read, strict=True)
+    ]
+    errors = np.sqrt(np.diag(covariance))
+    return ScanFit(
+        responses=s,
+        gain_errors=np.sqrt(own + by_size),
+        phase_errors=np.sqrt(own + by_phase),
+        dead=dead,
+        unseen=unseen,
+        reversed=seen & (s.real < 0.0),
+        positions=model.positions,
+        position_errors=np.sqrt(places),
+        residuals=np.array(residuals),
+        residual=_residual(model),
+        outliers=int((model.read & (model.W < 0.1)).sum()),
+        speed_of_sound=model.c,
+        speed_error=float(errors[0]),
+        pose=model.pose,
+        shift=model.shift,
+        turn=model.turn,
+        pose_errors=errors[2:8],
+        pressure=mean * size,
+        pressure_error=float(errors[8]),
+        covariance=covariance,
+        vague=_find_vague(model),
+    )

@@ -27,6 +27,7 @@ CASES = {
     "phase": pc.Uncertainty(phase=0.8),
     "gain": pc.Uncertainty(gain=0.4),
     "all": ALL,
+    "each": pc.Uncertainty(phase=CHANCE.uniform(0.0, 0.8, N), gain=CHANCE.uniform(0.0, 0.4, N)),
 }
 
 
@@ -35,13 +36,14 @@ def throw(u: pc.Uncertainty) -> tuple[Any, Any]:
     chance = np.random.default_rng(1)
     r = np.sqrt(((Q[:, None] - R) ** 2).sum(axis=2))  # (M, N)
     p, P = np.empty((TRIALS, M)), np.empty((TRIALS, M))
+    gain, phase = np.asarray(u.gain), np.asarray(u.phase)
     for k in range(TRIALS):
         strength = 3.0 * math.exp(u.pressure * chance.standard_normal())
         kelvin = 293.15 + u.temperature * chance.standard_normal()
         c = math.sqrt(1.4 * 8.314462618 * kelvin / 0.0289647)
         rho = 101_325.0 * 0.0289647 / (8.314462618 * kelvin)
-        g = G * (1.0 + u.gain * chance.standard_normal(N))
-        g *= np.exp(1j * u.phase * chance.standard_normal(N))
+        g = G * (1.0 + gain * chance.standard_normal(N))
+        g *= np.exp(1j * phase * chance.standard_normal(N))
         p[k] = np.abs((strength / r * np.exp(-2j * math.pi * 40e3 / c * r)) @ g)
         P[k] = p[k] ** 2 / (rho * c * c)
     return p, P
@@ -137,6 +139,7 @@ def test_no_points_have_no_band() -> None:
         ("points", {"points": 1e3 * Q}),  # millimetres
         ("points", {"points": R[:2]}),
         ("uncertainty", {"uncertainty": 0.1}),
+        ("uncertainty", {"uncertainty": pc.Uncertainty(phase=[0.1, 0.2])}),
         ("confidence", {"confidence": 95.0}),  # percent
         ("samples", {"samples": 10}),
         ("samples", {"samples": 10**9}),
@@ -157,6 +160,6 @@ def test_bad_arguments_are_named(argument: str, change: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("name", ["pressure", "temperature", "phase", "gain"])
 def test_deviations_that_cannot_be_meant_are_refused(name: str) -> None:
-    for value in (-0.1, np.nan, 45.0):
+    for value in (-0.1, np.nan, 45.0, [0.1, -0.1], [[0.1]], [0.1, 45.0], "large"):
         with pytest.raises(pc.ArgumentError, match=name):
             pc.Uncertainty(**{name: value})

@@ -8,6 +8,7 @@ import re
 import zipfile
 from typing import TYPE_CHECKING, Any
 
+import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -76,6 +77,20 @@ class Bench:
         np.savez(path, **{k: v for k, v in (parts | changes).items() if v is not None})
         return path
 
+    def hdf5(self, units: bool = True, **changes: Any) -> Path:
+        path = self.folder / "scan.h5"
+        parts: dict[str, Any] = {"positions": 1e3 * self.q, "readings": 1e3 * self.X} | changes
+        with h5py.File(path, "w") as file:
+            for name, value in parts.items():
+                if isinstance(value, h5py.ExternalLink):
+                    file[name] = value
+                else:
+                    file.create_dataset(name, data=value)
+            if units:
+                file["positions"].attrs["units"] = "mm"
+                file["readings"].attrs["units"] = np.bytes_("mPa")
+        return path
+
     def found(self, out: Path) -> Any:
         """Responses by channel, as the description takes them from a calibration."""
         text = f"calibration = {json.dumps(str(out))}\n" + self.file.read_text().replace(
@@ -99,10 +114,17 @@ def run(*words: object) -> tuple[int, str]:
     return done.exit_code, done.output
 
 
-@pytest.mark.parametrize("kind", ["csv", "npz", "two files", "shuffled"])
+@pytest.mark.parametrize("kind", ["csv", "npz", "npz alone", "hdf5", "two files", "shuffled"])
 def test_a_scan_becomes_a_calibration(bench: Bench, kind: str) -> None:
     scans = [bench.npz() if kind == "npz" else bench.csv()]
-    if kind == "two files":
+    if kind == "npz alone":
+        scans = [bench.npz(drives=None, readings=bench.X)]
+    elif kind == "hdf5":
+        scans = [bench.hdf5()]
+        assert (
+            "P0 is 1.1" in run("calibrate", bench.file, *scans, "--out", bench.folder / "b.csv")[1]
+        )
+    elif kind == "two files":
         rows = bench.rows()
         scans = [bench.csv(HEAD + "".join(rows[:240])), bench.folder / "b.csv"]
         scans[1].write_text(HEAD + "\n".join(rows[240:]))
@@ -131,8 +153,62 @@ def test_it_can_be_read_by_programs_and_the_temperature_given(bench: Bench) -> N
     made = json.loads(told)
     assert code == 0
     assert len(made["channels"]) == 60
-    assert all(0.0 < one["error"] < 0.05 for one in made["channels"] if one["gain"])
-    assert {f["name"] for f in made["findings"]} >= {"fit", "air", "phase", "dead"}
+    alive = [one for one in made["channels"] if one["gain"]]
+    assert all(0.0 < one[f"{part}_error"] < 0.1 for one in alive for part in ("gain", "phase"))
+    assert {f["name"] for f in made["findings"]} >= {
+        "fit",
+        "air",
+        "pose",
+        "phase",
+        "strength",
+        "dead",
+    }
+    assert made["speed_error"] < 1e-6
+    assert np.abs(made["pose"]["position"]).max() < 4.0 * max(made["pose_errors"][:3])
+    assert made["pressure"] == pytest.approx(0.3 * 4.386 * np.abs(bench.truth).sum() / 58, rel=0.02)
+    assert made["pressure_error"] > 0.1  # of the microphone
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"),
+    [
+        ("[Pa]", "P0 is 1.1.* Pa m, give or take 10%.*\n.*set pressure = 1.1"),
+        ("[mPa]", "warning +strength.*times the described.*\n.*unit of the readings"),
+        ("(V)", "P0 is 1.1.* V m.*\n.*pascal"),
+        ("", "P0 is 1.1.* units m.*\n.*pascal"),
+    ],
+)
+def test_p0_is_told_in_the_unit_of_the_readings(bench: Bench, unit: str, told: str) -> None:
+    head = HEAD.replace("amplitude", f"amplitude {unit}").replace("phase", "phase [deg]")
+    head = head.replace("x,y", "x [mm],y [m]")
+    rows = [row.strip().split(",") for row in bench.rows()]
+    text = "".join(
+        ",".join([f"{1e3 * float(x)}", *rest, f"{np.degrees(float(phase))}"]) + "\n"
+        for x, *rest, phase in rows
+    )
+    code, said = run(
+        "calibrate", bench.file, bench.csv(head + text), "--out", bench.folder / "o.csv"
+    )
+    assert code == 0, said
+    assert re.search(told, said), said
+
+
+def test_a_calibration_s_errors_are_the_description_s(bench: Bench) -> None:
+    """From the scan to a band: the errors of each transducer, in the order of the array."""
+    out = bench.folder / "out.csv"
+    run("calibrate", bench.file, bench.csv(), "--out", out)
+    bench.found(out)
+    device = pc.DeviceDescription.load(bench.folder / "calibrated.toml")
+    unsure, array = device.uncertainty(temperature=2.0), device.array()
+    rows = {tuple(r[:2]): r[2:] for r in (line.split(",") for line in out.read_text().split()[1:])}
+    for wiring in device.wiring:
+        for channel, index in zip(wiring.channels, wiring.indices, strict=True):
+            errors = rows[wiring.serial, str(channel)][2:]
+            assert (unsure.gain[index], unsure.phase[index]) == pytest.approx([*map(float, errors)])  # type: ignore[index]
+    assert (unsure.pressure, unsure.temperature, len(unsure.gain)) == (0.3, 2.0, len(array))  # type: ignore[arg-type]
+    described = pc.DeviceDescription.load(bench.file).uncertainty()
+    assert set(described.gain) == {0.1}  # type: ignore[arg-type]
+    assert set(described.phase) == {0.35}  # type: ignore[arg-type]
 
 
 def test_what_was_not_scanned_is_left_as_described_and_told(bench: Bench) -> None:
@@ -167,7 +243,13 @@ def test_what_was_not_scanned_is_left_as_described_and_told(bench: Bench) -> Non
         (HEAD + "0,0,0.2,A,0,-1,0\n", "line 2.*`amplitude`"),
         (HEAD + "0,0,0.2,A,0,1,90\n", "line 2.*`phase`.*degrees"),
         (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,0,1,1\n", "line 3.*again"),
-        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,1\n", "`positions` must be 6"),
+        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,1\n", "`positions` must be 6.*not tell the speed"),
+        (HEAD.replace("x,", "x [inch],"), "line 1.*`x` in 'inch'; there are m, cm"),
+        (HEAD.replace("amplitude", "amplitude [dB]"), "line 1.*`amplitude` in 'dB'; there are Pa"),
+        (
+            HEAD + "".join(f"0,0,{0.2 + 0.02 * i},A,{i},1,{i % 3}\n" for i in range(9)),
+            "fewer|18 numbers for .* unknowns.*told apart",
+        ),
         (HEAD + "0,0,200,A,0,1,0\n0,0,200,A,1,1,1\n", "millimetres"),
         (HEAD + "".join(f"0,0,{i},A,0,1,{i % 3}\n" for i in range(1001)), "line 1002.*1000"),
         ("\xff\xfe" + HEAD, "not CSV|line 1"),
@@ -185,7 +267,13 @@ def test_a_csv_that_is_wrong_is_told_with_its_line(bench: Bench, text: str, told
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"drives": None}, "lacks drives"),
+        ({"positions": None}, "lacks positions"),
+        ({"drives": None}, r"readings.*\(K, 60\)"),
+        ({"drives": None, "readings": np.ones((9, 60)) + 0j}, "must be of 10 positions, not 9"),
+        (
+            {"drives": None, "readings": np.eye(10, 60) + 1j, "positions": np.zeros((10, 3))},
+            "0 0 0 m twice, with 60 channels.*average",
+        ),
         ({"drives": np.eye(59) + 0j}, r"drives.*\(K, 60\)"),
         ({"drives": np.ones((64, 60)) + 0j}, "tell the 60 channels apart.*Hadamard"),
         ({"drives": np.eye(60) + 0j}, "readings.*60 patterns"),
@@ -204,6 +292,35 @@ def test_an_npz_that_is_wrong_is_told(bench: Bench, changes: dict[str, Any], tol
     assert re.search(told, said), said
 
 
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"positions": h5py.ExternalLink("other.h5", "x")}, "not a link"),
+        ({"readings": np.ones((10, 60))}, "no phases"),
+        ({"readings": h5py.Empty("c16")}, "readings.*shape"),
+        ({"positions": np.ones((10, 2))}, "positions.*shape"),
+        ({"readings": np.full((10, 60), np.inf + 1j)}, "readings.*finite"),
+    ],
+)
+def test_an_hdf5_that_is_wrong_is_told(bench: Bench, changes: dict[str, Any], told: str) -> None:
+    path = bench.hdf5(units=False, **changes)
+    code, said = run("calibrate", bench.file, path, "--out", bench.folder / "o.csv")
+    assert code == 2
+    assert re.search(told, said), said
+
+
+def test_hdf5_by_matlab_and_units_that_are_none(bench: Bench) -> None:
+    made = np.empty(bench.X.shape, [("real", "f8"), ("imag", "f8")])
+    made["real"], made["imag"] = 1e3 * bench.X.real, 1e3 * bench.X.imag
+    path = bench.hdf5(readings=made)
+    assert run("calibrate", bench.file, path, "--out", bench.folder / "o.csv")[0] == 0
+    with h5py.File(path, "a") as file:
+        file["positions"].attrs["units"] = "furlong"
+    assert "in 'furlong'; there are m, cm" in run("calibrate", bench.file, path)[1]
+    path.write_bytes(b"nothing")
+    assert "is not HDF5" in run("calibrate", bench.file, path)[1]
+
+
 def test_bombs_and_files_that_are_none_are_refused(bench: Bench, monkeypatch: Any) -> None:
     path = bench.folder / "scan.npz"
     claim = io.BytesIO()
@@ -216,7 +333,8 @@ def test_bombs_and_files_that_are_none_are_refused(bench: Bench, monkeypatch: An
     assert "is not NPZ" in run("calibrate", bench.file, path)[1]
     path.write_bytes(b"nothing")
     assert "is not NPZ" in run("calibrate", bench.file, path)[1]
-    monkeypatch.setattr("pacinian.devices.scan.MAX_NPZ_BYTES", 1000)
+    monkeypatch.setattr("pacinian.devices.scan.MAX_ARRAY_BYTES", 1000)
+    assert "is larger" in run("calibrate", bench.file, bench.hdf5())[1]
     assert "is larger" in run("calibrate", bench.file, bench.npz())[1]
     monkeypatch.setattr("pacinian.devices.scan.MAX_BYTES", 1000)
     assert "is larger" in run("calibrate", bench.file, bench.csv())[1]

@@ -44,6 +44,11 @@ def device(tmp_path: Path) -> Path:
         (HEAD + "A,0,1.0,0.0\n\nA,one,1.0,0.0\n", "line 4: must be numbers"),
         (HEAD + "A,1.5,1.0,0.0\n", "line 2.*`channel`.*whole"),
         (HEAD + "A,-1,1.0,0.0\n", "line 2.*`channel`"),
+        (HEAD.replace("\n", ",gain_error,phase_error\n") + "A,1,1.0,0.0\n", "line 2: must have 6"),
+        (
+            HEAD.replace("\n", ",gain_error,phase_error\n") + "A,1,1,0,-1,0\n",
+            "line 2.*`gain_error`",
+        ),
         (HEAD + "A,1,nan,0.0\n", "line 2.*`gain`.*finite"),
         (HEAD + "A,1,-1.0,0.0\n", "line 2.*`gain`"),
         (HEAD + "A,1,1.0,inf\n", "line 2.*`phase`"),
@@ -65,9 +70,11 @@ def test_what_is_wrong_is_told_with_its_line(device: Path, text: str, told: str)
 def test_what_was_measured_goes_before_what_is_written(device: Path) -> None:
     text = device.read_text() + "gain = 0.7\nphase = 1.0\n"  # of board B
     device.write_text(text)
-    rows = "B,3,0.5,-1.0\nB,4,0.0,0.0\nB,5,0.0005,0.0\n"
-    (device.parent / "heard.csv").write_text("\ufeff" + HEAD + rows, encoding="utf-8")
+    rows = "B,3,0.5,-1.0,0.02,0.03\nB,4,0.0,0.0,0,0\nB,5,0.0005,0.0,0.1,0.1\n"
+    head = HEAD.replace("\n", ",gain_error,phase_error\n")
+    (device.parent / "heard.csv").write_text("\ufeff" + head + rows, encoding="utf-8")
     board = pc.DeviceDescription.load(device).boards[1]
+    assert [errors[2:4].tolist() for errors in board.errors] == [[0.1, 0.02], [0.35, 0.03]]
     np.testing.assert_allclose(board.responses[2:4], [0.7 * np.exp(1j), 0.5 * np.exp(-1j)])
     assert board.alive.tolist() == [c for c in range(249) if c not in (4, 5)]
 

@@ -29,6 +29,7 @@ levels = { phases = 128, amplitudes = 65 }
 [transducer]
 frequency = 40500.0
 pressure = 3.4
+pressure_error = 0.2
 directivity = { angles = [0, 0.7, 1.5708], values = [1, 0.6, 0.1] }
 
 [[boards]]
@@ -39,6 +40,8 @@ order = [3, 2, 1, 0]
 dead = [1]
 gain = [1.0, 0.5, 2.0, 1.0]
 phase = 0.5
+gain_error = [0.01, 0.02, 0.03, 0.04]
+phase_error = 0.1
 
 [[boards]]
 serial = "B"
@@ -65,6 +68,10 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(array.positions[3:], [[0, 0, 0], [0, 0.02, 0]])
     turned = np.exp(0.5j)
     np.testing.assert_allclose(array.responses, [turned, 2.0 * turned, turned, 1.0, 1.0])
+    unsure = pc.Uncertainty(
+        pressure=0.2, gain=(0.04, 0.03, 0.01, 0.1, 0.1), phase=(0.1,) * 3 + (0.35,) * 2
+    )
+    assert device.uncertainty() == unsure
     one, other = device.wiring
     assert (one.serial, one.size, other.serial, other.size) == ("A", 4, "B", 2)
     assert one.channels.tolist() == [0, 2, 3]
@@ -133,6 +140,9 @@ def test_each_channel_drives_the_transducer_that_its_order_says(data: Any) -> No
         ("[[boards]]\ndead = [3, 3]", r"`dead` must be different"),
         ("[[boards]]\ngain = [1.0]", r"`gain` must be one, or 249"),
         ("[[boards]]\ngain = -1.0", r"`gain` must be 0 or more"),
+        ("[[boards]]\ngain_error = -0.1", r"`gain_error` must be 0 or more"),
+        ("[[boards]]\nphase_error = [0.1]", r"`phase_error` must be one, or 249"),
+        ("transducer = { pressure_error = 30 }\n[[boards]]", r"`pressure_error` must be"),
         ("[[boards]]\nphase = nan", r"`phase` must be finite"),
         ("[[boards]]\ngain = 0.0", r"not dead"),
         ("[[boards]]\n[[boards]]\nserial = 'A'", r"boards\[0\]\.serial.*must be given"),
