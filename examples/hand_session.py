@@ -32,8 +32,7 @@ with tempfile.TemporaryDirectory() as folder:
     clock = ManualClock()  # simulated time; omit it with a tracker
     report = pc.Renderer(pc.autd(3, 3), session, clock=clock, recorder=pc.Recorder(file)).run(1.0)
     recording = pc.Recording(file)
-    ticks, differ = pc.rerender(recording)
-    print(f"{report.ticks} ticks recorded, {ticks} rendered again, {differ} differ")
+    print(f"{report.ticks} ticks recorded; {pc.rerender(recording)}")
     can = recording.capability
     time = np.array([frame.time for frame in recording])  # [s]
     drive = np.array([np.mean(np.abs(frame.gains(can)[-1]) ** 2) for frame in recording])

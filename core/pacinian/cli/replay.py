@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 
 import click
 
@@ -20,7 +21,8 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
     Sends its frames to a backend, with their original timing.
 
     With --again, render its scenes again as fast as possible, with the recorded decisions. On the same machine the
-    frames are identical, bit for bit. Exit code 1 if any frame differs.
+    frames are identical, bit for bit. Exit code 1 if any frame differs. Differences of versions, kernels and objects
+    are named.
     """
     from pacinian.plugins.registry import backend as make
     from pacinian.rendering.recording import Recording
@@ -33,13 +35,12 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
     if again:
         from pacinian.rendering.rerender import rerender
 
-        ticks, different = rerender(opened)
+        found = rerender(opened)
         if as_json:
-            told = {"recording": recording, "ticks": ticks, "different": different}
-            click.echo(json.dumps(told))
+            click.echo(json.dumps({"recording": recording, **asdict(found)}))
         else:
-            click.echo(f"{ticks} ticks rendered again, {different} frames differ")
-        raise SystemExit(1 if different else 0)
+            click.echo(str(found))
+        raise SystemExit(1 if found.different else 0)
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from pacinian.solving.status import Status
+
 if TYPE_CHECKING:
     from pacinian.rendering.envelope_groups import EnvelopeGroups
     from pacinian.scene.sampling.samples import Samples
@@ -20,7 +22,8 @@ class CachedSolution:
     parts: contribution of each voice, (voices + 1, N), if there is more than one. solution: with its evidence. samples:
     those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
     because the solver had enough time, or more time did not help. vain: number of successive solves without
-    improvement.
+    improvement. averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items`
+    of each object to which little sound comes, with the number of such samples.
     """
 
     gains: Gains
@@ -31,6 +34,14 @@ class CachedSolution:
     steady: bool
     final: bool
     vain: int = 0
+    averaged: bool = False
+    weakened: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def in_part(self) -> bool:
+        """Whether the solver ran out of time."""
+        late = self.solution.late and self.solution.targets.regions is not None
+        return late or self.solution.status is Status.deadline
 
     @property
     def nbytes(self) -> int:

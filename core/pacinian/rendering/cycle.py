@@ -92,6 +92,11 @@ class Cycle:
         return len(self.parts)
 
     @property
+    def hurried(self) -> bool:
+        """Whether regions get fewer frames than they could have, for want of time."""
+        return self._hurried and self.most > 1 and bool((self.samples.regions >= 0).any())
+
+    @property
     def allowed(self) -> int:
         """Largest number of frames for which there is time at present."""
         return 1 if self._hurried else self.most

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,14 +20,12 @@ from pacinian.rendering.mixing import (
     split_by_voice,
     voice_amplitudes,
 )
+from pacinian.rendering.reachability import HARDLY_REACHED
 from pacinian.rendering.slew_limiter import SlewRateLimiter
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
-from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
-    from collections import Counter
-
     from pacinian.rendering.cycle import Part
     from pacinian.rendering.reachability import ReachabilityFilter
     from pacinian.rendering.slew_limiter import Smoothing
@@ -110,7 +109,7 @@ class Modulator:
     def solve(
         self, samples: Samples, t: float, limits: Limits, deadline: float, further: bool = True
     ) -> None:
-        """Update the solutions for the tick that begins at time t [s]; deadline: from now [s].
+        """Update the solutions for the tick that begins at time t [s]; deadline: from now [s]; may be infinite.
 
         further: whether to improve solutions that ran out of time.
         """
@@ -150,6 +149,12 @@ class Modulator:
     def _is_done(self, kept: CachedSolution) -> bool:
         """Return whether a cached solution is good enough for this tick."""
         return kept.final or not self._further
+
+    @property
+    def held_back(self) -> bool:
+        """Whether the limit of the slew rate kept the last row from its solution for longer than a change may take."""
+        smoother = self.smoother
+        return smoother.settings.rate is not None and not smoother.settled and self._span <= 0
 
     def rows(self, t: float, ticks: int = 1) -> Gains:
         """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
@@ -276,9 +281,13 @@ class Modulator:
         if not sounded.all():
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
         facing, self.placed = None, None
+        weakened: tuple[tuple[int, int], ...] = ()
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
-            P = P * part.reach.share(q, facing, self.skipped)
+            share = part.reach.share(q, facing, self.skipped)
+            hardly = samples.objects[(share < HARDLY_REACHED) & (samples.regions != BESIDE)]
+            weakened = tuple(Counter(hardly.tolist()).items()) if len(hardly) else ()
+            P = P * share
         if several:
             P = self.cycle.compute_rest(part, sounded, P, facing)
         session = part.session
@@ -287,7 +296,7 @@ class Modulator:
             q,
             sound_pressure(P, session.medium),
             limits=limits,
-            deadline=deadline,
+            deadline=None if deadline == math.inf else deadline,
             facing=facing,
             regions=samples.regions,
         )
@@ -295,10 +304,12 @@ class Modulator:
         parts = None
         if len(voices) > 1 and not joint and len(q):
             parts = split_contributions(solution, session.propagator, index, len(voices))
-        late = solution.late and solution.targets.regions is not None
-        final = not late and solution.status is not Status.deadline
-        steady, sounding = voices.steady and final, None if joint else voices
-        return CachedSolution(solution.gains, sounding, parts, solution, samples, steady, final)
+        sounding, averaged = None if joint else voices, joint and not voices.steady
+        made = CachedSolution(
+            solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
+        )
+        final = not made.in_part
+        return replace(made, steady=voices.steady and final, final=final)
 
 
 def limits_join(limits: Limits) -> bool:

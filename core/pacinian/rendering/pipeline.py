@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pacinian.errors import ArgumentError
 from pacinian.rendering.budget_controller import BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
+from pacinian.rendering.deviations import (
+    AVERAGED,
+    FEWER_FRAMES,
+    INTERPOLATED,
+    NOTHING,
+    OUT_OF_TIME,
+    SLEW_LIMITED,
+    WEAKENED,
+    mark,
+)
 from pacinian.rendering.modulator import Modulator, limits_join
 from pacinian.rendering.probe import Probe
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.tick_alternation import TickAlternation
 from pacinian.rendering.warmup import load_envelopes, try_out
+from pacinian.scene.sampling.account import (
+    FAR,
+    ON_TRANSDUCER,
+    Account,
+    label_object,
+    label_samples,
+)
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
@@ -23,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Capability, Frame
+    from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.report import StageTimer
     from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
@@ -35,13 +54,22 @@ MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 
 
+class Sampled(NamedTuple):
+    """A scene with its samples, and their account."""
+
+    scene: Scene
+    samples: Samples
+    account: Account
+
+
 class Pipeline:
     """Makes the frames of one render loop.
 
     session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
     period: of a tick [s]. governed: whether to reduce the number of samples, except those of regions, if ticks would be
     late. most: largest number of frames in a cycle. peak: largest target of such a frame [Pa]. stages: stage timer,
-    which also holds the report. Raises ArgumentError.
+    which also holds the report. strict: never leave anything out, and give solves all the time they need. Raises
+    ArgumentError.
     """
 
     def __init__(
@@ -55,17 +83,22 @@ class Pipeline:
         most: int,
         peak: float,
         stages: StageTimer,
+        strict: bool = False,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
         sampler.prepare(session.array, session.medium)
+        self.strict = sampler.strict = strict
         sampler.peak = peak
+        self._deadline = math.inf if strict else DEADLINE_SHARE * period  # of a solve [s]
         times, gap = row_times(capability, period)
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
         self.player = Modulator(session, times, gap, smoothing, stages.report.skipped, cycle)
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
-        self.governor = BudgetController(period, sampler.budget) if governed else None
+        self.governor = (
+            BudgetController(period, sampler.budget) if governed and not strict else None
+        )
         self.limits = Limits()  # of this tick
         self.probe = Probe(session)
         self._unlooked = TICKS_PER_LOOK  # ticks since the last measurement
@@ -73,21 +106,30 @@ class Pipeline:
 
     def _begin(self) -> None:
         self.turns = TickAlternation(self.period)
-        self._sampled = self._played = Scene(), no_samples()
+        self._sampled = self._played = self._before = Sampled(Scene(), no_samples(), Account())
+        self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
         self._seen: Scene | None = None
         self._changed = True  # whether the scene changed since it was sampled
         self._made: tuple[object, ...] = ()  # inputs of the last frame
         self._frame: Frame
 
-    def warm_up(self, scene: Callable[[float], Scene]) -> None:
-        """Sample the scene at time 0, and solve and quantise for a few points, without output."""
+    def warm_up(self, scene: Callable[[float], Scene], limits: Limits) -> Scene | None:
+        """Sample the scene at time 0, and solve and quantise for a few points, without output.
+
+        Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
+        exception is raised at once.
+        """
         try:
             self.quantise_gains(try_out(self.session).gains)
-            first = scene(0.0)
+            first, self.limits = scene(0.0), limits
+            self._set_sampler()
             self.sampler.sample(first)
             load_envelopes(first, self.player.times)
-        except Exception:  # the first tick will raise and report it again
-            return
+        except Exception:
+            if self.strict:
+                raise
+            return None
+        return first
 
     def count(self) -> None:
         """Count in the current report of the stage timer from now on."""
@@ -116,7 +158,7 @@ class Pipeline:
     @property
     def shown(self) -> Scene:
         """Scene of the last frame; not always the newest if sampling and solving alternate. Empty before the first."""
-        return self._played[0]
+        return self._played.scene
 
     @property
     def sent(self) -> Frame | None:
@@ -143,7 +185,7 @@ class Pipeline:
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("solve")
         before = skipped[kept]
-        self.player.solve(samples, t, limits, DEADLINE_SHARE * self.period, self.turns.solves)
+        self.player.solve(samples, t, limits, self._deadline, self.turns.solves)
         if not self.turns.solves:  # not known whether anything moved
             skipped[kept] = before
         self._look()
@@ -152,6 +194,57 @@ class Pipeline:
         self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
         self._made = made
         return self._frame
+
+    @property
+    def account(self) -> Account:
+        """What the objects of the last frame asked for."""
+        return self._played.account
+
+    @property
+    def labels(self) -> set[str]:
+        """Labels of all objects that the last frame concerns, those included that it ends."""
+        found = {*self._played.account.labels, *self._before.account.labels}
+        for one in self._played, self._before:
+            found.update(label_samples(one.samples))
+        return found
+
+    @property
+    def deviations(self) -> Reasons:
+        """What the last frame leaves out or changes, by object and reason."""
+        player, account = self.player, self._played.account
+        solved = player.solved
+        reasons = [
+            reason
+            for reason, holds in (
+                (INTERPOLATED, self._interpolated),
+                (OUT_OF_TIME, any(one.in_part for one in solved)),
+                (AVERAGED, any(one.averaged for one in solved)),
+                (SLEW_LIMITED, player.held_back),
+                (FEWER_FRAMES, player.cycle.hurried),
+            )
+            if holds
+        ]
+        weakened = [one for one in solved if one.weakened]
+        if account.clean and not reasons and not weakened:
+            return NOTHING
+        key = account, *reasons, *weakened
+        if self._described[0] != key:
+            made: Reasons = account.deviations
+            for one in weakened:
+                for i, count in one.weakened:
+                    made = mark(made, [label_object(one.samples.items[i], i)], WEAKENED, count)
+            for reason in reasons:
+                made = mark(made, sorted(self.labels), reason)
+            self._described = key, made
+        return self._described[1]
+
+    @property
+    def _interpolated(self) -> bool:
+        """Whether the last frame lies between two solutions because ticks alternate."""
+        shown = self._played.samples
+        return self.turns.taking and (
+            self._sampled.samples is not shown or self._before.samples is not shown
+        )
 
     def same(self, frame: Frame) -> bool:
         """Return whether a frame repeats the one before."""
@@ -175,19 +268,33 @@ class Pipeline:
         """Sample the scene, if it is this tick's turn, and return the samples to solve for."""
         self._changed = self._changed or scene is not self._seen
         self._seen = scene
-        alone = limits_join(self.limits)
-        self.sampler.bands = 1 if alone else self.player.cycle.allowed
-        self.sampler.surround = self.session.solver.surrounds and not alone
-        self.sampler.even = 0.0 if alone else self.session.solver.even
+        self._set_sampler()
         if self.turns.samples:
             if self._changed:  # even if it has changed back since
                 self.sampler.invalidate()
-            self._sampled, self._changed = (scene, self.sampler.sample(scene, t)), False
+            last, samples = self._sampled.account, self.sampler.sample(scene, t)
+            if (account := self.sampler.account) is not last and len(account.samples):
+                self._note_unreachable(account)
+            self._sampled, self._changed = Sampled(scene, samples, account), False
         if self.turns.solves:
-            self._played = self._sampled
+            self._before, self._played = self._played, self._sampled
         else:
             self.stages.report.skipped["solve, in turn with sampling"] += 1
-        return self._played[1]
+        return self._played.samples
+
+    def _set_sampler(self) -> None:
+        """Set what the sampler must know of this tick's limits and solver."""
+        alone, solver = limits_join(self.limits), self.session.solver
+        self.sampler.bands = 1 if alone else self.player.cycle.allowed
+        self.sampler.surround = solver.surrounds and not alone
+        self.sampler.even = 0.0 if alone else solver.even
+
+    def _note_unreachable(self, account: Account) -> None:
+        """Note the samples that no sound can reach."""
+        far, on = self.player.reach.find_unreachable(account.samples.positions)
+        for reason, found in (FAR, far), (ON_TRANSDUCER, on):
+            if found.any():
+                account.drop(reason, found)
 
     def _look(self) -> None:
         """Count the solves; every LOOK ticks, measure the emitted field at the samples and between them."""

@@ -24,6 +24,7 @@ TOUCHING = 1e-5  # distance within which a sample is on a transducer [m]
 CELL, CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
 MAX_SUBSET = 128  # most transducers used to compute this power
 MIN_PRESSURE = 1e-300
+HARDLY_REACHED = 0.5  # fraction of a target below which its sample counts as weakened
 
 
 class ReachabilityFilter:
@@ -43,22 +44,26 @@ class ReachabilityFilter:
 
         skipped: counts the other points, by reason.
         """
-        kept = np.ones(len(q), dtype=np.bool_)
-        found = kernels.locate(q, self._propagator.origin, self._extent, MAX_LENGTH / 2.0)
-        if not found:
-            return kept
+        far, on = self.find_unreachable(q)
+        for reason, found in ("samples out of reach", far), ("samples on a transducer", on):
+            if found.any():
+                skipped[reason] += int(found.sum())
+        return ~(far | on)
+
+    def find_unreachable(self, q: Floats) -> tuple[Flags, Flags]:
+        """Return which points of q, (M, 3) [m], are too far away, (M,), and which lie on a transducer, (M,)."""
+        far, on = np.zeros((2, len(q)), dtype=np.bool_)
+        if not kernels.locate(q, self._propagator.origin, self._extent, MAX_LENGTH / 2.0):
+            return far, on
         d = np.abs(q - self._propagator.origin)
         if d.max() > MAX_LENGTH / 2.0:
-            kept = np.asarray((d * d).sum(axis=1) <= MAX_LENGTH * MAX_LENGTH)
-            skipped["samples out of reach"] += len(q) - int(kept.sum())
+            far = np.asarray((d * d).sum(axis=1) > MAX_LENGTH * MAX_LENGTH)
         inside = (d <= self._extent).all(axis=1)
         if self._medium.singular and inside.any():
-            for m in np.flatnonzero(inside):
+            for m in np.flatnonzero(inside & ~far):
                 r = self._array.positions - q[m]
-                if (r * r).sum(axis=1).min() < TOUCHING**2:  # on a transducer, where no hand can be
-                    kept[m] = False
-                    skipped["samples on a transducer"] += 1
-        return kept
+                on[m] = (r * r).sum(axis=1).min() < TOUCHING**2  # where no hand can be
+        return far, on
 
     def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
         """Return the factor on each sample's target, given how well the array sees the skin there, (M,)."""
@@ -67,7 +72,7 @@ class ReachabilityFilter:
         if seen.min() >= WELL:
             return np.ones(len(q))
         share = weigh_incidence(seen)
-        skipped["samples hardly reached"] += int((share < 0.5).sum())
+        skipped["samples hardly reached"] += int((share < HARDLY_REACHED).sum())
         return share
 
     def _free(self, q: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Recordings: scene, decisions and frame of every tick, in a file that survives an interruption.
+"""Recordings: scene, decisions and frame of every tick, in a file that survives an interruption and needs no other.
 
 The file is a stream of MessagePack maps: one header, then one map per tick. It is append-only, so a truncated file is
 valid up to its last complete tick.
@@ -6,7 +6,9 @@ valid up to its last complete tick.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -18,16 +20,22 @@ from pacinian.acoustics.array_record import from_map
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
+from pacinian.rendering.environment import describe_environment
 from pacinian.rendering.scene_log import Reader, TickInput, Writer
+from pacinian.scene.sampling.account import ObjectAccount
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from pacinian.acoustics.array import Array
+    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.scene_log import TickOutcome
+    from pacinian.scene.sampling.account import Account
+    from pacinian.scene.scene import Scene
     from pacinian.types import Floats
 
 FORMAT = "pacinian recording"
-VERSION = 2
+VERSION = 3
 MAX_MAP_BYTES = 1 << 28  # largest size of one map [bytes]
 MAX_TIME = 1e12  # largest plausible time of a tick [s]
 
@@ -38,7 +46,9 @@ class Tick:
 
     frame: as sent. time: of the scene [s]. asked: scene, solver and limits; None if they could not be recorded.
     clock: the tick's clock readings [s], which determine its decisions. begins: whether the renderer was reset just
-    before.
+    before. sent: clock reading after the frame was sent [s]; `frame.time` is when it was due. objects: what each object
+    asked for, and what of it was rendered, by its label. deviations: what was not as asked, by label and reason, as in
+    `Report.deviations`.
     """
 
     frame: Frame
@@ -46,6 +56,9 @@ class Tick:
     asked: TickInput | None = None
     clock: tuple[float, ...] = ()
     begins: bool = False
+    sent: float = math.nan
+    objects: Mapping[str, ObjectAccount] = field(default_factory=dict)
+    deviations: Reasons = field(default_factory=dict)
 
 
 class Recorder:
@@ -60,6 +73,8 @@ class Recorder:
         self.unrecorded = ""
         self._pack = msgpack.Packer(use_single_float=False).pack
         self._writer, self._begins = Writer(), True
+        self._account: Account | None = None  # as written last
+        self._deviations: Reasons = {}
         try:
             self._file: IO[bytes] = self.path.open("wb")
         except (OSError, ValueError) as error:
@@ -77,8 +92,14 @@ class Recorder:
                 "amplitudes": capability.amplitudes,
                 "rate": capability.rate,
                 "settings": settings,
+                "made": describe_environment(),
             }
         )
+
+    def prepare(self, scene: Scene) -> None:
+        """Read the files of a scene, for example of meshes, before the first tick, which would be late otherwise."""
+        with suppress(PacinianError):  # the first tick notes why they cannot be recorded
+            self._writer.prepare(scene)
 
     def forget(self) -> None:
         """Mark the next tick as the first after a reset of the renderer."""
@@ -90,6 +111,7 @@ class Recorder:
         time: float = 0.0,
         asked: TickInput | None = None,
         clock: list[float] | None = None,
+        outcome: TickOutcome | None = None,
         *,
         same: bool = False,
     ) -> None:
@@ -100,6 +122,13 @@ class Recorder:
             values["amplitude"] = frame.amplitude.astype("<u2", copy=False).tobytes()
         if clock is not None:
             values["clock"] = clock
+        if outcome is not None:
+            values["sent"] = outcome.sent
+            if outcome.account is not self._account:
+                self._account = outcome.account
+                values["objects"] = {k: tuple(v) for k, v in outcome.account.objects.items()}
+            if outcome.deviations != self._deviations:
+                self._deviations = values["deviations"] = outcome.deviations
         if self._begins:
             values["begins"], self._begins = True, False
         if asked is not None and not self.unrecorded:
@@ -134,15 +163,18 @@ class Recording:
         header = next(self._maps(), None)
         if header is None or header.get("format") != FORMAT:
             raise RecordingError(self.path, "is not a Pacinian recording")
-        if header.get("version") != VERSION:
-            raise RecordingError(
-                self.path, f"has version {header.get('version')}, not {VERSION}: update Pacinian"
-            )
+        version = header.get("version")
+        if version != VERSION:
+            older = isinstance(version, int) and version < VERSION
+            remedy = "record it again" if older else "update Pacinian"
+            raise RecordingError(self.path, f"has version {version}, not {VERSION}: {remedy}")
         try:
             self.positions: Floats = np.frombuffer(header["positions"], "<f8").reshape(-1, 3)
             self.normals: Floats = np.frombuffer(header["normals"], "<f8").reshape(-1, 3)
             self.capability = Capability(header["phases"], header["amplitudes"], header["rate"])
             self.settings: dict[str, Any] = dict(header["settings"])
+            self.environment = {str(k): str(v) for k, v in header["made"].items()}
+            """Versions of Pacinian and of what computes for it, the variant of its kernels, and the processor."""
             if len(self.normals) != len(self.positions) or not len(self.positions):
                 raise ValueError("positions and normals do not fit")
             if not (np.isfinite(self.positions).all() and np.isfinite(self.normals).all()):
@@ -208,7 +240,7 @@ class Recording:
         """Iterate over the ticks; without scenes if `frames_only`."""
         maps, reader = self._maps(), None if frames_only else Reader()
         next(maps, None)
-        last: Frame | None = None
+        last: Tick | None = None
         for values in maps:
             try:
                 tick = self._tick(values, last, reader)
@@ -216,17 +248,17 @@ class Recording:
                 raise RecordingError(self.path, f"has an invalid tick: {error}") from error
             except Exception as error:  # damaged bytes can raise anything
                 raise RecordingError(self.path, f"has a damaged tick: {error}") from error
-            last = tick.frame
+            last = tick
             yield tick
 
-    def _tick(self, values: dict[str, Any], last: Frame | None, reader: Reader | None) -> Tick:
+    def _tick(self, values: dict[str, Any], last: Tick | None, reader: Reader | None) -> Tick:
         N, can = len(self.positions), self.capability
         if "phase" in values:
             phase, amplitude = (
                 np.frombuffer(values[k], "<u2").reshape(-1, N) for k in ("phase", "amplitude")
             )
         elif last is not None:
-            phase, amplitude = last.phase, last.amplitude
+            phase, amplitude = last.frame.phase, last.frame.amplitude
         else:
             raise ValueError("the first tick has no frame")
         if phase.shape != amplitude.shape or not phase.size:
@@ -241,7 +273,15 @@ class Recording:
             asked = reader.next(values["new"])
         clock = tuple(map(float, values.get("clock", ())))
         frame = Frame(int(values["sequence"]), time, phase, amplitude)
-        return Tick(frame, t, asked, clock, bool(values.get("begins", False)))
+        objects = {} if last is None else last.objects
+        if "objects" in values:
+            objects = {str(k): _read_account(v) for k, v in values["objects"].items()}
+        deviations = {} if last is None else last.deviations
+        if "deviations" in values:
+            deviations = {str(k): _read_counts(v) for k, v in values["deviations"].items()}
+        sent = float(values.get("sent", math.nan))
+        begins = bool(values.get("begins", False))
+        return Tick(frame, t, asked, clock, begins, sent, objects, deviations)
 
     def _maps(self) -> Iterator[dict[str, Any]]:
         if not self.path.is_file():
@@ -260,3 +300,12 @@ class Recording:
             raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
         except Exception as error:  # damaged bytes can raise anything
             raise RecordingError(self.path, f"is damaged: {error}") from error
+
+
+def _read_account(values: Any) -> ObjectAccount:
+    asked, rendered, force, reasons = values
+    return ObjectAccount(int(asked), int(rendered), float(force), _read_counts(reasons))
+
+
+def _read_counts(values: Any) -> dict[str, int]:
+    return {str(reason): int(count) for reason, count in values.items()}

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+import logging
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.checks import check_integer, check_kind, check_number
-from pacinian.errors import ArgumentError, BackendError
+from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
 from pacinian.rendering.cycle import MAX_FRAMES
+from pacinian.rendering.deviations import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
 from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
-from pacinian.rendering.scene_log import TickInput
+from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.settings import to_config
 from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.scene.sampling.account import label_object
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
@@ -40,6 +44,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.tick_alternation import TickAlternation
+    from pacinian.scene.sampling.account import ObjectAccount
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution
@@ -62,6 +67,11 @@ class Renderer:
 
     Every tick sends a frame. governed: if ticks would be late, sampling and solving alternate from tick to tick. If
     that does not suffice, samples of the lowest priority are dropped until there is time again.
+
+    strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
+    and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
+    scene with more samples than the budget is refused: `open` raises ArgumentError, and in a later tick it is a fault.
+    Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `governed`.
 
     cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
     each of them 500 times a second. The frames are bands of a region that has more samples than the budget, or waves
@@ -87,6 +97,7 @@ class Renderer:
         sampler: Sampler | None = None,
         smoothing: Smoothing | None = None,
         governed: bool = True,
+        strict: bool = False,
         cycle: int = MAX_FRAMES,
         peak: float = math.inf,
         clock: Clock | None = None,
@@ -111,16 +122,20 @@ class Renderer:
         self.period = 1.0 / check_number("rate", rate, low=1.0, high=100_000.0)  # [s]
         self.cycle = check_integer("cycle", cycle, low=1)
         self.peak = math.inf if peak == math.inf else check_number("peak", peak, low=0.0)
+        check_kind("strict", strict, bool)
+        self.strict = strict
         self.report = Report()
         self.recorder = recorder
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
             self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
-            self.peak, self._stages,
+            self.peak, self._stages, self.strict,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
         self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
         self._opened = False
+        self._missed = 0  # ticks skipped just before the next one
+        self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent
 
     def __repr__(self) -> str:
         report, fault = self.report, self.halted
@@ -197,16 +212,37 @@ class Renderer:
         self.backend.open(self.session.array)
         self._opened = True
         try:
-            self._pipeline.warm_up(self._scene)
+            first = self._pipeline.warm_up(self._scene, self.limits)
             if self.recorder is not None:
                 self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
+                if first is not None:
+                    self.recorder.prepare(first)
         except BaseException:
             self.close()
             raise
         self.report = self._stages.report = Report()
+        self._warn(first)
         self._pipeline.count()
         self.reset()
         self.start = self.clock.now()
+
+    def _warn(self, first: Scene | None) -> None:
+        """Log and keep warnings about the first scene."""
+        if first is None:
+            return
+        told: list[str] = []
+        with suppress(
+            PacinianError
+        ):  # a file that cannot be read; the first tick will raise and report it
+            for i, period, resolved in self.sampler.find_fine_textures(first):
+                told.append(
+                    f"the texture of {label_object(first.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
+                    f"the array resolves {1e3 * resolved:.1f} mm there: its ridges will blur. Use a longer period, a "
+                    "wider array, or a place nearer to it"
+                )
+        self.report.warnings = tuple(told)
+        for text in told:
+            logging.getLogger("pacinian").warning("%s", text)
 
     def use(self, backend: Backend) -> Backend:
         """Send to another backend from the next tick on; return the previous one, which the caller must close.
@@ -268,6 +304,7 @@ class Renderer:
                 for due, lost in pace(self.clock, self.period, duration, behind):
                     if lost:
                         self.report.skipped["missed ticks"] += lost
+                    self._missed = lost
                     self.tick(due)
                     if on_tick is not None:
                         on_tick(self.report)
@@ -290,6 +327,7 @@ class Renderer:
             raise BackendError("the renderer is not open: use `with renderer:`, or `run`")
         begin = self.clock.now()
         due = begin if due is None else due
+        self._outcome = None
         if self.halted is None:
             self._emitter.attempt("scene", lambda: self._step(due))
         else:
@@ -297,7 +335,18 @@ class Renderer:
             if self._emitter.loud:  # silencing failed before, so retry
                 self._emitter.silence()
         end = self.clock.now()
-        self.report.tick(end - begin, end > due + self.period)
+        if (outcome := self._outcome) is not None:
+            late, deviations = outcome.late, outcome.deviations
+        else:
+            late = end > due + self.period
+            deviations = mark(NOTHING, sorted(self._labels), HALTED)
+        self._missed = 0
+        self.report.tick(end - begin, late, due - self.start, deviations)
+
+    @property
+    def account(self) -> dict[str, ObjectAccount]:
+        """What each object of the last frame asked for, and what was left out or changed, by the object's label."""
+        return self._pipeline.account.objects
 
     @property
     def sent(self) -> Frame:
@@ -348,14 +397,32 @@ class Renderer:
         frame = pipeline.frame(scene, limits, t, due, self.report.frames_sent)
         stages.enter("send")
         self._emitter.send(frame)
+        self._outcome = self._judge(due)
         if pipeline.governor is not None:
             pipeline.govern(self.tape.now() - begin)
         stages.enter("record")
         noted = self.tape.take()
         if self.recorder is not None:
             asked = TickInput(scene, solver, limits)
-            self.recorder.write(frame, t, asked, noted, same=pipeline.same(frame))
+            self.recorder.write(frame, t, asked, noted, self._outcome, same=pipeline.same(frame))
         stages.enter("scene")
+
+    def _judge(self, due: float) -> TickOutcome:
+        """Return what became of the tick whose frame has just been sent."""
+        pipeline, sent = self._pipeline, self.clock.now()
+        late, deviations = sent > due + self.period, pipeline.deviations
+        if late or self._missed:
+            labels = sorted(pipeline.labels)
+            deviations = mark(deviations, labels, LATE) if late else deviations
+            if self._missed:
+                deviations = mark(deviations, labels, MISSED, self._missed)
+        return TickOutcome(sent, late, pipeline.account, deviations)
+
+    @property
+    def _labels(self) -> set[str]:
+        """Labels of the objects that a tick without a frame concerns."""
+        objects = self.scene.objects if isinstance(self.scene, Scene) else ()
+        return self._pipeline.labels or {label_object(item, i) for i, item in enumerate(objects)}
 
     def _scene(self, t: float) -> Scene:
         """Return the scene at time t [s]."""

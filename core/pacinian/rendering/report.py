@@ -10,12 +10,14 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
+from pacinian.rendering.deviations import NOTHING, Deviations, describe_totals
 from pacinian.rendering.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from pacinian.rendering.deviations import Reasons
     from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.status import Status
     from pacinian.types import Floats
@@ -50,8 +52,10 @@ class Fault:
 class Report:
     """Counts since the loop started.
 
-    late_ticks: ticks that finished after the next tick was due. skipped: counts of work that was not needed, by reason.
-    statuses: counts of solves by status. faults: the last ones. interrupted: whether Ctrl-C ended the loop.
+    late_ticks: ticks whose frame was sent after the next tick was due. skipped: counts of work that was not needed, by
+    reason. statuses: counts of solves by status. faults: the last ones. interrupted: whether Ctrl-C ended the loop.
+    deviations: where and when the output was not what the scene asked for. warnings: texts about the scene, from
+    before the first tick.
     """
 
     ticks: int = 0
@@ -63,6 +67,8 @@ class Report:
     statuses: Counter[str] = field(default_factory=Counter)
     faults: deque[Fault] = field(default_factory=lambda: deque(maxlen=100))
     fault_count: int = 0
+    deviations: Deviations = field(default_factory=Deviations, repr=False)
+    warnings: tuple[str, ...] = ()
     stages: dict[str, float] = field(default_factory=lambda: defaultdict(float))
     """Total time of each stage of the ticks [s]."""
     _times: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
@@ -72,8 +78,11 @@ class Report:
         default_factory=lambda: deque(maxlen=LOOKS), repr=False
     )
 
-    def tick(self, seconds: float, late: bool) -> None:
-        """Count a tick that took `seconds` [s]."""
+    def tick(
+        self, seconds: float, late: bool, time: float = 0.0, deviations: Reasons = NOTHING
+    ) -> None:
+        """Count a tick that took `seconds` [s]. time: of the scene [s]. deviations: of this tick, by object."""
+        self.deviations.add(self.ticks, time, deviations)
         self._times[self.ticks % REMEMBERED] = seconds
         self.ticks += 1
         self.late_ticks += late
@@ -126,6 +135,12 @@ class Report:
         return self._times[np.arange(self.ticks - count, self.ticks) % REMEMBERED]
 
     @property
+    def intact(self) -> bool:
+        """Whether the output was what the scene asked for: no deviation, no late tick, no fault, no warning."""
+        troubles = self.deviations.ticks, self.late_ticks, self.fault_count, len(self.warnings)
+        return not any(troubles)
+
+    @property
     def late_share(self) -> float:
         """late_ticks / ticks."""
         return self.late_ticks / max(1, self.ticks)
@@ -158,6 +173,12 @@ class Report:
             "statuses": dict(self.statuses),
             "faults": [f"tick {f.tick}, {f.stage}: {f.message}" for f in self.faults],
             "fault_count": self.fault_count,
+            "deviations": {
+                label: {reason: total._asdict() for reason, total in reasons.items()}
+                for label, reasons in self.deviations.totals.items()
+            },
+            "warnings": list(self.warnings),
+            "intact": self.intact,
             "interrupted": self.interrupted,
         }
 
@@ -166,6 +187,8 @@ class Report:
             return "<Report: no ticks yet>"
         told = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
         told += f", error {self.error:.2%}" if self._measured else ""
+        if self.deviations.ticks:
+            told += f", {self.deviations.ticks:,} not as asked"
         told += f", {self.fault_count} faults" if self.fault_count else ""
         if self.faults:
             told += f", the last in {self.faults[-1].stage}: {self.faults[-1].message}"
@@ -183,6 +206,10 @@ class Report:
             },
             "solves": ", ".join(f"{n} {name}" for name, n in self.statuses.items()) or "none",
             "left out": str(split_skips(self.skipped)),
+            **{
+                f"{label} not as asked": describe_totals(reasons)
+                for label, reasons in list(self.deviations.totals.items())[:MAX_LISTED]
+            },
             "faults": self.fault_count,
         }
         if self.faults:

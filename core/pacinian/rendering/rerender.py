@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.errors import RecordingError
+from pacinian.acoustics.array_record import to_map
+from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
+from pacinian.rendering.environment import compare, describe_environment
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.scene.sampling.account import ObjectAccount
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from typing import ClassVar
 
     from pacinian.acoustics.array import Array
     from pacinian.rendering.clock import Clock
     from pacinian.rendering.recording import Recording, Tick
+
+
+SAME_FORCE = (
+    1e-6  # relative difference of two forces, or difference [N], up to which they count as equal
+)
+NO_ACCOUNT = ObjectAccount(0, 0, 0.0, {})
 
 
 class CaptureBackend(Backend):
@@ -66,25 +76,99 @@ class FixedClock:
         """Return at once."""
 
 
-def rerender(recording: Recording) -> tuple[int, int]:
-    """Render the recorded scenes again; return the number of ticks, and of those whose frames, (K, N), differ.
+@dataclass(frozen=True)
+class Rerendering:
+    """How a recording compares with the same scenes rendered again.
 
-    Decisions that depend on time are repeated with the recorded clock readings. Raises RecordingError if the recording
-    has no scenes, or is damaged.
+    ticks: number of ticks. different: number of those whose frames, (K, N), differ. environment: versions, and variants
+    of kernels and libraries, that differ, in words. array: what of the array differs, in words. objects: what each
+    object had rendered otherwise, by its label, in words, for the first such tick.
+    """
+
+    ticks: int
+    different: int
+    environment: tuple[str, ...] = ()
+    array: tuple[str, ...] = ()
+    objects: dict[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        told = [f"{self.ticks} ticks rendered again, {self.different} frames differ"]
+        told += [*self.environment, *self.array]
+        told += [f"object {label!r}: {what}" for label, what in self.objects.items()]
+        return "\n".join(told)
+
+
+def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
+    """Render the recorded scenes again, and compare the frames.
+
+    Decisions that depend on time are repeated with the recorded clock readings. array: by default the recorded one.
+    Raises RecordingError if the recording has no scenes, or is damaged, and ArgumentError if the array has another
+    number of transducers.
     """
     ticks = different = 0
-    for tick, renderer in iterate_rerendered(recording):
+    objects: dict[str, str] = {}
+    for tick, renderer in iterate_rerendered(recording, array):
         different += not are_equal(tick.frame, renderer.sent)
+        if renderer.account != tick.objects:
+            for label, what in _compare_objects(tick, renderer.account):
+                objects.setdefault(label, what)
         ticks += 1
-    return ticks, different
+    environment = compare(recording.environment, describe_environment())
+    changes = () if array is None else compare_arrays(recording, array)
+    return Rerendering(ticks, different, environment, changes, objects)
 
 
-def iterate_rerendered(recording: Recording) -> Iterator[tuple[Tick, Renderer]]:
-    """Yield each recorded tick, with the renderer after it has rendered that tick again. Raises RecordingError."""
+def _compare_objects(tick: Tick, now: Mapping[str, ObjectAccount]) -> Iterator[tuple[str, str]]:
+    """Yield the label of each object that was not rendered as recorded, and what differs in words."""
+    for label in {**tick.objects, **now}:
+        one, other = tick.objects.get(label, NO_ACCOUNT), now.get(label, NO_ACCOUNT)
+        same = math.isclose(one.force, other.force, rel_tol=SAME_FORCE, abs_tol=SAME_FORCE)
+        if one[:2] != other[:2] or not same:
+            told = f"{one.rendered} of {one.asked} samples, {1e3 * one.force:.4g} mN when recorded"
+            told += f", {other.rendered} of {other.asked}, {1e3 * other.force:.4g} mN now"
+            yield label, f"{told}, from {tick.time:.3f} s on"
+
+
+def compare_arrays(recording: Recording, array: Array) -> tuple[str, ...]:
+    """Return in words how an array differs from the recorded one, apart from a directivity that was not recorded."""
+    changes: list[str] = []
+    if len(array) != len(recording.positions):
+        return (f"array: {len(recording.positions)} transducers when recorded, {len(array)} now",)
+    for name, before, now in (
+        ("positions", recording.positions, array.positions),
+        ("normals", recording.normals, array.normals),
+    ):
+        if (off := float(np.abs(now - before).max(initial=0.0))) > 0.0:
+            unit = " m" if name == "positions" else ""
+            changes.append(f"array: {name} differ by up to {off:.2g}{unit}")
+    before_, now_ = (
+        {"responses": settings["response"], **settings["transducer"]}
+        for settings in (recording.settings, to_map(array))
+    )
+    changes += [f"array: other {name}" for name in now_ if before_[name] != now_[name]]
+    return tuple(changes)
+
+
+def iterate_rerendered(
+    recording: Recording, array: Array | None = None
+) -> Iterator[tuple[Tick, Renderer]]:
+    """Yield each recorded tick, with the renderer after it has rendered that tick again.
+
+    array: by default the recorded one. Raises RecordingError, ArgumentError.
+    """
     clock = FixedClock()
+    if array is not None and len(array) != len(recording.positions):
+        count = len(recording.positions)
+        raise ArgumentError(
+            "array", f"must have {count} transducers, as recorded, not {len(array)}"
+        )
     try:
         renderer = from_config(
-            recording.settings, recording.array, CaptureBackend(recording.capability), clock
+            recording.settings,
+            recording.array if array is None else array,
+            CaptureBackend(recording.capability),
+            clock,
+            given=array is not None,
         )
     except Exception as error:  # damaged settings can raise anything
         raise RecordingError(
@@ -112,9 +196,14 @@ def are_equal(a: Frame, b: Frame) -> bool:
     return np.array_equal(a.phase, b.phase) and np.array_equal(a.amplitude, b.amplitude)
 
 
-def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock: Clock) -> Renderer:
-    """Make a renderer with these settings and an empty scene; array: as recorded. May raise any Exception."""
-    if settings["transducer"]["directivity"] is None:
+def from_config(
+    settings: dict[str, Any], array: Array, backend: Backend, clock: Clock, *, given: bool = False
+) -> Renderer:
+    """Make a renderer with these settings and an empty scene. May raise any Exception.
+
+    array: as recorded, or another one that is `given`.
+    """
+    if not given and settings["transducer"]["directivity"] is None:
         raise ValueError(
             "the transducers had a directivity that is a Python function, which cannot be recorded: record with "
             "`pacinian.DirectivityTable.sample(function)`"
@@ -128,6 +217,7 @@ def from_config(settings: dict[str, Any], array: Array, backend: Backend, clock:
         sampler=Sampler(**settings["sampler"]),
         smoothing=Smoothing(**settings["smoothing"]),
         governed=settings["governed"],
+        strict=settings.get("strict", False),
         cycle=settings.get("cycle", 1),
         peak=settings.get("peak", math.inf),
         clock=clock,

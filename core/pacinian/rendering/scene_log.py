@@ -15,6 +15,7 @@ import numpy as np
 
 from pacinian.errors import ArgumentError, PacinianError, describe_error
 from pacinian.plugins.registry import solver as solver_of
+from pacinian.rendering.recorded_files import FileReader, FileWriter
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene, Workspace
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.solver import Solver
+    from pacinian.rendering.deviations import Reasons
+    from pacinian.scene.sampling.account import Account
 
     News = dict[int, Any]  # by index in a list: the element's old index, or its encoding
 
@@ -43,11 +46,31 @@ class TickInput:
     limits: Limits
 
 
+@dataclass(frozen=True, eq=False)
+class TickOutcome:
+    """What became of one tick.
+
+    sent: clock reading after the frame was sent [s]. late: whether that was after the next tick was due. account: what
+    the objects asked for. deviations: what was not as asked, by label of the object and reason.
+    """
+
+    sent: float
+    late: bool
+    account: Account
+    deviations: Reasons
+
+
 class Writer:
     """Encodes the changes since the last tick. Raises ArgumentError for values that cannot be written."""
 
     def __init__(self) -> None:
         self._last: TickInput | None = None
+        self._files = FileWriter()
+
+    def prepare(self, scene: Scene) -> None:
+        """Read the files of a scene now rather than in its first tick."""
+        for item in scene.objects:
+            self._files.embed(item)
 
     def changes(self, asked: TickInput) -> dict[str, Any]:
         """Return the changes since the last call, as plain values."""
@@ -56,9 +79,11 @@ class Writer:
         if last is None or scene is not last.scene:
             old = Scene() if last is None else last.scene
             new["count"] = len(scene.objects)
-            new["objects"] = _news(scene.objects, old.objects, _encode_object)
+            new["objects"] = _news(scene.objects, old.objects, self._encode_object)
             new["hands"] = len(scene.hands), _news(scene.hands, old.hands, _hand)
             new["until"] = scene.moves_until
+            if self._files.new:
+                new["files"] = self._files.take()
             if scene.workspace != old.workspace:
                 room = scene.workspace
                 new["workspace"] = None if room is None else [room.lower, room.upper]
@@ -70,19 +95,38 @@ class Writer:
         self._last = asked
         return new
 
+    def _encode_object(self, item: Object, old: Object | None) -> Any:
+        """Encode an object, or (in a list) only its changed fields, because shapes may be large."""
+        try:
+            whole = type(item) is not type(old)
+            now = {name: getattr(item, name) for name in item.__struct_fields__}
+            new = {k: v for k, v in now.items() if whole or v is not getattr(old, k)}
+            for name in new.keys() & OPEN:
+                _check_readable(new[name], _kinds(type(item))[name])
+            if whole:
+                return msgspec.msgpack.encode(self._files.embed(item))
+            return [msgspec.msgpack.encode({k: self._files.embed(v) for k, v in new.items()})]
+        except (TypeError, ValueError, OverflowError, RecursionError) as error:
+            what = item.name or type(item).__name__
+            raise ArgumentError(
+                "scene", f"cannot be recorded: {what}: {describe_error(error)}"
+            ) from error
+
 
 class Reader:
     """Decodes the changes that a `Writer` encoded. Damaged values raise any Exception."""
 
     def __init__(self) -> None:
         self._asked: TickInput | None = None
+        self._files = FileReader()
 
     def next(self, new: dict[str, Any]) -> TickInput:
         """Return the inputs of the next tick."""
         last = self._asked
         scene = Scene() if last is None else last.scene
         if "objects" in new:
-            objects = _merge_parts(new["objects"], new["count"], scene.objects, _decode_object)
+            self._files.add(new.get("files", {}))
+            objects = _merge_parts(new["objects"], new["count"], scene.objects, self._decode_object)
             count, changed = new["hands"]
             hands = _merge_parts(changed, count, scene.hands, _unhand)
             workspace = scene.workspace
@@ -105,6 +149,16 @@ class Reader:
         if last is None or new:
             self._asked = last = TickInput(scene, solver, limits)
         return last
+
+    def _decode_object(self, old: Object | None, packed: Any) -> Object:
+        if isinstance(packed, bytes):
+            made: Object = msgspec.msgpack.decode(packed, type=Object)
+            return self._files.restore(made)
+        if old is None:
+            raise ValueError("there is no object that could have changed")
+        new, kinds = msgspec.msgpack.decode(packed[0]), _kinds(type(old))
+        parts = {k: self._files.restore(msgspec.convert(v, kinds[k])) for k, v in new.items()}
+        return msgspec.structs.replace(old, **parts)
 
 
 def _news(now: tuple[T, ...], old: tuple[T, ...], pack: Callable[[T, T | None], Any]) -> News:
@@ -132,32 +186,6 @@ def _merge_parts(
     if len(parts) != count:
         raise ValueError(f"{len(parts)} parts are not {count}")
     return tuple(parts)
-
-
-def _encode_object(item: Object, old: Object | None) -> Any:
-    """Encode an object, or (in a list) only its changed fields, because shapes may be large."""
-    try:
-        whole = type(item) is not type(old)
-        now = {name: getattr(item, name) for name in item.__struct_fields__}
-        new = {k: v for k, v in now.items() if whole or v is not getattr(old, k)}
-        for name in new.keys() & OPEN:
-            _check_readable(new[name], _kinds(type(item))[name])
-        return msgspec.msgpack.encode(item) if whole else [msgspec.msgpack.encode(new)]
-    except (TypeError, ValueError, OverflowError, RecursionError) as error:
-        what = item.name or type(item).__name__
-        raise ArgumentError(
-            "scene", f"cannot be recorded: {what}: {describe_error(error)}"
-        ) from error
-
-
-def _decode_object(old: Object | None, packed: Any) -> Object:
-    if isinstance(packed, bytes):
-        made: Object = msgspec.msgpack.decode(packed, type=Object)
-        return made
-    if old is None:
-        raise ValueError("there is no object that could have changed")
-    new, kinds = msgspec.msgpack.decode(packed[0]), _kinds(type(old))
-    return msgspec.structs.replace(old, **{k: msgspec.convert(v, kinds[k]) for k, v in new.items()})
 
 
 def _check_readable(value: Any, kind: Any) -> None:

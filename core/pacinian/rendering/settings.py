@@ -23,6 +23,7 @@ class HasSettings(Protocol):
     sampler: Sampler
     smoothing: Smoothing
     period: float
+    strict: bool
     cycle: int
     peak: float
 
@@ -42,6 +43,7 @@ def to_config(renderer: HasSettings) -> dict[str, Any]:
     return {
         "rate": 1.0 / renderer.period,
         "governed": renderer.governor is not None,
+        "strict": renderer.strict,
         "cycle": renderer.cycle,
         "peak": renderer.peak,
         "smoothing": asdict(renderer.smoothing),

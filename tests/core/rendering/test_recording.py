@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.rendering.replay import replay
-from pacinian.rendering.rerender import rerender
+from pacinian.rendering.rerender import Rerendering, rerender
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.technique import STM
@@ -199,7 +199,7 @@ def test_the_amplitudes_of_levels_that_are_not_even_are_recorded(tmp_path: Path)
     for tick, frame in zip(recording.ticks(), device.frames, strict=False):
         made = tick.frame.gains(recording.capability)
         np.testing.assert_array_equal(made, frame.gains(device.capability))
-    assert rerender(recording) == (20, 0)
+    assert rerender(recording) == Rerendering(20, 0)
     again = Simulated(phases=128, amplitudes=pulses)
     assert replay(recording, again, SMALL, ManualClock()) == 20
     with pytest.raises(pc.RecordingError, match="65 uneven amplitudes"):
@@ -216,7 +216,7 @@ def test_the_array_comes_back_with_how_its_transducers_differ(tmp_path: Path) ->
     for name in ("positions", "normals", "response"):
         np.testing.assert_array_equal(getattr(recording.array, name), getattr(array, name))
     assert recording.array.transducer == array.transducer
-    assert rerender(recording) == (20, 0)
+    assert rerender(recording) == Rerendering(20, 0)
 
 
 def test_a_directivity_that_cannot_be_recorded_does_not_keep_a_recording_from_being_played(

@@ -51,7 +51,10 @@ def make(path: Path, scene: Any, clock: Any = None, **options: Any) -> pc.Render
 
 def again(path: Path) -> tuple[int, int]:
     """How many ticks, and how many differ."""
-    return rerender(pc.Recording(path))
+    found = rerender(pc.Recording(path))
+    assert not found.environment
+    assert not found.objects
+    return found.ticks, found.different
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -39,27 +39,38 @@ class ArrayResolution:
         ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
         self.corners = np.unique(np.stack(ends, axis=-1).reshape(-1, 3), axis=0)
         """Corners of the array's bounding box, (V, 3) [m]."""
-        self._spacings: dict[tuple[int, int, int], float] = {}
+        self._cells: dict[tuple[int, int, int], tuple[float, float]] = {}
 
     def compute_spacing(self, place: tuple[float, float, float]) -> float:
         """Return the sample spacing at `place` [m]: a wavelength, or the resolution there if that is coarser.
 
         The spacing changes in steps of sqrt(2), so that a moving object mostly keeps its samples.
         """
+        return self._compute(place)[0]
+
+    def compute_period(self, place: tuple[float, float, float]) -> float:
+        """Return the shortest period that the array resolves at `place` [m]: twice the resolution there.
+
+        A ridge and the gap beside it each need one distance from a focus to its first null.
+        """
+        return 2.0 * self._compute(place)[1]
+
+    def _compute(self, place: tuple[float, float, float]) -> tuple[float, float]:
+        """Return the sample spacing and the resolution at `place` [m]."""
         x, y, z = (math.floor(v / CELL) for v in place)
-        kept = self._spacings.get((x, y, z))
+        kept = self._cells.get((x, y, z))
         if kept is None:
-            if len(self._spacings) >= MAX_CELLS:
-                self._spacings.clear()
+            if len(self._cells) >= MAX_CELLS:
+                self._cells.clear()
             middle = CELL * (np.array([[x, y, z]]) + 0.5)
             try:
-                finest = float(resolution(self.array, middle, self.medium)[0])
+                resolved = float(resolution(self.array, middle, self.medium)[0])
             except PointOnTransducer:
-                finest = 0.0
+                resolved = 0.0
             # the resolution is infinite where only one transducer is heard
-            finest = min(max(finest, self.wavelength), MAX_LENGTH)
+            finest = min(max(resolved, self.wavelength), MAX_LENGTH)
             steps = math.log(finest / self.wavelength) / math.log(COARSER)
-            kept = self._spacings[x, y, z] = self.wavelength * COARSER ** round(steps)
+            kept = self._cells[x, y, z] = self.wavelength * COARSER ** round(steps), resolved
         return kept
 
     def focal_areas(self, positions: Floats, normals: Floats, *, even: bool) -> Floats:

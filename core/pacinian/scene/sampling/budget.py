@@ -4,33 +4,54 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.errors import ArgumentError
+from pacinian.scene.sampling.account import COARSENED, FAINT, OUTSIDE, OVER_BUDGET, label_object
 from pacinian.scene.sampling.array_resolution import COARSER
 from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sources import WholeObject, is_dense, measure_spacing
 
 if TYPE_CHECKING:
-    from collections import Counter
     from collections.abc import Callable
 
+    from pacinian.scene.sampling.account import Account
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.sampling.sources import Source
 
+    Cut = Callable[[Samples], Samples]
+
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
 COARSEST = 40  # largest level, in steps of sqrt(2) of the spacing
+ESTIMATED = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
+
+
+class Made(NamedTuple):
+    """Samples of one source. faint, outside: samples left out because of perception, and of the workspace."""
+
+    samples: Samples
+    faint: int
+    outside: int
+
+    @property
+    def asked(self) -> int:
+        """Number of samples that press, those left out included."""
+        return count_pressing(self.samples) + self.faint + self.outside
 
 
 def allot_budget(
     sources: list[tuple[Source, float]],
     budget: int,
     levels: dict[int, int],
-    cut: Callable[[Samples], Samples],
-    skipped: Counter[str],
+    cut: Cut,
+    account: Account,
     bands: int = 1,
+    full: int = 0,
+    *,
+    strict: bool = False,
 ) -> list[Samples]:
     """Return samples of each source, at most `budget` simultaneous samples in all.
 
@@ -40,19 +61,75 @@ def allot_budget(
     time count as one. levels: coarseness of each priority; it is kept from tick to tick to prevent flicker. cut: drops
     samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become one
     level coarser before they are divided, because the pressure between their samples is still even then.
+
+    account: counts what each object asks for, and what is left out. full: the budget if there were time; `budget` may
+    be less. strict: raise ArgumentError, which names the object, instead of leaving anything out.
     """
     parts: list[Samples] = []
-    left = budget
+    left, full = budget, max(budget, full)
     for priority, group in itertools.groupby(sources, key=lambda s: s[0].item.priority):
         members = list(group)
-        made, levels[priority] = _fit_level(members, left, levels.get(priority, 0), cut, bands)
-        for (source, _), samples in zip(members, made, strict=True):
-            count = _count_simultaneous(source, samples, bands if levels[priority] else 1)
+        if strict:
+            _check_estimate(members, left, bands)
+        level = 0 if strict else levels.get(priority, 0)
+        made, level = _fit_level(members, left, level, cut, bands, fixed=strict)
+        levels[priority] = level
+        for (source, spacing), one in zip(members, made, strict=True):
+            samples = one.samples
+            count = _count_simultaneous(source, samples, bands if level or strict else 1)
+            if strict and count > left:
+                raise _too_many(source, count, left)
             kept = samples if count <= left else _strongest(samples, left)
-            skipped["samples over budget"] += len(samples) - len(kept)
+            asked = one.asked
+            if level and not measure_spacing(source.item):
+                asked = _count_asked(source, spacing, cut, ESTIMATED * full * bands)
+            account.ask(source.index, asked)
+            account.note(COARSENED, source.index, asked - one.asked)
+            account.note(FAINT, source.index, one.faint)
+            account.note(OUTSIDE, source.index, one.outside)
+            account.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
             left -= min(count, left)
             parts.append(kept)
     return parts
+
+
+def count_pressing(samples: Samples) -> int:
+    """Return the number of samples that press."""
+    return int(np.count_nonzero(samples.radiation_pressure))
+
+
+def _make(source: Source, spacing: float, cut: Cut) -> Made:
+    samples = source.at(spacing)
+    inside = cut(samples)
+    outside = 0 if inside is samples else count_pressing(samples) - count_pressing(inside)
+    return Made(inside, source.faint, outside)
+
+
+def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
+    """Return the number of samples at the intended spacing; an estimate if that is more than `most`."""
+    if isinstance(source, WholeObject):
+        count = estimate_samples(source.item, spacing)
+        if count > most:
+            return round(count)
+    return _make(source, spacing, cut).asked
+
+
+def _check_estimate(members: list[tuple[Source, float]], left: int, bands: int) -> None:
+    """Raise ArgumentError if there are clearly too many samples, before they are made."""
+    if _estimate_whole(members, 0) > ESTIMATED * left * bands:
+        count, source = max(
+            ((_estimate_whole([member], 0), member[0]) for member in members), key=lambda c: c[0]
+        )
+        raise _too_many(source, round(count), left)
+
+
+def _too_many(source: Source, count: int, left: int) -> ArgumentError:
+    label = label_object(source.item, source.index)
+    return ArgumentError(
+        "scene",
+        f"has an object that cannot be rendered in full: {label!r} needs {count} samples at once, and the budget "
+        f"leaves {left}; raise `Sampler(budget=...)`, or make the object smaller",
+    )
 
 
 def _count_simultaneous(source: Source, samples: Samples, bands: int) -> int:
@@ -69,21 +146,28 @@ def _strongest(samples: Samples, count: int) -> Samples:
 
 
 def _fit_level(
-    members: list[tuple[Source, float]], left: int, level: int,
-    cut: Callable[[Samples], Samples], bands: int,
-) -> tuple[list[Samples], int]:  # fmt: skip
-    """Return the samples of sources of one priority, and the level at which they are at most `left`."""
+    members: list[tuple[Source, float]], left: int, level: int, cut: Cut, bands: int, *, fixed: bool,
+) -> tuple[list[Made], int]:  # fmt: skip
+    """Return the samples of sources of one priority, and the level at which they are at most `left`.
 
-    def every(level: int) -> list[Samples]:
+    fixed: keep the given level.
+    """
+
+    def every(level: int) -> list[Made]:
         return [
-            cut(source.at(spacing if measure_spacing(source.item) else spacing * COARSER**level))
+            _make(
+                source, spacing if measure_spacing(source.item) else spacing * COARSER**level, cut
+            )
             for source, spacing in members
         ]
 
-    def number(made: list[Samples], level: int) -> int:
+    def number(made: list[Made], level: int) -> int:
         """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
         counts = [
-            sum(_count_simultaneous(m, s, most) for (m, _), s in zip(members, made, strict=True))
+            sum(
+                _count_simultaneous(m, one.samples, most)
+                for (m, _), one in zip(members, made, strict=True)
+            )
             for most in ({1, bands} if level else {1})
         ]
         return min(counts)
@@ -96,8 +180,10 @@ def _fit_level(
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        return _estimate_whole(members, level) > 2.0 * left * (bands if level else 1)
+        return _estimate_whole(members, level) > ESTIMATED * left * (bands if level else 1)
 
+    if fixed:
+        return every(level), level
     while too_many(level) and more(level):
         level += 1
     made = every(level)

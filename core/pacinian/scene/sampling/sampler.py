@@ -13,7 +13,20 @@ from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_numbe
 from pacinian.native.scene import merge
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
-from pacinian.scene.objects import Point, Surface, Volume
+from pacinian.scene.objects import Body, Point, Surface, Volume
+from pacinian.scene.sampling.account import (
+    COARSENED,
+    FAINT,
+    FAR,
+    HAND_FADING,
+    HAND_LOST,
+    MERGED,
+    OUTSIDE,
+    OVER_BUDGET,
+    PRESSURE_LIMITED,
+    TOO_FINE,
+    Account,
+)
 from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
 from pacinian.scene.sampling.broad_phase import cull
 from pacinian.scene.sampling.budget import allot_budget
@@ -22,7 +35,7 @@ from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import HandTrack, PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.sample_cache import SampleCache
+from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
     Contact,
@@ -38,7 +51,7 @@ from pacinian.scene.sampling.surround import add_surround
 from pacinian.scene.setup import FINEST
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -51,13 +64,21 @@ if TYPE_CHECKING:
 WAVELENGTH = 0.0085  # spacing before an array is known [m]
 NAMES = 1 << 31  # numbers of objects in sample keys are smaller than this
 OFF = Constant(0.0)
+COUNTED = {
+    COARSENED: "samples coarsened",
+    OVER_BUDGET: "samples over budget",
+    MERGED: "samples merged",
+    FAINT: "samples too faint to feel",
+    PRESSURE_LIMITED: "forces beyond the most pressure",
+}
+"""Reasons of `Sampler.skipped`, by those of an account."""
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
 DENSE = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
 NARROW, WIDE = 0.2, 0.3
 CONTACT_SAMPLES = 128  # intended number of samples of a contact
 STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
-MERGED = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
+MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
@@ -106,6 +127,8 @@ class Sampler:
         """Maximum radiation pressure that a force may request [Pa]. The render loop sets this."""
         self.surround = False
         """Whether to surround regions that touch skin with silent samples. The render loop sets this for its solver."""
+        self.strict = False
+        """Whether to raise ArgumentError instead of leaving out or coarsening anything. The render loop sets this."""
         self.skipped: Counter[str] = Counter()
         """Number of samples, objects and hands left out, by reason."""
         self.skin: Skin | None = None
@@ -120,6 +143,8 @@ class Sampler:
         self._ramps = PressureRamps(self.ramp)
         self._asked: tuple[object, ...] = ()
         self._target = no_samples()
+        self.account = Account()
+        """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
         self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
         self._still = False
@@ -136,7 +161,7 @@ class Sampler:
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """Return samples of `scene` at time t [s]: the same object as before if nothing has changed."""
-        asked = scene, self.allowed, self.spacing, self.bands, self.surround, self.even
+        asked = scene, self.allowed, self.spacing, self.bands, self.surround, self.even, self.strict
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
             self._asked = asked
@@ -144,13 +169,28 @@ class Sampler:
 
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
+        account = self.account = Account(scene.objects)
+        account.samples = self._make_samples(scene, t, account)
+        for reason, skipped in COUNTED.items():
+            if count := account.total(reason):
+                self.skipped[skipped] += count
+        return account.samples
+
+    def _make_samples(self, scene: Scene, t: float, account: Account) -> Samples:
         skin = bool(scene.hands)
-        hands = self._track_hands(scene, t)
+        hands = self._track_hands(scene, t, account)
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
         self.skipped["objects out of reach"] += len(scene.objects) - len(found)
+        if not skin and len(found) < len(scene.objects):
+            self._note_outside(scene, found, account)
         sources = self._sources(scene, t, found, hands, skin)
+        for source, _ in sources:
+            item = source.item
+            place = hands[0][0].centre if skin else item.pose.position
+            if self._find_unresolved(item, place) > 0.0:
+                account.note_once(TOO_FINE, source.index)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
@@ -164,22 +204,32 @@ class Sampler:
             budget,
             self._levels,
             self._cut(scene.workspace),
-            self.skipped,
+            account,
             self.bands,
+            self.budget,
+            strict=self.strict,
         )
         if len(parts) > 1:
-            parts = [self._merge_samples([source.item for source, _ in sources], parts)]
-        parts = [self._focal(parts[0])]
+            parts = [self._merge_samples([source.item for source, _ in sources], parts, account)]
+        parts = [self._focal(parts[0], account)]
         if self.surround and skin and solid and self._resolving is not None:
             touching, centre = [hand for hand, _ in hands], self._resolving.centre
             resolved = min(self._resolving.compute_spacing(hand.centre) for hand in touching)
             left = budget - len(parts[0])
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
-        if skin:
-            self.skipped["samples too faint to feel"] += sum(s.faint for s, _ in sources)
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
-    def _focal(self, samples: Samples) -> Samples:
+    def _note_outside(self, scene: Scene, found: list[int], account: Account) -> None:
+        """Note the objects that are rendered whole and lie outside the workspace, or too far from the array."""
+        for i in sorted(set(range(len(scene.objects))) - set(found)):
+            item = scene.objects[i]
+            if item.pressure > 0.0 and item.envelope != OFF:
+                spacing = self.spacing or WAVELENGTH * (DENSE if is_dense(item) else 1.0)
+                count = round(estimate_samples(item, spacing))
+                account.ask(i, count)
+                account.note(FAR if scene.workspace is None else OUTSIDE, i, count)
+
+    def _focal(self, samples: Samples, account: Account) -> Samples:
         """Spread the forces of foci over the area that the focus has at each sample."""
         if self._resolving is None:
             return samples
@@ -201,11 +251,13 @@ class Sampler:
             P[rows] *= area[rows] / found
             most[rows] *= area[rows] / found
             area[rows] = found
-        self.skipped["forces beyond the most pressure"] += int((P[which] > self.peak).sum())
+        account.note_rows(PRESSURE_LIMITED, samples, which[P[which] > self.peak])
         P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
         return samples.changed(radiation_pressure=P, most=most, area=area)
 
-    def _track_hands(self, scene: Scene, t: float) -> list[tuple[PosedSkin, float]]:
+    def _track_hands(
+        self, scene: Scene, t: float, account: Account
+    ) -> list[tuple[PosedSkin, float]]:
         """Return the hands that are present, each with the factor on its pressures, 0..1."""
         tracks = {
             hand.name: self._hands.get(hand.name) or HandTrack(self.skin) for hand in scene.hands
@@ -216,7 +268,10 @@ class Sampler:
             now, share = tracks[hand.name].at(hand, t)
             if now is None:
                 self.skipped["hands lost"] += 1
+                account.note_hand(HAND_LOST, hand.name)
             else:
+                if share < 1.0:
+                    account.note_hand(HAND_FADING, hand.name)
                 there.append((tracks[hand.name].pose_skin(now), share))
         return there
 
@@ -264,7 +319,8 @@ class Sampler:
                 whole = of(item, i, name, pose, self._covers, objects)
                 sources.append((whole, self._compute_spacing(item, pose.position)))
                 continue
-            least = lowest_threshold(find_vibration(item)) if self.perception else 0.0
+            judged = self.perception and not self.strict
+            least = lowest_threshold(find_vibration(item)) if judged else 0.0
             for hand, share in hands:
                 own = (name + hand.salt) % NAMES
                 source: Source | None
@@ -303,6 +359,26 @@ class Sampler:
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
 
+    def find_fine_textures(self, scene: Scene) -> Iterator[tuple[int, float, float]]:
+        """Yield the objects whose texture is finer than the array resolves where they are.
+
+        Yields the index of each, the period of its texture, and the shortest period that the array resolves there [m].
+        Raises ArgumentError if a texture's file cannot be read.
+        """
+        for i, item in enumerate(scene.objects):
+            if (resolved := self._find_unresolved(item, item.pose.position)) > 0.0:
+                assert isinstance(item, Body)
+                assert item.texture is not None
+                yield i, item.texture.period, resolved
+
+    def _find_unresolved(self, item: Object, place: tuple[float, float, float]) -> float:
+        """Return the shortest period that the array resolves at `place`, if the texture is finer, else 0 [m]."""
+        texture = getattr(item, "texture", None)
+        if texture is None or self._resolving is None:
+            return 0.0
+        resolved = self._resolving.compute_period(place)
+        return resolved if texture.period < resolved else 0.0
+
     def _compute_spacing(self, item: Object, place: tuple[float, float, float]) -> float:
         """Return the spacing of an object's samples at `place` [m]."""
         if self.spacing is not None:
@@ -326,10 +402,12 @@ class Sampler:
 
         return cut
 
-    def _merge_samples(self, items: list[Object], parts: list[Samples]) -> Samples:
+    def _merge_samples(
+        self, items: list[Object], parts: list[Samples], account: Account
+    ) -> Samples:
         """Join all samples, and merge those of different `items` that the array cannot resolve.
 
-        Only samples of equal envelope and technique are merged.
+        Only samples of equal envelope and technique are merged; if `strict`, only those at one place.
         """
         whole = join_samples(parts)
         if len(whole) > MAX_MERGE_SAMPLES:
@@ -339,9 +417,8 @@ class Sampler:
         voice = np.repeat(_voices(items), counts)
         P, area = np.empty(len(whole)), np.empty(len(whole))
         kept = np.empty(len(whole), dtype=np.bool_)
-        radius = np.full(
-            len(whole), MERGED * (WAVELENGTH if self.spacing is None else self.spacing)
-        )
+        apart = MERGE_SHARE * (WAVELENGTH if self.spacing is None else self.spacing)
+        radius = np.full(len(whole), MERGE_DISTANCE if self.strict else apart)
         radius[whole.regions != ISOLATED] = MERGE_DISTANCE
         gone = merge(
             whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
@@ -349,7 +426,7 @@ class Sampler:
         )  # fmt: skip
         if not gone:
             return whole
-        self.skipped["samples merged"] += gone
+        account.note_rows(MERGED, whole, ~kept & (whole.radiation_pressure > 0.0))
         return whole.changed(radiation_pressure=P, area=area).only(kept)
 
 

@@ -40,8 +40,13 @@ class Source(Protocol):
         ...
 
     @property
+    def index(self) -> int:
+        """Index of the object in the scene."""
+        ...
+
+    @property
     def faint(self) -> int:
-        """Number of samples left out because they are too faint to feel."""
+        """Number of samples that the last call of `at` left out because they are too faint to feel."""
         ...
 
     def at(self, spacing: float) -> Samples:
@@ -166,7 +171,7 @@ class Contact:
         kept = press_on(
             nodes, force, area, self.least, *skin, self.name, P, extent, points, normals, keys
         )
-        self.faint = K - kept
+        self.faint = int(np.count_nonzero(force)) - kept
         return Samples(
             points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
             keys[:kept], np.full(kept, self.item.pressure),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 else:  # the types that a scene file may hold
     Values = bytes | tuple[tuple[float, ...], ...]
 
+MAX_SIDE = 1024  # largest part of a picture whose period is computed, in rows and in columns
+MIN_POWER = 1e-12  # smallest variance of factors that counts as a texture
 LINES = 64  # number of values per period of a grating
 
 
@@ -55,6 +58,27 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
         factors = values[::-1].astype(np.float64)
         factors.setflags(write=False)
         return factors
+
+    @cached_property
+    def period(self) -> float:
+        """Period of the texture's detail [m]: half of its variance has longer periods, half has shorter ones.
+
+        Of stripes of equal widths it is their period. Infinite if the texture is even. Of large pictures, only the
+        middle counts.
+        """
+        R, C = self.factors.shape
+        rows, columns = min(R, MAX_SIDE), min(C, MAX_SIDE)
+        top, left = (R - rows) // 2, (C - columns) // 2
+        part = self.factors[top : top + rows, left : left + columns]
+        power = np.abs(np.fft.fft2(part - part.mean())) ** 2
+        across = np.fft.fftfreq(rows, self.size[1] / R)[:, None]
+        frequency = np.hypot(across, np.fft.fftfreq(columns, self.size[0] / C)).ravel()  # [1/m]
+        order = np.argsort(frequency)
+        shares = np.cumsum(power.ravel()[order])
+        if not shares[-1] > MIN_POWER * part.size:
+            return math.inf
+        half = int(np.searchsorted(shares, 0.5 * shares[-1]))
+        return float(1.0 / frequency[order[half]])
 
     def at(self, points: Floats) -> Floats:
         """Return the factor, interpolated bilinearly, at points of the object's own frame, (K, 3) [m]: (K,)."""

@@ -96,11 +96,9 @@ class Triangles:
         if not flaw:
             turned = orient_outward(vertices, faces, edges)
             swap = (turned != faces).any(axis=1, keepdims=True)
-            faces = turned
-            normals, edges = (
-                np.where(swap, -normals, normals),
-                np.where(swap, edges[:, ::-1], edges),
-            )
+            if swap.any():  # made again, so that triangles of these triangles are equal bit for bit
+                faces, edges = turned, np.where(swap, edges[:, ::-1], edges)
+                normals, areas = _normals(vertices, faces)
         return cls(vertices, faces, normals, areas, edges, sharing, flaw)
 
     @classmethod

@@ -65,7 +65,7 @@ class Voxels(
         )
         force_setattr(self, "values", encode_array("values", self.values, self.file, 3))
         if not self.file:
-            self._decode_values()
+            _ = self.filling
 
     @property
     def area(self) -> float:
@@ -111,7 +111,7 @@ class Voxels(
         import igl
         from scipy import ndimage
 
-        v = np.pad(self._decode_values(), RIM)
+        v = np.pad(self.filling, RIM)
         inside, (X, Y, Z) = v > self.level, v.shape
         axes = np.ogrid[:X, :Y, :Z]
         nodes = np.stack(np.broadcast_arrays(*axes), axis=-1).reshape(-1, 3, order="F")
@@ -135,7 +135,9 @@ class Voxels(
             D.astype(np.float32), area, (x, y, z), math.sqrt((V * V).sum(axis=1).max())
         )
 
-    def _decode_values(self) -> Floats:
+    @property
+    def filling(self) -> Floats:
+        """Filling of each voxel, 0..1, (X, Y, Z). A file is read again. Raises ArgumentError."""
         values = decode_array("values", self.values, self.file, 3)
         check_within("values", values)
         inside = values > self.level

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import Particles
+from pacinian.scene.sampling.account import Account, label_object
 from pacinian.scene.sampling.budget import allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sources import WholeObject
@@ -69,7 +70,7 @@ objects = st.lists(
 def test_there_are_never_more_than_the_budget(items: Any, budgets: Any) -> None:
     levels: dict[int, int] = {}
     for budget in budgets:
-        parts = allot_budget(given_by(*items), budget, levels, whole, Counter())
+        parts = allot_budget(given_by(*items), budget, levels, whole, Account())
         assert sounded(items, parts) <= budget
         if budget >= 4 * len(items) and len({item.priority for item in items}) == 1:
             assert all(len(part) for part in parts)  # coarser, rather than none
@@ -81,8 +82,8 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
     items: Any, extra: Any, budget: int
 ) -> None:
     low = [pc.Point(position=(0, 0, 0), radiation_pressure=1.0, priority=-9) for _ in extra]
-    alone = allot_budget(given_by(*items), budget, {}, whole, Counter())
-    both = allot_budget(given_by(*items, *low), budget, {}, whole, Counter())
+    alone = allot_budget(given_by(*items), budget, {}, whole, Account())
+    both = allot_budget(given_by(*items, *low), budget, {}, whole, Account())
     for mine, again in zip(alone, both[: len(items)], strict=True):
         assert np.array_equal(mine.positions, again.positions)
 
@@ -92,9 +93,9 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
 def test_the_same_is_shared_out_alike_for_ever(items: Any, budget: int) -> None:
     levels: dict[int, int] = {}
     for _ in range(20):  # from any level to the one that fits
-        first = allot_budget(given_by(*items), budget, levels, whole, Counter())
+        first = allot_budget(given_by(*items), budget, levels, whole, Account())
     for _ in range(3):
-        again = allot_budget(given_by(*items), budget, levels, whole, Counter())
+        again = allot_budget(given_by(*items), budget, levels, whole, Account())
         for a, b in zip(first, again, strict=True):
             assert np.array_equal(a.keys, b.keys)
 
@@ -104,29 +105,52 @@ def test_what_trembles_about_the_budget_changes_its_spacing_once() -> None:
     seen = []
     for i in range(40):
         items = [disc(0.1 * (1.0 + 0.1 * (-1) ** i))]
-        allot_budget(given_by(*items), 310, levels, whole, Counter())
+        allot_budget(given_by(*items), 310, levels, whole, Account())
         seen.append(levels[0])
     assert np.count_nonzero(np.diff(seen)) <= 1
 
 
 def test_it_becomes_finer_again_when_there_is_room() -> None:
     levels: dict[int, int] = {}
-    full = allot_budget(given_by(disc(0.1)), 400, levels, whole, Counter())
-    allot_budget(given_by(disc(0.1)), 40, levels, whole, Counter())
+    full = allot_budget(given_by(disc(0.1)), 400, levels, whole, Account())
+    allot_budget(given_by(disc(0.1)), 40, levels, whole, Account())
     coarse = levels[0]
     assert coarse > 0
     for _ in range(coarse + 1):
-        again = allot_budget(given_by(disc(0.1)), 1000, levels, whole, Counter())
+        again = allot_budget(given_by(disc(0.1)), 1000, levels, whole, Account())
     assert levels[0] == 0
     assert np.array_equal(again[0].keys, full[0].keys)
 
 
-def test_what_is_dropped_is_counted() -> None:
-    for budget in (1, 3, 5):
-        skipped: Counter[str] = Counter()
-        parts = allot_budget(given_by(*(point() for _ in range(5))), budget, {}, whole, skipped)
-        assert sum(map(len, parts)) == budget
-        assert skipped["samples over budget"] == 5 - budget
+@given(items=objects, budgets=st.lists(st.integers(1, 60), min_size=1, max_size=4))
+@bounded
+def test_of_each_object_what_is_asked_is_rendered_or_has_a_reason(items: Any, budgets: Any) -> None:
+    levels: dict[int, int] = {}
+    full = [len(source.at(spacing)) for source, spacing in given_by(*items)]
+    for budget in budgets:
+        account, sources = Account(tuple(items)), given_by(*items)
+        parts = allot_budget(sources, budget, levels, whole, account, full=100_000)
+        assert len(account.objects) == len(items)
+        for (source, _), part, asked in zip(sources, parts, full, strict=True):
+            one = account.objects[label_object(source.item, source.index)]
+            assert (one.asked, one.rendered) == (asked, len(part))
+            assert one.asked - one.rendered == sum(one.reasons.values()) == one.left_out
+
+
+@given(items=objects, budget=st.integers(1, 300))
+@bounded
+def test_if_strict_all_is_rendered_or_refused_by_name(items: Any, budget: int) -> None:
+    sources, account, levels = given_by(*items), Account(tuple(items)), {0: 3}
+    try:
+        parts = allot_budget(sources, budget, levels, whole, account, strict=True)
+    except pc.ArgumentError as error:
+        labels = [label_object(item, i) for i, item in enumerate(items)]
+        assert any(repr(label) in str(error) for label in labels)
+        whole_ones = allot_budget(sources, 10**6, {}, whole, account)
+        assert sounded(items, whole_ones) > budget
+    else:
+        assert account.clean
+        assert [len(p) for p in parts] == [len(source.at(spacing)) for source, spacing in sources]
 
 
 def test_the_weakest_of_one_object_are_dropped() -> None:
@@ -137,7 +161,7 @@ def test_the_weakest_of_one_object_are_dropped() -> None:
 
     item = pc.Volume(shape=pc.Box((1.0, 1.0, 1.0)), radiation_pressure=1.0)
     source = Uneven(item, 0, 0, pc.Pose(), SampleCache(), (item,))
-    part = allot_budget([(source, 3.0)], 4, {}, whole, Counter())[0]
+    part = allot_budget([(source, 3.0)], 4, {}, whole, Account())[0]
     assert part.radiation_pressure.tolist() == [2.0, 3.0, 4.0, 5.0]
 
 
@@ -158,7 +182,7 @@ def test_those_with_the_least_force_are_dropped_of_equals_the_last(
 
     item = Particles(positions=((0.0, 0.0, 0.0),) * 12, radiation_pressure=1.0)
     source = Uneven(item, 0, 0, pc.Pose(), SampleCache(), (item,))
-    part = allot_budget([(source, SPACING)], budget, {}, whole, Counter())[0]
+    part = allot_budget([(source, SPACING)], budget, {}, whole, Account())[0]
     best = sorted(range(12), key=lambda i: (-forces[i][0] * forces[i][1], i))[:budget]
     kept = [forces[i] for i in sorted(best)]
     assert list(zip(part.radiation_pressure, part.area, strict=True)) == kept
@@ -170,7 +194,7 @@ def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> No
     """Or it would stay coarse for long once there is room again."""
     levels: dict[int, int] = {}
     for _ in range(3):
-        allot_budget(given_by(*items), budget, levels, whole, Counter())
+        allot_budget(given_by(*items), budget, levels, whole, Account())
     for priority, level in levels.items():
         size = max(2.0 * item.bounding_radius for item in items if item.priority == priority)
         assert level == 0 or SPACING * math.sqrt(2.0) ** (level - 1) < size
@@ -178,14 +202,14 @@ def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> No
 
 def test_foci_that_run_count_as_one_each_and_keep_their_fineness() -> None:
     items = [disc(0.2, technique=STM(50.0)) for _ in range(3)]
-    parts = allot_budget(given_by(*items), 2, {}, whole, Counter())
+    parts = allot_budget(given_by(*items), 2, {}, whole, Account())
     assert [len(part) > 1000 for part in parts] == [True, True, False]
 
 
 def test_points_and_foci_that_run_keep_their_keys_while_others_get_coarser() -> None:
     items = [point(), disc(0.05, technique=STM(50.0)), disc(0.2)]
     levels: dict[int, int] = {}
-    fine, coarse = (allot_budget(given_by(*items), n, levels, whole, Counter()) for n in (2000, 50))
+    fine, coarse = (allot_budget(given_by(*items), n, levels, whole, Account()) for n in (2000, 50))
     for mine, again in zip(fine[:2], coarse[:2], strict=True):
         assert np.array_equal(mine.keys, again.keys)
     assert not set(fine[2].keys.tolist()) & set(coarse[2].keys.tolist())
@@ -195,5 +219,5 @@ def test_what_may_not_sound_takes_none_of_the_budget() -> None:
     def right(samples: Samples) -> Samples:
         return samples.only(samples.positions[:, 0] > 0.0)
 
-    parts = allot_budget(given_by(disc(0.05)), 41, {}, right, Counter())
+    parts = allot_budget(given_by(disc(0.05)), 41, {}, right, Account())
     assert 20 <= len(parts[0]) <= 41

@@ -1,0 +1,133 @@
+"""Deviations: where and when the output was not what the scene asked for."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from pacinian.scene.sampling.account import HAND_FADING, HAND_LOST, LEFT_OUT, TOO_FINE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    Reasons = Mapping[str, Mapping[str, int]]  # counts by label of the object and reason
+
+LATE = "late"
+MISSED = "missed"
+HALTED = "silent after a fault"
+INTERPOLATED = "interpolated"
+OUT_OF_TIME = "solved in part"
+AVERAGED = "envelope averaged"
+WEAKENED = "weakened"
+SLEW_LIMITED = "slew limited"
+FEWER_FRAMES = "in fewer frames"
+BY_TICK = frozenset(
+    {
+        LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SLEW_LIMITED, FEWER_FRAMES,
+        TOO_FINE, HAND_LOST, HAND_FADING,
+    }
+)  # fmt: skip
+"""Reasons that count ticks, not samples."""
+MAX_SPANS = 10_000  # spans that are kept
+MAX_LABELS = 1000  # objects with totals of their own
+OTHERS = "other objects"
+NOTHING: Reasons = {}
+
+
+@dataclass
+class Deviation:
+    """Successive ticks that deviated in the same way.
+
+    tick: number of the first. ticks: how many. time, until: scene time of the first and the last [s]. objects: for each
+    object, by label, the reasons and their counts in each of these ticks: samples, or ticks. A label is the object's
+    name, or its type and index in the scene, or "hand" and the hand's name.
+    """
+
+    tick: int
+    ticks: int
+    time: float
+    until: float
+    objects: Reasons
+
+
+class Total(NamedTuple):
+    """All deviations of one object for one reason.
+
+    ticks: number of ticks. total: sum over these ticks of samples, or of missed ticks. first, last: scene time of the
+    first and the last of these ticks [s].
+    """
+
+    ticks: int
+    total: int
+    first: float
+    last: float
+
+
+class Deviations:
+    """The deviations of a run, by time and by object.
+
+    spans: the last ones, oldest first; the totals count all. ticks: number of ticks in which anything deviated.
+    """
+
+    def __init__(self) -> None:
+        self.spans: deque[Deviation] = deque(maxlen=MAX_SPANS)
+        self.ticks = 0
+        self._totals: dict[str, dict[str, Total]] = {}  # without the last span
+
+    def add(self, tick: int, time: float, objects: Reasons) -> None:
+        """Add a tick at scene time `time` [s]."""
+        if not objects:
+            return
+        self.ticks += 1
+        last = self.spans[-1] if self.spans else None
+        if last is not None:
+            if last.tick + last.ticks == tick and last.objects == objects:
+                last.ticks, last.until = last.ticks + 1, time
+                return
+            _add_span(self._totals, last)
+        self.spans.append(Deviation(tick, 1, time, time, objects))
+
+    @property
+    def totals(self) -> dict[str, dict[str, Total]]:
+        """The totals of each object, by label and reason."""
+        totals = {label: dict(reasons) for label, reasons in self._totals.items()}
+        if self.spans:
+            _add_span(totals, self.spans[-1])
+        return totals
+
+
+def _add_span(totals: dict[str, dict[str, Total]], span: Deviation) -> None:
+    for label, reasons in span.objects.items():
+        full = label not in totals and len(totals) >= MAX_LABELS
+        own = totals.setdefault(OTHERS if full else label, {})
+        for reason, count in reasons.items():
+            ticks, summed, first, last = own.get(reason, Total(0, 0, span.time, span.until))
+            own[reason] = Total(
+                ticks + span.ticks,
+                summed + span.ticks * count,
+                min(first, span.time),
+                max(last, span.until),
+            )
+
+
+def mark(objects: Reasons, labels: Iterable[str], reason: str, count: int = 1) -> Reasons:
+    """Return the deviations of a tick with a further reason for the objects of these labels."""
+    made = dict(objects)
+    for label in labels:
+        made[label] = {**made.get(label, {}), reason: count}
+    return made
+
+
+def describe_totals(reasons: Mapping[str, Total]) -> str:
+    """Describe the deviations of one object in words."""
+    told: list[str] = []
+    for reason, (ticks, count, first, last) in reasons.items():
+        if reason in BY_TICK:
+            text = f"{reason} in {max(ticks, count):,} ticks"
+        else:
+            kind = "samples " if reason in LEFT_OUT or reason == WEAKENED else ""
+            text = f"{kind}{reason} in {ticks:,} ticks"
+            text += f" ({count / ticks:.3g} in each)" if kind else ""
+        told.append(f"{text}, {round(first, 3) + 0.0:.3f} to {round(last, 3) + 0.0:.3f} s")
+    return "; ".join(told)

@@ -1,0 +1,253 @@
+"""What was not as asked: by object and by time, in the report and in the recording; and nothing if strict."""
+
+from __future__ import annotations
+
+import functools
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.rendering import deviations as named
+from pacinian.rendering.deviations import MAX_LABELS, MAX_SPANS, Deviations, Total
+from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.scene.modulation.technique import STM
+from pacinian.scene.sampling.account import COARSENED, LEFT_OUT, MERGED, OUTSIDE, OVER_BUDGET
+from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+bounded = settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
+SMALL = pc.lattice(0.06, 0.06)
+TICK = 1e-3  # [s]
+LINE = pc.Path(shape=pc.Line(0.3), radiation_pressure=1.0, name="line")
+DROPS = pc.Particles(
+    positions=tuple((0.02 * (k % 8) - 0.07, 0.05 + 0.02 * (k // 8), 0.2) for k in range(24)),
+    radiation_pressure=1.0, priority=-1, name="drops",
+)  # fmt: skip
+STRAY = pc.Point(position=(0.0, 0.0, 2000.0), radiation_pressure=1.0, name="stray")
+ON_ARRAY = pc.Point(position=tuple(SMALL.positions[3]), radiation_pressure=1.0, name="on array")
+TWIN = pc.Point(position=(0.002, 0.05, 0.2), radiation_pressure=1.0, name="twin")
+
+
+def strokes(t: float) -> pc.Scene:
+    """Objects of which all move, and one comes and goes."""
+    line = replace(LINE, pose=pc.Pose((0.0, 0.02 * t, 0.15)))
+    drops = replace(DROPS, pose=pc.Pose((0.01 * t, 0.0, 0.0)))
+    twin = (TWIN,) if int(t / 0.005) % 2 else ()
+    return pc.Scene((line, STRAY, drops, ON_ARRAY, *twin))
+
+
+def make(scene: Any = strokes, **options: Any) -> tuple[pc.Renderer, Simulated, ManualClock]:
+    clock = ManualClock(7.0)
+    device = Simulated(wait=clock.advance, keep=1000)
+    options.setdefault("sampler", pc.Sampler())
+    return pc.Renderer(SMALL, scene, backend=device, clock=clock, **options), device, clock
+
+
+def play(
+    renderer: pc.Renderer, device: Simulated, clock: ManualClock, loads: list[float]
+) -> list[Counter[str]]:
+    """Tick once for each load, of so many ticks; return how many samples of each object were solved for."""
+    solved = []
+    with renderer:
+        for k, load in enumerate(loads):
+            clock.time = max(clock.time, 7.0 + k * TICK)
+            if load:
+                device.delay(load * TICK)
+            renderer.tick(7.0 + k * TICK)
+            found = Counter({item.name: 0 for item in renderer.shown.objects})
+            if (samples := renderer.samples) is not None:
+                found.update(samples.items[i].name for i in samples.objects.tolist())
+            solved.append(found)
+    assert not renderer.report.faults
+    return solved
+
+
+def at(report: pc.Report, tick: int) -> Any:
+    spans = report.deviations.spans
+    return next((s.objects for s in spans if s.tick <= tick < s.tick + s.ticks), {})
+
+
+@functools.cache
+def count_in_full() -> Counter[str]:
+    """What each object asks for: counted by a sampler that leaves nothing out, one object at a time."""
+    found: Counter[str] = Counter()
+    for item in strokes(0.006).objects:
+        sampler = pc.Sampler(10**6)
+        sampler.prepare(SMALL, pc.Air())
+        near = replace(item, position=(0.0, 0.0, 0.3)) if item is STRAY else item
+        found[item.name] = len(sampler.sample(pc.Scene((near,))))
+    return found
+
+
+loads = st.lists(st.sampled_from([0.0, 0.85, 4.0]), min_size=1, max_size=4).map(
+    lambda parts: [load for load in parts for _ in range(9)]
+)
+
+
+@bounded
+@example([0.85] * 12 + [4.0] * 12 + [0.0] * 12)
+@given(loads)
+def test_what_is_asked_less_what_is_solved_for_is_named_by_object(parts: list[float]) -> None:
+    renderer, device, clock = make()
+    solved, full = play(renderer, device, clock, parts), count_in_full()
+    for k, found in enumerate(solved):
+        told = at(renderer.report, k)
+        for label, count in found.items():
+            missing = sum(n for why, n in told.get(label, {}).items() if why in LEFT_OUT)
+            assert full[label] - count == missing, (k, label)
+    totals = renderer.report.deviations.totals
+    late = totals.get("line", {}).get(named.LATE)
+    assert (0 if late is None else late.ticks) == renderer.report.late_ticks
+    if renderer.sampler.allowed < len(solved[-1]):
+        assert {COARSENED, OVER_BUDGET} & {*totals["line"], *totals["drops"]}
+
+
+@bounded
+@example([0.85] * 12 + [4.0] * 12 + [0.0] * 12)
+@given(loads)
+def test_if_strict_no_frame_depends_on_the_load_and_only_lateness_is_reported(
+    parts: list[float],
+) -> None:
+    runs = []
+    for each in parts, [0.0] * len(parts):
+        renderer, device, clock = make(strict=True, smoothing=Smoothing(rate=None))
+        play(renderer, device, clock, each)
+        runs.append((renderer.report, list(device.frames)[: len(parts)]))
+        assert all(
+            not reasons.keys() - {"out of reach", "on a transducer", named.LATE}
+            for reasons in renderer.report.deviations.totals.values()
+        )
+    (report, busy), (_, calm) = runs
+    assert (report.late_ticks > 0) == ("line" in report.deviations.totals)
+    for one, other in zip(busy, calm, strict=True):
+        assert np.array_equal(one.phase, other.phase)
+        assert np.array_equal(one.amplitude, other.amplitude)
+
+
+@bounded
+@example([0.85] * 12 + [4.0] * 12 + [0.0] * 12)
+@given(loads)
+def test_a_recording_says_by_tick_what_the_report_says(tmp_path: Path, parts: list[float]) -> None:
+    path = tmp_path / "run.pac"
+    renderer, device, clock = make(recorder=pc.Recorder(path))
+    play(renderer, device, clock, parts)
+    for k, tick in enumerate(pc.Recording(path).ticks()):
+        assert tick.deviations == at(renderer.report, k)
+        assert (tick.sent > tick.frame.time + TICK) == (
+            named.LATE in tick.deviations.get("line", {})
+        )
+        for label, (asked, rendered, force, reasons) in tick.objects.items():
+            assert asked - rendered == sum(n for why, n in reasons.items() if why in LEFT_OUT)
+            assert {**tick.deviations.get(label, {}), **reasons} == tick.deviations.get(label, {})
+            assert (force > 0.0) == (rendered > 0), label
+
+
+def test_missed_ticks_and_silence_after_a_fault_are_named_by_object() -> None:
+    renderer, device, _ = make(pc.Scene((LINE, TWIN)))
+    renderer.open()
+    device.delay(0.5)
+    report = renderer.run(1.0)
+    missed = report.deviations.totals["line"][named.MISSED]
+    assert missed.total == report.skipped["missed ticks"] > 300
+    device.disconnect()
+    renderer.reset()
+    for _ in range(3):
+        renderer.tick()
+    assert report.deviations.totals["twin"][named.HALTED].ticks == 3
+    assert not report.intact
+    renderer.close()
+
+
+def test_what_lies_outside_the_workspace_or_at_one_place_is_named() -> None:
+    room = pc.Workspace((-0.05, -0.1, 0.1), (0.1, 0.1, 0.3))
+    away = replace(TWIN, position=(0.0, 0.0, 0.9), name="away")
+    line = replace(LINE, pose=pc.Pose((0.0, 0.0, 0.15)))
+    renderer, device, clock = make(pc.Scene((line, TWIN, replace(TWIN, name="b"), away), room))
+    play(renderer, device, clock, [0.0])
+    told = at(renderer.report, 0)
+    assert told["b"][MERGED] == told["away"][OUTSIDE] == 1
+    one = renderer.account["line"]
+    assert one.reasons[OUTSIDE] == one.asked - one.rendered > 0
+
+
+def test_an_empty_scene_has_nothing_that_could_deviate() -> None:
+    renderer, device, clock = make(pc.Scene())
+    play(renderer, device, clock, [0.0, 4.0, 0.0])
+    assert not renderer.report.deviations.totals
+    assert renderer.report.late_ticks > 0
+    assert not renderer.report.intact
+
+
+def test_a_late_end_is_named_after_the_object_that_is_gone() -> None:
+    renderer, device, clock = make(lambda t: pc.Scene((TWIN,) if t < 1.5 * TICK else ()))
+    play(renderer, device, clock, [0.0, 0.0, 3.0])
+    assert at(renderer.report, 2)["twin"][named.LATE] == 1
+
+
+@pytest.mark.parametrize("budget", [10, 60])
+def test_if_strict_what_does_not_fit_is_refused_by_name(budget: int) -> None:
+    many = pc.Surface(
+        shape=pc.Disc(0.05), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=1.0, name="large"
+    )
+    renderer, device, clock = make(pc.Scene((many,)), strict=True, sampler=pc.Sampler(budget))
+    with pytest.raises(pc.ArgumentError, match=r"'large' needs \d+ samples.*budget"):
+        renderer.open()
+    renderer, device, clock = make(
+        lambda t: pc.Scene((many,) if t > 0.0 else ()), strict=True, sampler=pc.Sampler(budget)
+    )
+    with renderer:
+        for k in range(3):
+            renderer.tick(7.0 + k * TICK)
+        assert "'large' needs" in renderer.report.faults[0].message
+        assert device.silent
+    runs = replace(many, technique=STM(100.0))
+    smooth = Smoothing(rate=None)
+    renderer, device, clock = make(
+        pc.Scene((runs,)), strict=True, sampler=pc.Sampler(budget), smoothing=smooth
+    )
+    play(renderer, device, clock, [0.0] * 3)
+    assert renderer.report.intact
+
+
+ticks = st.lists(
+    st.dictionaries(st.sampled_from("abc"), st.dictionaries(st.sampled_from("xy"), st.integers(1, 3), min_size=1)),
+    max_size=40,
+)  # fmt: skip
+
+
+@given(ticks)
+def test_totals_and_spans_are_those_of_each_tick(parts: list[dict[str, dict[str, int]]]) -> None:
+    found = Deviations()
+    for k, objects in enumerate(parts):
+        found.add(k, 0.1 * k, objects)
+    for label in "abc":
+        for why in "xy":
+            own = [(k, o[label][why]) for k, o in enumerate(parts) if why in o.get(label, {})]
+            total = found.totals.get(label, {}).get(why)
+            if own:
+                sums = len(own), sum(n for _, n in own), 0.1 * own[0][0], 0.1 * own[-1][0]
+                assert total == Total(*sums)
+            else:
+                assert total is None
+    again = [span.objects for span in found.spans for _ in range(span.ticks)]
+    assert again == [objects for objects in parts if objects]
+    assert found.ticks == len(again)
+
+
+def test_what_is_kept_is_bounded() -> None:
+    found = Deviations()
+    for k in range(3 * MAX_SPANS):
+        found.add(k, k * TICK, {f"{k % (2 * MAX_LABELS)}": {"late": 1}})
+    assert len(found.spans) == MAX_SPANS
+    totals = found.totals
+    assert len(totals) == MAX_LABELS + 1
+    assert sum(reasons["late"].ticks for reasons in totals.values()) == 3 * MAX_SPANS
