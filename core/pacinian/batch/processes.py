@@ -1,7 +1,8 @@
 """Other processes that solve parts of a batch, for solvers whose own Python code would keep threads waiting.
 
-A process reads a pickled task from its standard input, then numbers of problems, and writes their solutions. Pickles go
-only between this process and the children that it started. Arrays and the medium go once, and solutions refer to them.
+A process reads a pickled task from its standard input, then numbers of problems, and writes their solutions as columns.
+Pickles go only between this process and the children that it started. Arrays and the medium go once, and solutions
+refer to them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import subprocess
 import sys
 from typing import IO, TYPE_CHECKING, Any
 
+from pacinian.batch.columns import from_columns, to_columns
 from pacinian.errors import PluginError, describe_error
 from pacinian.solving.blas import limit_blas_threads
 
@@ -64,7 +66,7 @@ class WorkerProcess:
             raise PluginError("a process that solves a part of a batch has died") from None
         if isinstance(answer, Exception):
             raise answer
-        return answer  # type: ignore[no-any-return]
+        return list(zip(numbers, from_columns(answer, len(numbers)), strict=True))
 
     def close(self) -> None:
         """End the process, even in the middle of a solve."""
@@ -86,7 +88,7 @@ def serve() -> None:
             numbers: Sequence[int] = pickle.loads(_receive(source))
             answer: Any
             try:
-                answer = _pack(list(task.solve(iter(numbers))), shared)
+                answer = _pack(to_columns([one for _, one in task.solve(iter(numbers))]), shared)
             except Exception as error:
                 try:
                     answer = _pack(error, shared)
