@@ -63,8 +63,8 @@ def _add(surface: Surface, owner: str, member: Member) -> None:
 
 
 def _bodies(text: str) -> Iterator[tuple[str, str]]:
-    """Public classes of a C# file, and what is in them."""
-    heads = list(re.finditer(r"^    public (?:\w+ )*(?:class|struct) (\w+)", text, re.MULTILINE))
+    """Public classes of a C# file, and what is in them. Structs are values that members have."""
+    heads = list(re.finditer(r"^    public (?:\w+ )*class (\w+)", text, re.MULTILINE))
     for head in heads:
         end = text.find("\n    }\n", head.end())
         yield head[1], text[head.end() : end]
@@ -147,8 +147,9 @@ def core(header: Path, options: Path, events: Path) -> Surface:
                 else STATUS
             )
             _add(found, "Client", Member(name, kind))
-    for name in re.findall(r"^  std::function<[^;]*> (\w+);", events.read_text("utf-8"), re.M):
-        _add(found, "Client", Member(name, EVENT))
+    for names in re.findall(r"^  std::function<[^;]*> ([\w, ]+);", events.read_text("utf-8"), re.M):
+        for name in names.split(", "):
+            _add(found, "Client", Member(name, EVENT))
     for name, value in re.findall(
         r"^  [\w:<>()]+ (\w+)(?: = ([^;]*))?;", options.read_text("utf-8"), re.M
     ):

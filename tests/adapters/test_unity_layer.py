@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import pacinian as pc
 from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually
@@ -237,28 +238,57 @@ def test_play_mode_again_where_the_domain_is_not_loaded_anew(game: Game) -> None
 
 
 @pytest.mark.parametrize("game", [LEASE], indirect=True)
-def test_a_freeze_is_silent_in_time_and_sounds_again_only_if_that_is_wanted(
+def test_a_freeze_is_silent_in_time_and_sounds_again_when_the_game_goes_on(
     real: Server, game: Game
 ) -> None:
     since = time.perf_counter()
     game.stand_still()
     wait_for_expiry(real, since)
-    game.status()
-    game.event("ended", "expired")
-    game.until(lambda s: s["output"] == "silent" and s["objects"] >= 0)
-    mark = real.log.count
-    game.do("hum 60")
-    game.until(lambda s: s["frames"] > 0)
-    assert not game.status()["armed"]
-    assert not sounded_since(real, mark)
-    game.sounding(felt)
-    game.do("again")
-    since = time.perf_counter()
-    game.stand_still()
-    wait_for_expiry(real, since)
-    game.status()
-    game.event("ended", "expired")
+    game.say("status")
+    assert "the game did not tick" in game.event("stood still")["code"]
     sounds(game)
+    assert not any(told.get("event") == "ended" for told in game.told)
+
+
+def test_a_pause_of_the_editor_ends_the_sound_at_once_and_is_no_failure(
+    real: Server, game: Game
+) -> None:
+    """The session goes on however long it is, and the output is let go; a stop in the meantime holds."""
+    since = time.perf_counter()
+    game.do("pause on")
+    wait_for_silence(real, since)
+    wait_until_free(real)
+    assert game.status()["status"] == "Connected"
+    game.do("pause off")
+    sounds(game)
+    assert not any(told.get("event") in ("ended", "stood still", "lost") for told in game.told)
+    game.do("pause on")
+    wait_until_free(real)
+    with pc.Client(real.file) as other:
+        other.stop()
+        game.do("pause off")
+        assert "stopped" in game.event("refused")["code"]
+        other.reset()
+    game.do("arm")
+    sounds(game)
+
+
+def test_touches_are_told_to_server_and_effect_where_they_are(game: Game) -> None:
+    """The hand goes to and fro once a second, and leaves the ball each time: as often as it comes, it goes."""
+    status = game.until(lambda s: s["began"] >= 3)
+    assert status["moved"] > status["began"]
+    assert status["hand"] == "right"
+    assert 0.0 < status["pressed"] <= 1.0
+    assert status["beside"] < 0.03 + SKIN
+    assert status["began"] - status["left"] == status["heard"] <= 1
+    assert (status["why"] == "") is (status["output"] == "sounding")
+    game.do("hand off")
+    status = game.until(lambda s: s["cause"] == "hand not seen")
+    assert status["began"] == status["left"]
+    assert status["heard"] == 0
+    assert status["screen"] == "Silent: " + status["why"]
+    game.do("disconnect")
+    assert "not connected" in game.status()["screen"]
 
 
 def test_an_emergency_stop_stays_until_reset(real: Server, game: Game) -> None:

@@ -10,7 +10,8 @@ namespace Pacinian.Haptics.Editing
         [MenuItem("GameObject/Pacinian/Array", false, 10)]
         internal static void Array(MenuCommand command)
         {
-            GameObject array = Made(command, "Haptic Array", typeof(ArrayOrigin), typeof(HapticServer), typeof(EmissionView));
+            Type[] parts = { typeof(ArrayOrigin), typeof(HapticServer), typeof(EmissionView), typeof(HapticStatus) };
+            GameObject array = Made(command, "Haptic Array", parts);
             array.transform.localPosition = new Vector3(0f, 0.8f, 0.4f);
         }
 

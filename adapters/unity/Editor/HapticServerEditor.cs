@@ -61,7 +61,11 @@ namespace Pacinian.Haptics.Editing
                 EditorGUILayout.LabelField("Samples", (state.Points.Numbers / 3).ToString(CultureInfo.InvariantCulture));
                 EditorGUILayout.LabelField("Ticks", state.Rate.ToString("F0", CultureInfo.InvariantCulture) + " Hz, late " + state.Late);
             }
-            if (server.Problem.Length > 0)
+            if (server.Silence.Length > 0)
+            {
+                EditorGUILayout.HelpBox("Silent: " + server.Silence, MessageType.Info);
+            }
+            if (server.Problem.Length > 0 && server.IsConnected)
             {
                 EditorGUILayout.HelpBox(server.Problem, MessageType.Warning);
             }

@@ -4,7 +4,7 @@ namespace Pacinian.Haptics.Editing
 {
     /// <summary>
     /// Ends the connection before the editor stops our thread: at a reload of scripts, at the end of play mode. With the
-    /// editor the server ends that it started.
+    /// editor the server ends that it started. A pause of the editor is told to the connection.
     /// </summary>
     [InitializeOnLoad]
     internal static class ReloadGuard
@@ -15,6 +15,24 @@ namespace Pacinian.Haptics.Editing
             EditorApplication.quitting += HapticServer.ShutDown;
             EditorApplication.quitting += LocalServer.Stop;
             EditorApplication.playModeStateChanged += Change;
+            EditorApplication.pauseStateChanged += Pause;
+            EditorApplication.update += KeepAlive;
+        }
+
+        private static void Pause(PauseState state)
+        {
+            if (HapticServer.Current != null)
+            {
+                HapticServer.Current.Pause(state == PauseState.Paused);
+            }
+        }
+
+        private static void KeepAlive()
+        {
+            if (EditorApplication.isPaused && HapticServer.Current != null)
+            {
+                HapticServer.Current.KeepAlive();
+            }
         }
 
         private static void Change(PlayModeStateChange change)

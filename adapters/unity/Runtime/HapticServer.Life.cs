@@ -5,8 +5,6 @@ namespace Pacinian.Haptics
     /// <summary>Begin and end: whatever ends a game, its connection ends with it, and with that the sound.</summary>
     public sealed partial class HapticServer
     {
-        private const string Expired = "expired";
-
         private static int s_sessions; // of all instances: an effect knows by it whether the server has it
 
         private string _refused = "", _logged = "";
@@ -17,7 +15,9 @@ namespace Pacinian.Haptics
         {
             if (Current is object)
             {
-                Debug.LogWarning("Pacinian: there is a Haptic Server already; this one does nothing", this);
+                Debug.LogWarning(
+                    "Pacinian: \"" + Current.name + "\" has a Haptic Server already, so that of \"" + name
+                    + "\" does nothing. Keep one, with DontDestroyOnLoad if scenes are changed", this);
                 return;
             }
             Current = this;
@@ -30,7 +30,7 @@ namespace Pacinian.Haptics
         private void Open()
         {
             _session = 0;
-            _again = false;
+            _again = _pauses = _armsAfterPause = false;
             _wanted = armOnConnect;
             _refused = _logged = "";
             Client = new HapticClient(Choices());
@@ -39,6 +39,10 @@ namespace Pacinian.Haptics
             Client.Ended += OnEnded;
             Client.Refused += OnRefused;
             Client.StateChanged += OnState;
+            Client.StoodStill += OnStoodStill;
+            Client.TouchBegan += OnTouchBegan;
+            Client.TouchMoved += OnTouchMoved;
+            Client.TouchEnded += OnTouchEnded;
             Client.Start();
         }
 
@@ -79,14 +83,7 @@ namespace Pacinian.Haptics
 
         private void OnEnded(Refusal why)
         {
-            if (why.Code == Expired)
-            {
-                _arms = _wanted && armAgainAfterLoss;
-            }
-            else
-            {
-                _wanted = false;
-            }
+            _wanted = false;
             Told(why);
             Ended?.Invoke(why);
         }

@@ -47,7 +47,7 @@ namespace Pacinian.Haptics
             set { armOnConnect = value; }
         }
 
-        /// <summary>Whether it sounds again after a loss or a freeze, if it was armed before.</summary>
+        /// <summary>Whether it sounds again after the connection was lost, if it was armed before.</summary>
         public bool ArmAgainAfterLoss
         {
             get { return armAgainAfterLoss; }
@@ -100,6 +100,18 @@ namespace Pacinian.Haptics
             get { return IsConnected ? _refused : Client == null ? "" : Client.Problem; }
         }
 
+        /// <summary>Why nothing can be felt, and what to do, as the nearest object and its distance; "" while something can.</summary>
+        public string Silence
+        {
+            get { return Why.Text; }
+        }
+
+        /// <summary>The same for programs: a cause of docs/wire-messages.md, "not connected" or "not the owner"; "" if it sounds.</summary>
+        public string SilenceCause
+        {
+            get { return Why.Cause; }
+        }
+
         /// <summary>Whether this game's scene may be felt.</summary>
         public bool Armed
         {
@@ -122,6 +134,15 @@ namespace Pacinian.Haptics
         public HapticOutput Output
         {
             get { return Client == null || Client.State == null ? HapticOutput.Unknown : 1 + (HapticOutput)Client.State.Output; }
+        }
+
+        private Silence Why
+        {
+            get
+            {
+                return Client != null ? Client.Silence
+                    : new Silence { Cause = "not connected", Text = "Haptic Server is not connected: call Connect, or enable it" };
+            }
         }
 
         /// <summary>Solvers that the server has; none until it has told.</summary>

@@ -25,7 +25,7 @@ namespace Pacinian.Haptics
         private bool connectOnPlay = true;
         [SerializeField, Tooltip("The first connection makes the scene felt.")]
         private bool armOnConnect = true;
-        [SerializeField, Tooltip("Also after the connection was lost, or the game froze, if it was armed before.")]
+        [SerializeField, Tooltip("Also after the connection was lost, if it was armed before.")]
         private bool armAgainAfterLoss;
         [SerializeField, Tooltip("Arming takes the output from another program.")]
         private bool takeOver;
@@ -47,7 +47,7 @@ namespace Pacinian.Haptics
         /// <summary>The session is over, and why.</summary>
         public event Action<string> Lost;
 
-        /// <summary>It does not sound any more, unasked: expired, owner, stopped or fault.</summary>
+        /// <summary>It does not sound any more, unasked: owner, stopped or fault.</summary>
         public event Action<Refusal> Ended;
 
         /// <summary>What the server would not do.</summary>
@@ -70,7 +70,7 @@ namespace Pacinian.Haptics
         /// <summary>Silence, softly; the output is let go.</summary>
         public bool Disarm()
         {
-            _wanted = false;
+            _wanted = _armsAfterPause = false;
             return Client != null && Client.Disarm();
         }
 
@@ -105,7 +105,7 @@ namespace Pacinian.Haptics
         /// <summary>Silence at once, whoever owns the output, until <see cref="ResetOutput"/>. Also while disabled.</summary>
         public void EmergencyStop()
         {
-            _wanted = false;
+            _wanted = _armsAfterPause = false;
             (Client ?? new HapticClient(Choices())).Stop();
         }
 

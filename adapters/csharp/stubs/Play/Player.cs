@@ -22,7 +22,10 @@ namespace Pacinian.Tests
         private readonly float _lease;
         private Level _level;
         private long _bytes, _frames, _worst;
-        private bool _ends, _waves = true;
+        private bool _ends, _paused, _waves = true;
+        private int _began, _moved, _left, _heard;
+        private HapticTouch _touch;
+        private HapticStatus _screen;
 
         private Player(string file, float lease)
         {
@@ -67,6 +70,11 @@ namespace Pacinian.Tests
             {
                 _level.Wave(Now);
             }
+            if (_paused)
+            {
+                EditorApplication.update(); // and no frame
+                return;
+            }
             long bytes = GC.GetAllocatedBytesForCurrentThread();
             Engine.Frame();
             long made = GC.GetAllocatedBytesForCurrentThread() - bytes;
@@ -106,6 +114,7 @@ namespace Pacinian.Tests
                 case "hand": _level.Hand.GetComponent<HapticHand>().Source = name == "on" ? HapticHandSource.Open : HapticHandSource.Tracker; break;
                 case "hands": _level.Hand.GetComponent<HapticHand>().enabled = name == "on"; break;
                 case "freeze": Freeze(); break;
+                case "pause": _paused = name == "on"; EditorApplication.Pause(_paused); break;
                 case "gizmos": Gizmos.Spheres.Clear(); _level.View.SendMessage("OnDrawGizmos"); break;
                 case "warm": _bytes = _frames = _worst = 0; break;
                 case "status": Tell(); return;
@@ -131,6 +140,13 @@ namespace Pacinian.Tests
             _level.Server.Connected += () => Event("connected", "");
             _level.Server.Lost += why => Event("lost", why);
             _level.Server.Ended += why => Event("ended", why.Code);
+            _level.Server.StoodStill += still => Event("stood still", still.ToString());
+            _level.Server.TouchBegan += touch => { _began++; _touch = touch; };
+            _level.Server.TouchMoved += touch => { _moved++; _touch = touch; };
+            _level.Server.TouchEnded += touch => _left++;
+            _level.Ball.TouchBegan += touch => _heard++;
+            _level.Ball.TouchEnded += touch => _heard--;
+            _screen = _level.Array.AddComponent<HapticStatus>();
             _level.Server.Refused += why => Event("refused", why.ToString());
         }
 
@@ -140,7 +156,11 @@ namespace Pacinian.Tests
             Wire.State state = server == null || server.Client == null ? null : server.Client.State;
             ClientJson.Say(
                 "status", server == null ? "" : server.Status.ToString(), "problem", server == null ? "" : server.Problem,
-                "armed", server != null && server.Armed,
+                "armed", server != null && server.Armed, "why", server == null ? "" : server.Silence,
+                "cause", server == null ? "" : server.SilenceCause, "screen", _screen == null ? "" : _screen.Text,
+                "began", _began, "moved", _moved, "left", _left, "heard", _heard, "hand", _touch.Hand ?? "",
+                "pressed", _touch.Strength, "beside", _level == null || _began == 0 ? 0.0
+                    : (_touch.Position - _level.Ball.transform.position).magnitude,
                 "bytes", _frames == 0 ? 0.0 : (double)_bytes / _frames, "worst", _worst, "frames", _frames,
                 "output", state == null ? "" : state.Output.ToString().ToLowerInvariant(),
                 "solver", state == null ? "" : state.Solver, "intensity", state == null ? -1.0 : state.Intensity,

@@ -41,6 +41,12 @@ namespace UnityEditor
         ExitingPlayMode,
     }
 
+    public enum PauseState
+    {
+        Paused,
+        Unpaused,
+    }
+
     public static class AssemblyReloadEvents
     {
         public delegate void AssemblyReloadCallback();
@@ -62,7 +68,11 @@ namespace UnityEditor
 
         public static event Action quitting;
 
+        public static event Action<PauseState> pauseStateChanged;
+
         public static CallbackFunction update { get; set; }
+
+        public static bool isPaused { get; private set; }
 
         public static double timeSinceStartup
         {
@@ -78,6 +88,13 @@ namespace UnityEditor
         public static void Raise(PlayModeStateChange change)
         {
             playModeStateChanged?.Invoke(change);
+        }
+
+        /// <summary>The editor is paused, or goes on. Not in Unity.</summary>
+        public static void Pause(bool pauses)
+        {
+            isPaused = pauses;
+            pauseStateChanged?.Invoke(pauses ? PauseState.Paused : PauseState.Unpaused);
         }
 
         /// <summary>Scripts have been loaded. Not in Unity.</summary>

@@ -33,7 +33,7 @@ namespace UnityEngine
         /// <summary>What has been logged. Not in Unity.</summary>
         public static readonly List<string> Said = new List<string>();
 
-        public static void Log(object message)
+        public static void Log(object message, Object context = null)
         {
             Said.Add(message.ToString());
         }

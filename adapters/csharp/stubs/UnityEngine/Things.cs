@@ -97,4 +97,9 @@ namespace UnityEngine
             return true;
         }
     }
+
+    public sealed class Light : Behaviour
+    {
+        public float intensity { get; set; }
+    }
 }

@@ -26,8 +26,28 @@ namespace UnityEngine
         }
     }
 
+    public sealed class GUISkin
+    {
+        public GUIStyle label
+        {
+            get { return new GUIStyle(); }
+        }
+    }
+
     public sealed class GUIStyle
     {
+        public GUIStyle()
+        {
+        }
+
+        public GUIStyle(GUIStyle other)
+        {
+        }
+
+        public int fontSize { get; set; }
+
+        public bool wordWrap { get; set; }
+
         public float CalcHeight(GUIContent content, float width)
         {
             return 0f;
@@ -43,6 +63,19 @@ namespace UnityEngine
         public static Color backgroundColor { get; set; }
 
         public static bool enabled { get; set; }
+
+        public static GUISkin skin
+        {
+            get { return new GUISkin(); }
+        }
+
+        /// <summary>What was written last. Not in Unity.</summary>
+        public static string Said { get; private set; }
+
+        public static void Label(Rect place, string text, GUIStyle style)
+        {
+            Said = text;
+        }
     }
 
     public static class GUILayout
