@@ -55,10 +55,12 @@ def score(example: Example, gains: Complexes) -> Score:
     """Score gains, (K, N), after clipping to |g| <= 1."""
     g = np.asarray(gains, np.complex128)
     g = g / np.maximum(1.0, np.abs(g))
-    peaks, offset, quiet = np.empty(example.points.shape[:2]), 0.0, math.nan
-    for at, focus in zip(np.ndindex(peaks.shape), example.points.reshape(-1, 3), strict=True):
-        place, peaks[at] = find_peak(example, g[at[0]], focus)
-        offset = max(offset, float(np.linalg.norm(place - focus)))
+    peaks: Floats = np.empty(example.points.shape[:2])
+    offset, quiet = 0.0, math.nan
+    for row, heights, foci in zip(g, peaks, example.points, strict=True):
+        for m, focus in enumerate(foci):
+            place, heights[m] = find_peak(example, row, focus)
+            offset = max(offset, float(np.linalg.norm(place - focus)))
     strength = float(peaks.mean())
     asked = peaks.mean(axis=1 if peaks.shape[1] > 1 else None, keepdims=True)
     if not math.isnan(example.amplitude):
