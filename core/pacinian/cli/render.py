@@ -26,6 +26,11 @@ from pacinian.cli.run_output import check_picture_path
     "--record", default="", help="Record every tick to this file: scene, decisions, frame."
 )
 @click.option(
+    "--strict",
+    is_flag=True,
+    help="Never degrade: leave out, coarsen or interpolate nothing; exit with code 1 if anything was not as asked.",
+)
+@click.option(
     "--out",
     default="",
     callback=check_picture_path,
@@ -38,6 +43,7 @@ def render(
     solver: str | None,
     backend: str | None,
     record: str,
+    strict: bool,
     out: str,
     as_json: bool,
 ) -> None:
@@ -57,10 +63,15 @@ def render(
         file = replace(file, solver=solver)
     if backend:
         file = replace(file, backend=backend)
-    renderer = make_renderer(file, scene)
+    renderer = make_renderer(file, scene, strict=strict)
     if record:
         renderer.recorder = Recorder(record)
-    extra: dict[str, Any] = {"seconds": seconds, "scene": str(scene), "record": record}
+    extra: dict[str, Any] = {
+        "seconds": seconds,
+        "scene": str(scene),
+        "record": record,
+        "strict": strict,
+    }
     with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
         begin = time.process_time()
         renderer.run(seconds or None, on_tick)

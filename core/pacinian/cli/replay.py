@@ -14,8 +14,11 @@ import click
 @click.option(
     "--again", is_flag=True, help="Instead, render the scenes again and compare the frames."
 )
+@click.option(
+    "--strict", is_flag=True, help="Refuse another array, and exit with code 1 if frames are late."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
-def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> None:
+def replay(recording: str, backend: str | None, again: bool, strict: bool, as_json: bool) -> None:
     """Play a recording again.
 
     Sends its frames to a backend, with their original timing.
@@ -30,6 +33,8 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
 
     if again and backend is not None:
         raise click.UsageError("--again plays on no backend: give one of --again and --backend")
+    if again and strict:
+        raise click.UsageError("--strict plays on a backend: give one of --again and --strict")
     backend = backend or "simulated"
     opened = Recording(recording)
     if again:
@@ -44,8 +49,12 @@ def replay(recording: str, backend: str | None, again: bool, as_json: bool) -> N
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}
-    count = play(opened, make(backend, **options), opened.array)
+    frames, late = play(opened, make(backend, **options), opened.array, strict=strict)
     if as_json:
-        click.echo(json.dumps({"recording": recording, "backend": backend, "frames": count}))
+        told = {"recording": recording, "backend": backend, "frames": frames, "late": late}
+        click.echo(json.dumps(told))
     else:
-        click.echo(f"{count} frames of {len(opened.positions)} transducers played on {backend}")
+        click.echo(
+            f"{frames} frames of {len(opened.positions)} transducers played on {backend}, {late} late"
+        )
+    raise SystemExit(1 if strict and late else 0)

@@ -87,7 +87,9 @@ def summary(
 
 
 def tell(told: dict[str, Any], as_json: bool, remedy: str = "") -> None:
-    """Print a summary as a table, or as one JSON object. Exits with code 1 after a fault, 130 after Ctrl-C.
+    """Print a summary as a table, or as one JSON object.
+
+    Exits with code 130 after Ctrl-C, and with code 1 after a fault or, if strict, if anything was not as asked.
 
     remedy: what helps a machine that is too slow.
     """
@@ -97,7 +99,7 @@ def tell(told: dict[str, Any], as_json: bool, remedy: str = "") -> None:
         _print_table(told, remedy)
     if told["interrupted"]:
         raise SystemExit(130)
-    if told["fault_count"]:
+    if told["fault_count"] or (told.get("strict") and not told["intact"]):
         raise SystemExit(1)
 
 
@@ -128,6 +130,7 @@ def _print_table(told: dict[str, Any], remedy: str) -> None:
     from rich.text import Text
 
     from pacinian.cli.console import make_console
+    from pacinian.rendering.deviations import Total, describe_totals
     from pacinian.rendering.skip_reasons import split_skips
     from pacinian.solving.felt_regions import FeltRegion
 
@@ -146,7 +149,15 @@ def _print_table(told: dict[str, Any], remedy: str) -> None:
         },
         "solves": ", ".join(f"{n:,} {name}" for name, n in told["statuses"].items()) or "none",
         "left out": str(split_skips(told["skipped"])),
+        **{
+            f"not as asked: {label}": describe_totals(
+                {reason: Total(**total) for reason, total in reasons.items()}
+            )
+            for label, reasons in list(told["deviations"].items())[:MAX_LISTED]
+        },
     }
+    if (more := len(told["deviations"]) - MAX_LISTED) > 0:
+        rows["not as asked: others"] = f"{more} more objects, see --json"
     if base := told.get("dummy"):
         rows["dummy loop"] = f"{base['ticks']:,} ticks, {_late(base)}, {_times(base)}"
     if told.get("record"):

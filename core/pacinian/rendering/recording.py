@@ -16,7 +16,7 @@ from typing import IO, TYPE_CHECKING, Any
 import msgpack
 import numpy as np
 
-from pacinian.acoustics.array_record import from_map
+from pacinian.acoustics.array_record import from_map, to_map
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
@@ -194,6 +194,30 @@ class Recording:
             raise RecordingError(
                 self.path, f"has settings from which no array can be made: {error}"
             ) from error
+
+    def compare_array(self, array: Array) -> tuple[str, ...]:
+        """Return in words how an array differs from the recorded one; nothing if it is the same.
+
+        A user-defined directivity is not recorded, and so not compared.
+        """
+        count = len(self.positions)
+        if len(array) != count:
+            return (f"array: {count} transducers when recorded, {len(array)} now",)
+        changes: list[str] = []
+        for name, unit, before, now in (
+            ("positions", " m", self.positions, array.positions),
+            ("normals", "", self.normals, array.normals),
+        ):
+            if (off := float(np.abs(now - before).max(initial=0.0))) > 0.0:
+                changes.append(f"array: {name} differ by up to {off:.2g}{unit}")
+        had, has = (
+            {"responses": told["response"], **told["transducer"]}
+            for told in (self.settings, to_map(array))
+        )
+        if had["directivity"] is None:
+            had["directivity"] = has["directivity"]
+        changes += [f"array: another {name}" for name in has if has[name] != had.get(name)]
+        return tuple(changes)
 
     def __repr__(self) -> str:
         try:

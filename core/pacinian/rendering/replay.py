@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.errors import RecordingError
 from pacinian.rendering.clock import Clock, SystemClock
@@ -18,12 +18,26 @@ GAP = 0.1  # gap between frames above which the device is silenced [s]
 MAX_GAP = 3600.0  # gap between frames above which a recording is taken to be damaged [s]
 
 
-def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | None = None) -> int:
-    """Send the recorded frames at their original times, then silence the device; return the number of frames.
+class Replayed(NamedTuple):
+    """A recording that was played. frames: number of frames. late: of those sent after the next one was due."""
+
+    frames: int
+    late: int
+
+
+def replay(
+    recording: Recording,
+    backend: Backend,
+    array: Array,
+    clock: Clock | None = None,
+    *,
+    strict: bool = False,
+) -> Replayed:
+    """Send the recorded frames at their original times, then silence the device.
 
     The device is also silent where the renderer was silent: after a fault, and between two runs.
-    Raises RecordingError if the array or the device's levels differ from those of the recording, and any exception of
-    the backend.
+    Raises RecordingError if the number of transducers or the device's levels differ from those of the recording, and
+    any exception of the backend. strict: raise RecordingError if the array differs in any way, and names it.
     """
     clock = clock or SystemClock()
     can, had = backend.capability, recording.capability
@@ -33,7 +47,9 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
         raise RecordingError(
             recording.path, f"has {len(recording.positions)} transducers, not {len(array)}"
         )
-    count, offset, end = 0, 0.0, 0.0
+    if strict and (changes := recording.compare_array(array)):
+        raise RecordingError(recording.path, f"was made for another array: {'; '.join(changes)}")
+    count, late, offset, end = 0, 0, 0.0, 0.0
     backend.open(array)
     try:
         for tick in recording.ticks(frames_only=True):
@@ -48,10 +64,11 @@ def replay(recording: Recording, backend: Backend, array: Array, clock: Clock | 
             end = frame.time + len(frame.phase) / had.rate
             clock.wait_until(frame.time + offset)
             backend.send(frame)
+            late += clock.now() > end + offset
             count += 1
     finally:
         try:
             backend.silence()
         finally:
             backend.close()
-    return count
+    return Replayed(count, late)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.acoustics.array_record import to_map
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
 from pacinian.rendering.environment import compare, describe_environment
@@ -114,7 +113,7 @@ def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
                 objects.setdefault(label, what)
         ticks += 1
     environment = compare(recording.environment, describe_environment())
-    changes = () if array is None else compare_arrays(recording, array)
+    changes = () if array is None else recording.compare_array(array)
     return Rerendering(ticks, different, environment, changes, objects)
 
 
@@ -127,26 +126,6 @@ def _compare_objects(tick: Tick, now: Mapping[str, ObjectAccount]) -> Iterator[t
             told = f"{one.rendered} of {one.asked} samples, {1e3 * one.force:.4g} mN when recorded"
             told += f", {other.rendered} of {other.asked}, {1e3 * other.force:.4g} mN now"
             yield label, f"{told}, from {tick.time:.3f} s on"
-
-
-def compare_arrays(recording: Recording, array: Array) -> tuple[str, ...]:
-    """Return in words how an array differs from the recorded one, apart from a directivity that was not recorded."""
-    changes: list[str] = []
-    if len(array) != len(recording.positions):
-        return (f"array: {len(recording.positions)} transducers when recorded, {len(array)} now",)
-    for name, before, now in (
-        ("positions", recording.positions, array.positions),
-        ("normals", recording.normals, array.normals),
-    ):
-        if (off := float(np.abs(now - before).max(initial=0.0))) > 0.0:
-            unit = " m" if name == "positions" else ""
-            changes.append(f"array: {name} differ by up to {off:.2g}{unit}")
-    before_, now_ = (
-        {"responses": settings["response"], **settings["transducer"]}
-        for settings in (recording.settings, to_map(array))
-    )
-    changes += [f"array: other {name}" for name in now_ if before_[name] != now_[name]]
-    return tuple(changes)
 
 
 def iterate_rerendered(

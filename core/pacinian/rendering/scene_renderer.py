@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pacinian.scene.file import SceneFile
 
 
-def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
-    """Make a renderer for a scene file. Raises SceneFileError, with `path` and the key."""
+def make_renderer(file: SceneFile, path: Path | str, *, strict: bool = False) -> Renderer:
+    """Make a renderer for a scene file, which may be `strict`. Raises SceneFileError, with `path` and the key."""
     solver = _make("solver", file.solver, path)
     backend = _make("backend", file.backend, path)
     try:
@@ -30,6 +30,7 @@ def make_renderer(file: SceneFile, path: Path | str) -> Renderer:
             solver=solver,
             backend=backend,
             rate=file.rate,
+            strict=strict,
             limits=Limits(gain=file.gain),
             sampler=Sampler(file.sampling.budget, file.sampling.spacing, ramp=RAMP),
         )

@@ -128,13 +128,35 @@ def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
     said = "100 frames of 2241 transducers played on simulated"
     assert said in run("replay", str(record)).stdout
     again = told("replay", str(record), "--again")
-    assert again == {"recording": str(record), "ticks": 100, "different": 0}
+    assert again == {
+        "recording": str(record), "ticks": 100, "different": 0,
+        "environment": [], "array": [], "objects": {},
+    }  # fmt: skip
     assert (
         "100 ticks rendered again, 0 frames differ" in run("replay", str(record), "--again").stdout
     )
     record.write_bytes(record.read_bytes()[:200])
     for options in ((), ("--again",)):
         assert isinstance(run("replay", str(record), *options).exception, pc.RecordingError)
+
+
+def test_strict_ends_with_1_unless_all_was_as_asked(tmp_path: Path) -> None:
+    record, scene = tmp_path / "run.pac", tmp_path / "scene.toml"
+    text = '[array]\ntype = "lattice"\nwidth = 0.05\nheight = 0.05\n[sampling]\nbudget = {}\n'
+    text += '[[objects]]\ntype = "surface"\nname = "plate"\nradiation_pressure = 0.01\n'
+    text += 'shape = {{ type = "disc", radius = 0.02 }}\npose = {{ position = [0.0, 0.0, 0.1] }}\n'
+    scene.write_text(text.format(256))
+    options = "render", str(scene), "--seconds", "0.05", "--strict"
+    assert told(*options, "--record", str(record))["intact"]
+    played = run("replay", str(record), "--strict", "--json")
+    assert played.exit_code == (json.loads(played.stdout)["late"] > 0)
+    scene.write_text(text.format(5))
+    refused = run(*options).exception
+    assert isinstance(refused, pc.ArgumentError)
+    assert "'plate' needs" in str(refused)
+    coarse = told("render", str(scene), "--seconds", "0.05")
+    assert coarse["deviations"]["plate"]["coarsened"]["ticks"] == 50
+    assert "not as asked: plate" in run("render", str(scene), "--seconds", "0.05").stdout
 
 
 def test_replay_again_ends_with_1_where_a_frame_differs(tmp_path: Path) -> None:

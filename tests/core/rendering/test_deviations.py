@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,14 @@ from pacinian.rendering import deviations as named
 from pacinian.rendering.deviations import MAX_LABELS, MAX_SPANS, Deviations, Total
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.modulation.technique import STM
-from pacinian.scene.sampling.account import COARSENED, LEFT_OUT, MERGED, OUTSIDE, OVER_BUDGET
+from pacinian.scene.sampling.account import (
+    COARSENED,
+    LEFT_OUT,
+    MERGED,
+    OUTSIDE,
+    OVER_BUDGET,
+    TOO_FINE,
+)
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -251,3 +259,23 @@ def test_what_is_kept_is_bounded() -> None:
     totals = found.totals
     assert len(totals) == MAX_LABELS + 1
     assert sum(reasons["late"].ticks for reasons in totals.values()) == 3 * MAX_SPANS
+
+
+@pytest.mark.parametrize("period", [0.4, 0.9, 1.1, 3.0])
+def test_a_texture_finer_than_the_array_resolves_is_a_warning_with_figures(
+    period: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    place = (0.0, 0.0, 0.15)
+    resolved = 2.0 * pc.resolution(SMALL, [place], pc.Air())[0]
+    texture = pc.grating(period * resolved)
+    plate = pc.Surface(
+        shape=pc.Rectangle(0.05, 0.05), texture=texture, pose=pc.Pose(place), radiation_pressure=0.1, name="plate"
+    )  # fmt: skip
+    renderer, device, clock = make(lambda t: pc.Scene((plate,) if t < 1.5 * TICK else ()))
+    play(renderer, device, clock, [0.0] * 3)
+    warnings, total = renderer.report.warnings, renderer.report.deviations.totals.get("plate", {})
+    assert len(warnings) == len(caplog.messages) == (period < 1.0)
+    assert total.get(TOO_FINE, Total(0, 0, 0.0, 0.0)).ticks == 2 * (period < 1.0)
+    for text in warnings:
+        assert re.search(rf"'plate' has a period of {1e3 * period * resolved:.1f} mm", text)
+        assert re.search(r"resolves \d+\.\d mm there.*longer period", text)

@@ -112,7 +112,7 @@ def test_ticks_in_which_nothing_changes_take_next_to_no_space(tmp_path: Path) ->
 def test_it_replays_the_same_frames_at_the_same_times(tmp_path: Path) -> None:
     sent = record(tmp_path / "run.pac")
     again, clock = Simulated(keep=1000), ManualClock(5.0)
-    assert replay(pc.Recording(tmp_path / "run.pac"), again, SMALL, clock) == 20
+    assert replay(pc.Recording(tmp_path / "run.pac"), again, SMALL, clock) == (20, 0)
     for before, after in zip(sent, list(again.frames)[:20], strict=True):
         assert alike(before, after)
         assert before.time == after.time
@@ -201,7 +201,7 @@ def test_the_amplitudes_of_levels_that_are_not_even_are_recorded(tmp_path: Path)
         np.testing.assert_array_equal(made, frame.gains(device.capability))
     assert rerender(recording) == Rerendering(20, 0)
     again = Simulated(phases=128, amplitudes=pulses)
-    assert replay(recording, again, SMALL, ManualClock()) == 20
+    assert replay(recording, again, SMALL, ManualClock()) == (20, 0)
     with pytest.raises(pc.RecordingError, match="65 uneven amplitudes"):
         replay(recording, Simulated(phases=128, amplitudes=65), SMALL, ManualClock())
 
@@ -226,7 +226,7 @@ def test_a_directivity_that_cannot_be_recorded_does_not_keep_a_recording_from_be
     record(tmp_path / "run.pac", array=SMALL.replace_transducer(kind))
     recording = pc.Recording(tmp_path / "run.pac")
     assert recording.array.transducer == pc.Transducer(pressure=3.0)
-    assert replay(recording, Simulated(), recording.array, ManualClock()) == 20
+    assert replay(recording, Simulated(), recording.array, ManualClock()) == (20, 0)
 
 
 def unpacked(data: bytes) -> Any:

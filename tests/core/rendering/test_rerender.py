@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shutil
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import msgpack
 import numpy as np
 import pytest
 from msgspec.structs import replace
-from trimesh.creation import box
+from PIL import Image
+from scipy.io import wavfile
+from trimesh.creation import box, icosphere
 
 import pacinian as pc
 from pacinian.gallery import HAND, SCENES
+from pacinian.native import VARIANT
+from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import rerender
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
@@ -294,3 +300,87 @@ def test_a_changed_clock_that_changes_what_is_done_is_told(tmp_path: Path) -> No
     recording.ticks = lambda **_: iter(ticks)  # type: ignore[method-assign]
     with pytest.raises(pc.RecordingError, match="read more often"):
         rerender(recording)
+
+
+def write_files(folder: Path) -> pc.Scene:
+    """A scene of all kinds of objects that need files; the mesh is wound inside out."""
+    rng = np.random.default_rng(0)
+    ball = icosphere(subdivisions=2, radius=0.03)
+    ball.invert()
+    ball.export(folder / "ball.stl")
+    Image.fromarray(rng.integers(0, 255, (16, 16), np.uint8)).save(folder / "texture.png")
+    np.save(folder / "heights.npy", 0.01 * rng.random((5, 6)))
+    np.save(folder / "voxels.npy", np.pad(np.ones((4, 4, 4)), 2))
+    wavfile.write(folder / "wave.wav", 8000, rng.integers(-20000, 20000, 800, np.int16))
+    names = {path.stem: str(path) for path in folder.iterdir()}
+    texture = pc.Texture(file=names["texture"], size=(0.02, 0.02))
+    heights = pc.HeightMap(file=names["heights"], width=0.03, height=0.03, depth=0.5)
+    block = pc.Placed(pc.Voxels(file=names["voxels"], pitch=0.004))
+    envelope = pc.Wave(names["wave"])
+
+    def pose(x: float) -> pc.Pose:
+        return pc.Pose((x, 0.0, 0.19))
+
+    how: dict[str, Any] = {"radiation_pressure": 2.0}
+    ball_ = pc.Volume(
+        shape=pc.Mesh(names["ball"]), pose=pose(0.0), envelope=envelope, name="ball", **how
+    )
+    map_ = pc.Surface(shape=heights, texture=texture, pose=pose(0.06), name="map", **how)
+    union = pc.Union((block, pc.Sphere(0.01)))
+    return pc.Scene((ball_, map_, pc.Volume(shape=union, pose=pose(-0.06), name="block", **how)))
+
+
+def test_a_recording_needs_none_of_the_files_of_its_objects(tmp_path: Path) -> None:
+    files, path = tmp_path / "files", tmp_path / "run.pac"
+    files.mkdir()
+    scene = write_files(files)
+
+    def at(t: float) -> pc.Scene:
+        ball = replace(scene.objects[0], pose=pc.Pose((0.1 * t, 0.0, 0.19)))
+        return pc.Scene(scene.objects[1:] if int(t / 0.004) % 2 else (ball, *scene.objects[1:]))
+
+    assert not make(path, at).run(0.02).faults
+    shutil.rmtree(files)
+    assert again(path) == (20, 0)
+    ticks = list(pc.Recording(path).ticks())
+    assert ticks[0].asked is not None
+    ticks[0].asked.scene.check_files()
+    assert path.read_bytes().count(b"sha256:") >= 5
+    data = path.read_bytes()
+    unpacker = msgpack.Unpacker(strict_map_key=False)
+    unpacker.feed(data)
+    kinds = [kind for m in unpacker for kind, _ in m.get("new", {}).get("files", {}).values()]
+    assert sorted(kinds) == ["HeightMap", "Mesh", "Texture", "Voxels", "Wave"]  # each once
+    for cut in np.random.default_rng(1).integers(1, len(data), 40).tolist():
+        path.write_bytes(data[:cut])
+        with suppress(pc.RecordingError):
+            list(pc.Recording(path).ticks())
+    unpacker.feed(data)
+    maps = list(unpacker)
+    del maps[1]["new"]["files"]
+    path.write_bytes(b"".join(map(msgpack.packb, maps)))
+    with pytest.raises(pc.RecordingError, match="content of 'sha256:"):
+        list(pc.Recording(path).ticks())
+
+
+def test_what_differs_when_rendered_again_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    make(path, SCENES["sliding-ball"]).run(0.01)
+    recording = pc.Recording(path)
+    recording.environment.update(kernels="v9", NumPy="0.1")
+    found = rerender(recording)
+    assert (found.different, len(found.environment)) == (0, 2)
+    assert f"kernels: v9 when recorded, {VARIANT} now" in str(found)
+    moved = ARRAY.transform(pc.Pose((0.001, 0.0, 0.0)))
+    moved = moved.replace_transducer(dataclasses.replace(pc.T4010A1, pressure=9.0))
+    found = rerender(recording, moved)
+    assert found.different > 0
+    assert any("positions differ by up to 0.001 m" in text for text in found.array)
+    assert "array: another pressure" in found.array
+    with pytest.raises(pc.RecordingError, match=r"another array.*positions"):
+        replay(recording, Simulated(rate=2000.0), moved, ManualClock(), strict=True)
+    assert replay(recording, Simulated(rate=2000.0), ARRAY, ManualClock(), strict=True).frames == 10
+    recording.settings["sampler"]["budget"] = 9
+    assert list(rerender(recording).objects) == ["ball"]
+    with pytest.raises(pc.ArgumentError, match="249 transducers"):
+        rerender(recording, pc.lattice(0.05, 0.05))

@@ -164,3 +164,20 @@ def test_what_are_no_factors_is_refused(values: Any, problem: str) -> None:
 def test_a_texture_that_cannot_be_is_refused_by_name(argument: str, make: Any) -> None:
     with pytest.raises(pc.ArgumentError, match=f"^`{argument}"):
         make()
+
+
+@bounded
+@given(st.floats(0.001, 0.1), st.integers(1, 5), st.booleans())
+def test_the_period_of_a_wave_is_its_own(period: float, count: int, upright: bool) -> None:
+    wave = np.tile(0.5 + 0.5 * np.sin(np.arange(40 * count) * np.pi / 20.0), (3, 1))
+    size = count * period, 0.02
+    wave, size = (wave.T, size[::-1]) if upright else (wave, size)
+    assert Texture(values=wave, size=size).period == pytest.approx(period)
+    assert grating(period).period == pytest.approx(period)
+    assert Texture(values=wave[:1, :1], size=size).period == math.inf
+
+
+def test_the_period_lies_between_those_of_which_a_texture_has_most() -> None:
+    rng = np.random.default_rng(5)
+    noise = Texture(values=rng.random((2000, 1500)), size=(0.15, 0.2))  # of pixels of 0.1 mm
+    assert 2e-4 < noise.period < 4e-4
