@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import contextmanager
-from html import escape
 from typing import TYPE_CHECKING, Any, Protocol
+
+from pacinian.notebook.cards import escape
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

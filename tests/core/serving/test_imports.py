@@ -7,7 +7,10 @@ import sys
 
 import pytest
 
-NOWHERE = {"PIL", "asyncio", "click", "igl", "pygments", "rich", "scipy", "ssl", "structlog", "trimesh"}  # fmt: skip
+NOWHERE = {
+    "PIL", "asyncio", "click", "html", "igl", "pygments", "rich", "scipy", "ssl", "structlog", "trimesh"
+}  # fmt: skip
+OPENSSL = {"hashlib", "secrets"}
 SOLVES = {"pacinian.session", "pacinian.solving", "pacinian_plugins.native"}
 RENDERS = {"pacinian.rendering.renderer", "pacinian.scene.sampling.sampler"}
 SCENES = {"pacinian.scene.hands", "pacinian.scene.objects", "pacinian.scene.scene"}
@@ -39,8 +42,8 @@ FORBIDDEN = {
         "import pacinian.serving.server",
         NOWHERE | SOLVES | RENDERS | SCENES | {"prometheus_client"},
     ),
-    "guard": (GUARD, NOWHERE | SOLVES | RENDERS | SCENES | {"pacinian.native", "zmq"}),
-    "bus": (BUS, NOWHERE | SOLVES | RENDERS | {"pacinian_plugins"}),
+    "guard": (GUARD, NOWHERE | OPENSSL | SOLVES | RENDERS | SCENES | {"pacinian.native", "zmq"}),
+    "bus": (BUS, NOWHERE | OPENSSL | SOLVES | RENDERS | {"pacinian_plugins"}),
     "render": (RENDER, NOWHERE | {"zmq"}),
 }
 ALONE = {"scipy.linalg._fblas", "scipy.linalg._flapack"}  # pacinian.solving.linalg

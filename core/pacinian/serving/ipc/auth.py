@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import logging
 import os
-import secrets
 import tempfile
 import threading
 from pathlib import Path
@@ -44,7 +43,7 @@ def make_secrets(settings: Settings) -> dict[str, str]:
     Returns a token, or the keys of the server and of one local client. Raises ServerError.
     """
     if settings.network.loopback and not settings.security.keys:
-        return {"token": secrets.token_hex(32)}
+        return {"token": os.urandom(32).hex()}
     public, secret = _read_pair(Path(settings.security.keys) / "server.key_secret")
     local, local_secret = zmq.curve_keypair()
     return {

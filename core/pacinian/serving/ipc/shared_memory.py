@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import mmap
 import os
-import secrets
 import shutil
 import stat
 import tempfile
@@ -52,7 +51,7 @@ def folder() -> Generator[Path]:
     root = Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
     for lock in root.glob(f"{PREFIX}*{LOCK}"):
         remove(lock.with_suffix(""))
-    made = root / f"{PREFIX}{secrets.token_hex(8)}"
+    made = root / f"{PREFIX}{os.urandom(8).hex()}"
     with FileLock(made.with_suffix(LOCK)):
         made.mkdir(mode=0o700)
         try:

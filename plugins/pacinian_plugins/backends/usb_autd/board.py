@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import secrets
+import os
 import struct
 from array import array
 from contextlib import suppress
@@ -75,7 +75,7 @@ class Board:
                 f"{self.name}: its watchdog can be {least} to {most} ms, not {wanted} ms"
             )
         self.link.mend()
-        self._session, self._sequence = secrets.randbits(32) or 1, 0
+        self._session, self._sequence = int.from_bytes(os.urandom(4), "little") or 1, 0
         self.link.tell(Request.ARM, struct.pack("<IHH", self._session, wanted, 0))
         self._checked, self._accepted = 0, self.status().accepted
 
