@@ -134,7 +134,7 @@ class Renderer:
         self._emitter = FailSafeOutput(made, self._stages)
         self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
         self._opened = False
-        self._missed = 0  # ticks skipped just before the next one
+        self._missed = 0  # ticks skipped just before the present one
         self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent
 
     def __repr__(self) -> str:
@@ -302,10 +302,7 @@ class Renderer:
         try:
             with realtime_section():
                 for due, lost in pace(self.clock, self.period, duration, behind):
-                    if lost:
-                        self.report.skipped["missed ticks"] += lost
-                    self._missed = lost
-                    self.tick(due)
+                    self.tick(due, lost)
                     if on_tick is not None:
                         on_tick(self.report)
         except KeyboardInterrupt:
@@ -318,8 +315,8 @@ class Renderer:
                     self.close()
         return self.report
 
-    def tick(self, due: float | None = None) -> None:
-        """Run one tick, due at clock time `due` [s]; now by default.
+    def tick(self, due: float | None = None, missed: int = 0) -> None:
+        """Run one tick, due at clock time `due` [s]; now by default. missed: number of ticks skipped just before it.
 
         Raises BackendError if the renderer is not open, and no other Exception.
         """
@@ -327,7 +324,9 @@ class Renderer:
             raise BackendError("the renderer is not open: use `with renderer:`, or `run`")
         begin = self.clock.now()
         due = begin if due is None else due
-        self._outcome = None
+        self._outcome, self._missed = None, missed
+        if missed:
+            self.report.skipped["missed ticks"] += missed
         if self.halted is None:
             self._emitter.attempt("scene", lambda: self._step(due))
         else:
@@ -340,7 +339,6 @@ class Renderer:
         else:
             late = end > due + self.period
             deviations = mark(NOTHING, sorted(self._labels), HALTED)
-        self._missed = 0
         self.report.tick(end - begin, late, due - self.start, deviations)
 
     @property

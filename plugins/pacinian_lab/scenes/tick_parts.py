@@ -166,11 +166,11 @@ class _Loop:
         """Tick for `seconds` [s]."""
         renderer, clock, ended = self._renderer, self._renderer.clock, -math.inf
         stages, spent = dict(renderer.report.stages), dict(self._spent)
-        for due, _ in pace(clock, renderer.period, seconds, behind=0.0):
+        for due, lost in pace(clock, renderer.period, seconds, behind=0.0):
             if ended < due:
                 self._wakeup.append(clock.now() - due)
             begin = time.thread_time()
-            renderer.tick(due)
+            renderer.tick(due, lost)
             self._processor.append(time.thread_time() - begin)
             ended = clock.now()
             self.late += ended > due + renderer.period

@@ -141,8 +141,7 @@ class BetweenTicks:
         with realtime_section():
             while True:
                 for due, lost in pace(self.clock, renderer.period, behind=0.0):
-                    renderer.report.skipped["missed ticks"] += lost
-                    renderer.tick(due)
+                    renderer.tick(due, lost)
                     self.run_between()
                     if self.rests:
                         break
