@@ -98,7 +98,7 @@ class Rerendering:
 
 
 def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
-    """Render the recorded scenes again, and compare the frames.
+    """Render the recorded scenes again, and compare the frames, (K, N) each.
 
     Decisions that depend on time are repeated with the recorded clock readings. array: by default the recorded one.
     Raises RecordingError if the recording has no scenes, or is damaged, and ArgumentError if the array has another
