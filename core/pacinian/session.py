@@ -11,36 +11,29 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.checks import MAX_LENGTH, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
-from pacinian.solving import evidence
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.evidence import (
-    TOLERANCE,
-    compute_reached_multiple,
-    determine_status,
-    measure_violations,
-    relative_error,
-)
-from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.certificate import certify, measure_felt
+from pacinian.solving.evidence import determine_status, measure_violations, relative_error
 from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce_zones
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
 from pacinian.solving.regions import carry_phases, settle_phases
-from pacinian.solving.relaxation import MAX_POINTS, least_error
+from pacinian.solving.relaxation import MAX_POINTS
 from pacinian.solving.solution import Solution
 from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from pacinian.acoustics.propagation import Precision
     from pacinian.types import ArrayLike, Complexes, Floats, Gains
 
 AIR = Air()
@@ -194,71 +187,11 @@ class Session:
             raise ArgumentError(
                 "over_phases", f'is for at most {MAX_POINTS} points and scale="exact"'
             )
-        g = g.astype(np.complex128)
-        points, facing = self.propagator.points, self.propagator.facing
-        B = matrix(self.array, points, self.medium)
-        if facing is not None:
-            B *= facing.weights(points, self.array.positions)
-        p: Complexes = B @ g
-        least = math.nan
-        if over_phases and limits.gain is not None and last.targets.norm:
-            counts = ~last.targets.beside
-            least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
-        nulls = self.propagator.nulls
-        if nulls is not None:
-            nulls.leave_out(B, points)  # the multipliers belong to the B without them
-        phases = np.angle(p) if last.asked_phases is None else last.asked_phases
-        asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
-        if y is not None and last.targets.scale == "exact":
-            proven = evidence.compute_bound(B, asked, y, last.mu, limits.gain, last.weights)
-        rest = asked - p
-        missed_by = float(np.vdot(rest, last.weights * rest).real)
-        objective = (missed_by + last.mu * float(np.vdot(g, g).real)) / 2.0
-        if last.targets.scale == "max":
-            objective = math.nan
-        broken = measure_violations(self.propagator, limits, last.targets, p, g)
-        if nulls is not None and (over := nulls.over(self.array, self.medium, g)) > TOLERANCE:
-            broken["zones"] = max(over, broken.get("zones", over))
-        certified = dataclasses.replace(
-            last,
-            gains=g,
-            sound_pressure=p,
-            status=determine_status(
-                self.propagator,
-                last.targets,
-                relative_error(last.targets, p),
-                broken=bool(broken),
-                late=last.status is Status.deadline,
-                scaled=last.status is Status.scaled,
-                limited=last.status is Status.limited,
-                unproven=last.status is Status.approximate,
-            ),
-            bound=proven,
-            objective=objective,
-            violations=broken,
-            least_error=least,
-        )
-        return self.measure_felt(certified)
+        return certify(self.propagator, last, limits, g.astype(np.complex128), over_phases)
 
     def measure_felt(self, solution: Solution) -> Solution:
         """Return `solution`, the last one, with `felt` filled in and a status that also holds between the points."""
-        targets = solution.targets
-        if targets.regions is None or not targets.norm:
-            return solution
-        propagator = Propagator(self.array, self.medium, self.propagator.precision)
-        places = FeltPlaces.of(self.propagator.points, targets, self.propagator.facing)
-        places = places.heard_by(propagator)
-        p = propagator.apply(solution.gains)
-        multiple = (
-            1.0
-            if targets.scale == "exact"
-            else compute_reached_multiple(targets, solution.sound_pressure)
-        )
-        felt, status = places.measure_felt(p, multiple), solution.status
-        if status is Status.ok and not all(part.even for part in felt):
-            held = solution.saturation > 0.0 or targets.scale == "max"
-            status = Status.limited if held else Status.approximate
-        return dataclasses.replace(solution, felt=felt, status=status)
+        return measure_felt(self.propagator, solution)
 
     def _problem(
         self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str,

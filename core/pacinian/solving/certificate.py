@@ -1,0 +1,107 @@
+"""Evidence for gains that were not solved for: computed again in double precision, and between the points."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.propagation import matrix
+from pacinian.solving.evidence import (
+    TOLERANCE,
+    compute_bound,
+    compute_reached_multiple,
+    determine_status,
+    measure_violations,
+    relative_error,
+)
+from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.propagator import Propagator
+from pacinian.solving.relaxation import least_error
+from pacinian.solving.status import Status
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Limits
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Complexes
+
+
+def certify(
+    propagator: Propagator, last: Solution, limits: Limits, g: Complexes, over_phases: bool
+) -> Solution:
+    """Return the solution `last` for other gains g, (N,), complex128; see `Session.certify`.
+
+    propagator: holds the points of `last`. limits: those that it was solved with.
+    """
+    points, facing = propagator.points, propagator.facing
+    B = matrix(propagator.array, points, propagator.medium)
+    if facing is not None:
+        B *= facing.weights(points, propagator.array.positions)
+    p: Complexes = B @ g
+    least = math.nan
+    if over_phases and limits.gain is not None and last.targets.norm:
+        counts = ~last.targets.beside
+        least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
+    nulls = propagator.nulls
+    if nulls is not None:
+        nulls.leave_out(B, points)  # the multipliers belong to the B without them
+    phases = np.angle(p) if last.asked_phases is None else last.asked_phases
+    asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
+    if y is not None and last.targets.scale == "exact":
+        proven = compute_bound(B, asked, y, last.mu, limits.gain, last.weights)
+    rest = asked - p
+    missed_by = float(np.vdot(rest, last.weights * rest).real)
+    objective = (missed_by + last.mu * float(np.vdot(g, g).real)) / 2.0
+    if last.targets.scale == "max":
+        objective = math.nan
+    broken = measure_violations(propagator, limits, last.targets, p, g)
+    if (
+        nulls is not None
+        and (over := nulls.over(propagator.array, propagator.medium, g)) > TOLERANCE
+    ):
+        broken["zones"] = max(over, broken.get("zones", over))
+    certified = dataclasses.replace(
+        last,
+        gains=g,
+        sound_pressure=p,
+        status=determine_status(
+            propagator,
+            last.targets,
+            relative_error(last.targets, p),
+            broken=bool(broken),
+            late=last.status is Status.deadline,
+            scaled=last.status is Status.scaled,
+            limited=last.status is Status.limited,
+            unproven=last.status is Status.approximate,
+        ),
+        bound=proven,
+        objective=objective,
+        violations=broken,
+        least_error=least,
+    )
+    return measure_felt(propagator, certified)
+
+
+def measure_felt(propagator: Propagator, solution: Solution) -> Solution:
+    """Return `solution` with `felt` filled in and a status that also holds between the points.
+
+    propagator: holds its points.
+    """
+    targets = solution.targets
+    if targets.regions is None or not targets.norm:
+        return solution
+    between = Propagator(propagator.array, propagator.medium, propagator.precision)
+    places = FeltPlaces.of(propagator.points, targets, propagator.facing).heard_by(between)
+    p = between.apply(solution.gains)
+    multiple = (
+        1.0
+        if targets.scale == "exact"
+        else compute_reached_multiple(targets, solution.sound_pressure)
+    )
+    felt, status = places.measure_felt(p, multiple), solution.status
+    if status is Status.ok and not all(part.even for part in felt):
+        held = solution.saturation > 0.0 or targets.scale == "max"
+        status = Status.limited if held else Status.approximate
+    return dataclasses.replace(solution, felt=felt, status=status)
