@@ -54,6 +54,8 @@ class Hook(BuildHookInterface[BuilderConfig]):
                 f"/{file.relative_to(self.root).as_posix()}" for file in modules
             ]
             build_data.update(pure_python=False, infer_tag=True)
+            if version == "standard":  # an editable installation finds them in the checkout
+                build_data["force_include"].update(_list_engine_packages(Path(self.root)))
         try:
             made = build(Path(self.root))
         except (OSError, subprocess.SubprocessError) as error:
@@ -62,6 +64,17 @@ class Hook(BuildHookInterface[BuilderConfig]):
             if made:
                 self.app.display_info(f"the viewer's page is built: {PAGE}")
         build_data["artifacts"].append(f"/{PAGE.as_posix()}/*")
+
+
+def _list_engine_packages(root: Path) -> dict[str, str]:
+    """For `pacinian unity` and `pacinian unreal`: files that git has, and their places in the wheel."""
+    built = {"Binaries", "Intermediate", "Include", "Lib"}  # of a plugin that was built here
+    return {
+        str(file): f"pacinian/{file.relative_to(root).as_posix()}"
+        for folder in ("unity", "unreal/Pacinian")
+        for file in sorted((root / "adapters" / folder).rglob("*"))
+        if file.is_file() and not built & set(file.relative_to(root).parts)
+    }
 
 
 def build(root: Path) -> bool:

@@ -12,6 +12,7 @@ import click
 from pacinian.cli.demo import demo
 from pacinian.cli.devices import devices
 from pacinian.cli.doctor import doctor
+from pacinian.cli.engines import unity, unreal
 from pacinian.cli.keys import keys
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
@@ -45,7 +46,7 @@ GROUPS: dict[CommandGroup, str] = {
 }
 """The groups of commands in the order of help, and their headings."""
 COMMANDS: dict[CommandGroup, tuple[click.Command, ...]] = {
-    "start": (demo, doctor),
+    "start": (demo, doctor, unity, unreal),
     "run": (serve, stop, render, replay, keys),
     "inspect": (status, watch, view, devices, plugins),
     "develop": (schema, wire),

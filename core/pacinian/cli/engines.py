@@ -1,0 +1,168 @@
+"""`pacinian unity` and `pacinian unreal`: put the engine's package into a project."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pacinian.cli.engine_package import Package, PackageError, find_package, install
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+UNITY = "com.pacinian.haptics"
+MIN_UNITY = (2021, 3)
+MIN_UNREAL = (5, 5)
+DEPTH = 2  # levels of folders below the given one in which a project is looked for
+
+PROJECT = click.argument("path", type=click.Path(path_type=Path))
+REPLACE = click.option(
+    "--replace",
+    is_flag=True,
+    help="Even if the package there is newer, or somebody has changed it.",
+)
+
+
+@click.command()
+@PROJECT
+@REPLACE
+def unity(path: Path, replace: bool) -> None:
+    """Put the Unity package into the project PATH.
+
+    PATH is the folder that has Assets. Run it again after an update of Pacinian.
+    """
+    project = _find_project(
+        path, "Unity", "Assets and ProjectSettings/ProjectVersion.txt", _is_unity
+    )
+    _check_unity(project)
+    target = project / "Packages" / UNITY
+    _install(Package(find_package("unity"), "package.json", "version"), target, replace)
+    _warn_of_manifest(project)
+    click.echo(
+        "\nNext:\n"
+        "  1. Start a server:    pacinian serve\n"
+        "  2. In Unity, wait for the import, then Window > Package Manager > In Project >\n"
+        "     Pacinian Mid-Air Haptics > Samples > Touch a ball > Import. Open its scene, and press play.\n"
+        "     The screen says `Sounding`, or why it is silent.\n"
+        "  3. In your scene:     GameObject > Pacinian > Array, Ball, Hand\n"
+        f"  Manual: {target / 'Documentation~' / 'index.md'}"
+    )
+
+
+@click.command()
+@PROJECT
+@REPLACE
+def unreal(path: Path, replace: bool) -> None:
+    """Put the Unreal plugin into the project PATH.
+
+    PATH is the folder that has the .uproject file, or that file. Run it again after an update of Pacinian.
+    """
+    project = _find_project(
+        path.parent if path.suffix == ".uproject" else path,
+        "Unreal",
+        "a .uproject file",
+        _is_unreal,
+    )
+    _check_unreal(project)
+    target = project / "Plugins" / "Pacinian"
+    plugin = find_package("unreal") / "Pacinian"
+    _install(Package(plugin, "Pacinian.uplugin", "VersionName"), target, replace)
+    if not (project / "Source").is_dir():
+        click.echo(
+            "The project has no C++ code, which a plugin of sources needs: in the editor, Tools > New C++ Class, once."
+        )
+    click.echo("\nNext:\n  1. Start a server:    pacinian serve")
+    library = target / "Source" / "ThirdParty" / "MsgPack" / "Include"
+    if not library.is_dir():
+        click.echo(
+            f"  -  Build its library: cd {target}\n"
+            "                        cmake -S Source/ThirdParty -B Intermediate/ThirdParty\n"
+            "                        cmake --build Intermediate/ThirdParty --config Release"
+        )
+    click.echo(
+        "  2. Generate the project files again, build, and open the editor.\n"
+        "  3. In your level: place a Haptic Array, and add a Haptic Volume to a sphere 17.5 cm above it. Press Play."
+    )
+
+
+def _install(package: Package, target: Path, replace: bool) -> None:
+    """Install, and say what was done. Raises PackageError."""
+    done = install(package, target, replace=replace)
+    if not done.copied:
+        click.echo(f"Pacinian {package.version} is in {target} already: nothing was changed.")
+    elif done.before is None:
+        click.echo(f"Pacinian {package.version} is in {target} now.")
+    else:
+        click.echo(
+            f"Pacinian {package.version} is in {target} now, in place of {done.before or 'another'}."
+        )
+
+
+def _find_project(path: Path, engine: str, has: str, fits: Callable[[Path], bool]) -> Path:
+    """Return the folder of a project. Raises PackageError, which names a project nearby if there is one."""
+    if not path.is_dir():
+        raise PackageError(
+            f"{path} is no folder: give that of a project of {engine}, which has {has}"
+        )
+    if fits(path):
+        return path
+    near = [folder for folder in path.resolve().parents if fits(folder)][:1]
+    for depth in range(1, DEPTH + 1):
+        near += [
+            folder
+            for folder in sorted(path.glob("/".join("*" * depth)))
+            if folder.is_dir() and fits(folder)
+        ]
+    advice = f"; did you mean {near[0]}?" if near else ""
+    raise PackageError(f"{path} is no project of {engine}, which has {has}{advice}")
+
+
+def _is_unity(folder: Path) -> bool:
+    return (folder / "Assets").is_dir() and (
+        folder / "ProjectSettings" / "ProjectVersion.txt"
+    ).is_file()
+
+
+def _is_unreal(folder: Path) -> bool:
+    return any(folder.glob("*.uproject"))
+
+
+def _check_unity(project: Path) -> None:
+    """Raise PackageError if the project's Unity is too old for the package."""
+    text = (project / "ProjectSettings" / "ProjectVersion.txt").read_text(
+        encoding="utf-8", errors="replace"
+    )
+    found = re.search(r"m_EditorVersion:\s*(\d+)\.(\d+)\S*", text)
+    if found and (int(found[1]), int(found[2])) < MIN_UNITY:
+        least = ".".join(map(str, MIN_UNITY))
+        raise PackageError(
+            f"{project} is of Unity {found[1]}.{found[2]}: the package needs {least} or newer"
+        )
+
+
+def _check_unreal(project: Path) -> None:
+    """Raise PackageError if the project's engine is too old. An engine built from source has no number."""
+    file = sorted(project.glob("*.uproject"))[0]
+    try:
+        engine = str(json.loads(file.read_text(encoding="utf-8-sig")).get("EngineAssociation", ""))
+    except (ValueError, AttributeError) as error:
+        raise PackageError(f"{file} cannot be read: {error}") from error
+    found = re.fullmatch(r"(\d+)\.(\d+)", engine)
+    if found and (int(found[1]), int(found[2])) < MIN_UNREAL:
+        least = ".".join(map(str, MIN_UNREAL))
+        raise PackageError(
+            f"{file} is of Unreal Engine {engine}: the plugin needs {least} or newer"
+        )
+
+
+def _warn_of_manifest(project: Path) -> None:
+    """Say so if the project also takes the package from elsewhere."""
+    file = project / "Packages" / "manifest.json"
+    if file.is_file() and f'"{UNITY}"' in file.read_text(encoding="utf-8", errors="replace"):
+        click.echo(
+            f"{file} names {UNITY}, too: Unity takes the copy in Packages. Remove that line."
+        )

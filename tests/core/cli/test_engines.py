@@ -1,0 +1,232 @@
+"""`pacinian unity` and `pacinian unreal`: all of the package or nothing, and never over somebody's changes."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from click.testing import CliRunner
+
+from pacinian.cli import engine_package
+from pacinian.cli.engine_package import LIST, WORK, Package, PackageError, find_package, install
+from pacinian.cli.main import cli
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Files = dict[str, bytes]
+
+UNITY = Path("Packages") / "com.pacinian.haptics"
+UNREAL = Path("Plugins") / "Pacinian"
+
+
+def read(folder: Path) -> Files:
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()
+    }
+
+
+def run(*arguments: object, code: int = 0) -> str:
+    result = CliRunner().invoke(cli, [str(word) for word in arguments])
+    text = result.output + (
+        str(result.exception) if isinstance(result.exception, PackageError) else ""
+    )
+    assert (result.exit_code != 0) == bool(code), text
+    return text
+
+
+@pytest.fixture
+def unity(tmp_path: Path) -> Path:
+    project = tmp_path / "game"
+    (project / "Assets").mkdir(parents=True)
+    (project / "ProjectSettings").mkdir()
+    (project / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2022.3.5f1\n")
+    return project
+
+
+@pytest.fixture
+def unreal(tmp_path: Path) -> Path:
+    project = tmp_path / "level"
+    (project / "Source").mkdir(parents=True)
+    (project / "Level.uproject").write_text('{"EngineAssociation": "5.5"}')
+    return project
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Package:
+    """A small one of version 2.0."""
+    made = Package(tmp_path / "package", "package.json", "version")
+    (made.folder / "Source").mkdir(parents=True)
+    (made.folder / "package.json").write_text('{"version": "2.0"}')
+    (made.folder / "Source" / "a.cs").write_text("new")
+    return made
+
+
+def older(package: Package, target: Path, version: str = "1.9") -> None:
+    """Install an older version of it, which has another file."""
+    manifest, file, old = (
+        package.folder / name for name in ("package.json", "Source/a.cs", "Source/old.cs")
+    )
+    manifest.write_text(json.dumps({"version": version}))
+    file.write_text("old")
+    old.write_text("gone")
+    install(package, target, replace=False)
+    manifest.write_text('{"version": "2.0"}')
+    file.write_text("new")
+    old.unlink()
+
+
+def test_a_project_of_unity_gets_the_package(unity: Path) -> None:
+    said = run("unity", unity)
+    made = read(unity / UNITY)
+    made.pop(LIST)
+    assert made == read(find_package("unity"))
+    assert f"is in {unity / UNITY} now" in said
+    assert "pacinian serve" in said
+    assert "nothing was changed" in run("unity", unity)
+    (unity / "Packages" / "manifest.json").write_text('{"com.pacinian.haptics": "file:../x"}')
+    assert "Remove that line" in run("unity", unity)
+
+
+def test_a_project_of_unreal_gets_the_plugin_and_is_told_what_is_missing(unreal: Path) -> None:
+    said = run("unreal", unreal / "Level.uproject")
+    assert (unreal / UNREAL / "Pacinian.uplugin").is_file()
+    assert "cmake -S Source/ThirdParty" in said
+    assert "no C++ code" not in said
+    (unreal / UNREAL / "Source" / "ThirdParty" / "MsgPack" / "Include").mkdir()
+    (unreal / "Source").rmdir()
+    said = run("unreal", unreal)
+    assert "nothing was changed" in said
+    assert "cmake" not in said
+    assert "no C++ code" in said
+
+
+def test_what_is_no_project_is_refused_and_one_nearby_named(unity: Path, unreal: Path) -> None:
+    assert f"did you mean {unity}?" in run("unity", unity.parent, code=2)
+    assert f"did you mean {unity.resolve()}?" in run("unity", unity / "Assets", code=2)
+    assert f"did you mean {unreal}?" in run("unreal", unreal.parent, code=2)
+    assert "is no folder" in run("unity", unity / "none", code=2)
+    assert not (unity / UNITY).exists()
+
+
+def test_an_engine_that_is_too_old_is_refused(unity: Path, unreal: Path) -> None:
+    (unity / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2020.3.48f1\n")
+    assert "needs 2021.3 or newer" in run("unity", unity, code=2)
+    project = unreal / "Level.uproject"
+    project.write_text('{"EngineAssociation": "5.3"}')
+    assert "needs 5.5 or newer" in run("unreal", unreal, code=2)
+    project.write_text('{"EngineAssociation": "{8F0A-built-from-source}"}')
+    run("unreal", unreal)
+
+
+def test_an_older_version_is_replaced_and_what_was_added_stays(
+    package: Package, tmp_path: Path
+) -> None:
+    target = tmp_path / "there"
+    older(package, target)
+    for name in (
+        "Source/ThirdParty/Lib/a.lib",
+        "Binaries/ThirdParty/z.so",
+        "Binaries/Linux/a.so",
+        "Intermediate/x",
+    ):
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        (target / name).write_text("added")
+    assert install(package, target, replace=False) == ("1.9", True)
+    assert set(read(target)) == {
+        "package.json", "Source/a.cs", "Source/ThirdParty/Lib/a.lib", "Binaries/ThirdParty/z.so", LIST,
+    }  # fmt: skip
+    assert (target / "Source" / "a.cs").read_text() == "new"
+    assert install(package, target, replace=False) == ("2.0", False)
+
+
+def change(target: Path) -> None:
+    (target / "Source" / "a.cs").write_text("mine")
+
+
+def copy_by_hand(target: Path) -> None:
+    (target / LIST).unlink()
+
+
+@pytest.mark.parametrize(
+    ("version", "does", "says"),
+    [
+        ("1.9", change, "somebody has changed Source/a.cs"),
+        ("1.9", copy_by_hand, "was not put there by this command"),
+        ("10.0", lambda _: None, "is version 10.0, and this Pacinian has 2.0"),
+    ],
+)
+def test_nothing_is_replaced_that_somebody_may_miss(
+    package: Package, tmp_path: Path, version: str, does: Callable[[Path], None], says: str
+) -> None:
+    target = tmp_path / "there"
+    older(package, target, version)
+    does(target)
+    before = read(target)
+    with pytest.raises(PackageError, match=re.escape(says)):
+        install(package, target, replace=False)
+    assert read(target) == before
+    assert install(package, target, replace=True).copied
+    assert (target / "Source" / "a.cs").read_text() == "new"
+
+
+@pytest.mark.parametrize("step", ["write_bytes", "rename"])
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(13, "Permission denied")])
+def test_whatever_interrupts_it_leaves_the_old_one(
+    package: Package,
+    tmp_path: Path,
+    step: str,
+    error: BaseException,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At each of the steps in turn."""
+    target = tmp_path / "there"
+    older(package, target)
+    before, at = read(target), 0
+
+    def interrupt() -> bool:
+        calls = iter(range(1000))
+        real = getattr(Path, step)
+
+        def fails(path: Path, *more: object) -> object:
+            if next(calls) == at:
+                raise error
+            return real(path, *more)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, step, fails)
+            try:
+                install(package, target, replace=False)
+            except (KeyboardInterrupt, PackageError):
+                return True
+        return False
+
+    while interrupt():
+        assert read(target) == before
+        assert not list(tmp_path.glob(f"{WORK}*"))
+        at += 1
+    assert at >= 2
+    assert (target / "Source" / "a.cs").read_text() == "new"
+
+
+def test_what_a_run_that_was_killed_has_left_is_undone(package: Package, tmp_path: Path) -> None:
+    target, work = tmp_path / "there", tmp_path / f"{WORK}x"
+    older(package, target)
+    work.mkdir()
+    target.rename(work / "old")  # killed between two renames
+    assert install(package, target, replace=False) == ("1.9", True)
+    assert not work.exists()
+
+
+def test_a_link_is_refused_and_an_installation_without_packages_says_what_to_do(
+    package: Package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "there").symlink_to(package.folder)
+    with pytest.raises(PackageError, match="is a link"):
+        install(package, tmp_path / "there", replace=True)
+    monkeypatch.setattr(engine_package, "__file__", str(tmp_path / "a" / "b" / "c" / "d.py"))
+    with pytest.raises(PackageError, match="install Pacinian from"):
+        find_package("unity")
