@@ -9,6 +9,7 @@ transducers near the centre would do most of it.
 from __future__ import annotations
 
 import functools
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,13 +27,15 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import ArrayLike, Complexes, Floats
+    from pacinian.types import ArrayLike, Complexes, Floats, Indices
 
 
 STILL = 5e-4  # samples that moved by less than this keep their solution [m]
 CARRY_DISTANCE = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
-ON_SKIN = 0.4  # the same for samples on skin, which are less even
+ON_SKIN = 0.8  # the same for samples on skin, which are less even
+MAX_ROWS = 12  # most samples of a region that tell where its sound comes from
+TINY = 1e-300  # smallest amplitude used as a divisor [Pa]
 MAX_SUBSET = 128  # most transducers used to compute the array's radius
 ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the mean of diag(G)
 TURNS = 16  # number of these steps
@@ -52,7 +55,7 @@ def joint_phases(
     The wave's focus f = m + (d'/d) (m - c) lies d' beyond the region's middle m, which is d from the array's centre c.
     The wave then comes from transducers within w (1 + d/d') of c, where w is the region's root-mean-square width across
     the wave. d'/d is chosen so that this radius is 0.4 of the array's, and clipped to 0.25..1, so that many transducers
-    share the work. (A solve with `facing`, for samples on skin, clips it to 0.4..1.)
+    share the work.
     The wave grows stronger towards f. Therefore a region of thickness s (root mean square along its thinnest axis),
     such as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases, the field is even between points
     that are at most half a wavelength apart.
@@ -83,6 +86,8 @@ def settle_phases(
     """Return the same targets with every phase fixed, for points of which some belong to regions.
 
     The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
+    For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
+    d'/d is at least 0.8.
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
@@ -91,12 +96,17 @@ def settle_phases(
     assert regions is not None
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
-    least = MIN_CONVERGENCE if propagator.facing is None else ON_SKIN
-    wave = np.empty(M)
-    kernels.waves(q, t, regions, _choose_subset(array), propagator.origin, k, least, tilt, wave)
-    if propagator.nulls is not None:
-        for number in range(int(regions.max()) + 1):
-            own = regions == number
+    some, wave = _choose_subset(array), np.zeros(M)
+    on_skin, aside = propagator.facing is not None, propagator.nulls is not None
+    if not on_skin:
+        kernels.waves(q, t, regions, some, propagator.origin, k, MIN_CONVERGENCE, tilt, wave)
+    for number in range(int(regions.max()) + 1 if on_skin or aside else 0):
+        own = np.flatnonzero(regions == number)
+        if on_skin:
+            source, made = _find_source(propagator, own, t[own]), np.empty(len(own))
+            kernels.converge(q[own], t[own] ** 2, some, source, k, ON_SKIN, tilt, made)
+            wave[own] = made
+        if aside:
             wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
     start, steps = initial_phases(M, None if warm is None else _phases(warm))
     group, phases = np.empty(M, np.int64), np.empty(M)
@@ -120,6 +130,20 @@ def settle_phases(
 def _choose_subset(array: Array) -> Floats:
     """Return the positions of at most MAX_SUBSET transducers, spread over the whole array, (V, 3) [m]."""
     return array.positions[:: -(-len(array) // MAX_SUBSET)].copy()
+
+
+def _find_source(propagator: Propagator, own: Indices, t: Floats) -> Floats:
+    """Return the middle of the transducers, each weighted by the power that it sends to samples of a region, (3,) [m].
+
+    own: the region's samples, (K,). t: their amplitudes, (K,).
+    """
+    some = slice(None, None, max(1, -(-len(own) // MAX_ROWS)))
+    rows, weight = propagator.B[own[some]], t[some] / max(float(t.max()), TINY)
+    power = (weight * weight).astype(rows.real.dtype) @ (rows.real**2 + rows.imag**2)
+    whole = float(power.sum())
+    if not 0.0 < whole < math.inf:
+        return propagator.origin
+    return np.asarray(power @ propagator.array.positions / whole, np.float64)
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
@@ -46,6 +47,21 @@ def test_joint_phases_are_those_of_a_wave_that_converges_beyond():
     assert pc.joint_phases(ARRAY, q, pc.Air(speed_of_sound=340.0)) == pytest.approx(K * away)
     assert pc.joint_phases(ARRAY, q, pc.Air(speed_of_sound=170.0)) == pytest.approx(2 * K * away)
     assert pc.joint_phases(ARRAY, np.empty((0, 3)), medium=AIR).shape == (0,)
+
+
+def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
+    q, array = patch(count=3), pc.autd(3, 3)
+    normals = np.tile([math.sqrt(0.75), 0.0, -0.5], (9, 1))  # towards the array's right side
+    propagator = Propagator(array, AIR)
+    propagator.set_points(q, SkinFacing(normals, np.empty((0, 8))))
+    targets = Targets.make_checked(9, np.ones(9), None, "exact", np.zeros(9, int))
+    found = settle_phases(propagator, targets, None).phases
+    power = (np.abs(propagator.B) ** 2).sum(axis=0, dtype=float)
+    source = power @ array.positions / power.sum()
+    assert source[0] > 0.05
+    middle = q.mean(axis=0)
+    wave = K * np.linalg.norm(q - middle - 0.8 * (middle - source), axis=1)
+    assert (off(found - wave, (found - wave)[0]) < 1e-3).all()
 
 
 @pytest.mark.parametrize("bad", [[0.0], [[0, 0]], [0], [0, 1, 2], ["a", "b"], [1, [2]], 0])
