@@ -123,3 +123,13 @@ def test_gains_are_finite_and_in_proportion_to_targets(
     assert np.isfinite(solution.sound_pressure).all()
     worst = 1.0 + (1e-3 if single else 1e-6)
     assert np.linalg.norm(solution.residual) <= worst * np.linalg.norm(t)
+
+
+@pytest.mark.parametrize(("width", "count"), [(0.002, 90), (0.002, 150)])
+def test_an_answer_without_time_is_near_and_says_so(width: float, count: int) -> None:
+    """Points nearer than the array resolves need singular values, which the deadline does not allow."""
+    q, t = points(count, width), np.full(count, 10.0)
+    made = pc.solve(ARRAY, q, t, 0.0, solver="pseudo-inverse", deadline=1e-9)
+    assert made.note.endswith("no time")
+    assert made.error < 0.05
+    assert "rank" in pc.solve(ARRAY, q, t, 0.0, solver="pseudo-inverse").note

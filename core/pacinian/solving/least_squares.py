@@ -18,6 +18,7 @@ import numpy as np
 
 from pacinian.solving.column_groups import ColumnGroups
 from pacinian.solving.linalg import blas, lapack
+from pacinian.solving.problem import Budget
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes
@@ -28,6 +29,8 @@ PHASES = 2e-5  # rounding of phases in single precision, at 0.4 m [rad]
 # returns 1e-8 (single) or 1e-16 (double), or less.
 TRUSTED: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
 STEPS = 20  # most refinement steps; 2 or 3 are usual
+# Estimated times of a factor in double precision and of singular values, over that of a factor in single precision.
+DOUBLE_TIME, SINGULAR_TIME = 3.0, 16.0
 SHRUNK = 0.1  # largest length of the first step, relative to g, at which X is good enough
 
 
@@ -62,31 +65,46 @@ class LeastSquares:
         The result has double precision if B is complex128, and the rounding of B g in single precision if B is
         complex64. The largest |B_mn| and |p_m| may be 1e-150 to 1e150, or 0.
         """
+        found = self.solve_within(p, Budget())
+        assert found is not None
+        return found
+
+    def solve_within(self, p: Complexes, budget: Budget) -> tuple[Complexes, str] | None:
+        """Do the same as `solve`; return None before a step that would end after the deadline, except the first."""
         size = float(np.abs(p).max(initial=0.0)) or 1.0
         q = self.rows.gather(p / size)
         rank, full = min(self.B.shape), min(len(self.rows.group), len(self.columns.group))
-        g = self._refine_gains(q) if rank else np.zeros(self.B.shape[1], np.complex128)
+        g: Complexes | None = np.zeros(self.B.shape[1], np.complex128)
+        seconds = 0.0
+        if rank:
+            g, seconds = self._refine_gains(q, budget)
         how = "Cholesky"
         if g is None:
+            if not budget.affords(SINGULAR_TIME * seconds):
+                return None
             B = self.B.astype(np.complex128)
             h, _, rank, _ = np.linalg.lstsq(B, q, rcond=self.rcond)
             g, how = h, "singular values"
         return self.columns.spread(g) * (size * 2.0**self.shift), f"{how}: rank {rank} of {full}"
 
-    def _refine_gains(self, p: Complexes) -> Complexes | None:
-        """Return gains from the first factor that is good enough; None if none is."""
+    def _refine_gains(self, p: Complexes, budget: Budget) -> tuple[Complexes | None, float]:
+        """Return gains from the first factor that is good enough, None if none is; and the time of the first [s]."""
         least = 3.0 * self.rcond**2  # the condition number is an estimate
+        start, seconds = budget.clock(), 0.0
         for dtype, trusted in TRUSTED.items():
             if dtype not in self._normals:
+                if seconds and not budget.affords(DOUBLE_TIME * seconds):
+                    break
                 self._normals[dtype] = Normal.of(self.B.astype(dtype, copy=False))
             normal = self._normals[dtype]
             if normal.reciprocal_condition > max(least, trusted):
                 g = refine(self.B, normal, p)
                 if g is not None:
-                    return g
+                    return g, seconds
+            seconds = seconds or budget.clock() - start
             if normal.reciprocal_condition < least - 1e-7:  # double precision would not help
                 break
-        return None
+        return None, seconds
 
     @cached_property
     def _normals(self) -> dict[np.dtype[Any], Normal]:

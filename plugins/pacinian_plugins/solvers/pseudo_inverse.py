@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 MAX_CHOLESKY_POINTS = 256  # samples up to which the propagator's own Cholesky factor is fastest
 # least reciprocal condition number with which that factor is used
 TRUSTED = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
+LIFT = 1e-4  # regularisation if the time is short, relative to trace(B B^H) / M
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class PseudoInverse(pc.Solver):
     M <= N, else B^H B) and steps of refinement. Others use a singular value decomposition of B
     in double precision; see `pacinian.solving.least_squares`. Free phases are chosen by
     Gerchberg-Saxton on B B^H. This solver ignores the gain limit; the session scales its solution down as a whole.
+    If the time does not suffice for the decomposition, it regularises B B^H (M <= N), or back-propagates the targets.
     """
 
     name: ClassVar[str] = "pseudo-inverse"
@@ -60,15 +62,18 @@ class PseudoInverse(pc.Solver):
         else:
             p = targets.complex(targets.phases)
         scale = float(np.abs(p).max())  # avoids underflow and overflow
-        g, note = self._least_squares(propagator, p / scale)
+        found = self._least_squares(propagator, p / scale, budget)
+        g, note = found or _approximate(propagator, p / scale)
         with np.errstate(over="ignore", under="ignore"):
             g *= scale
             if out.dtype == np.complex64:  # overflows at 3e38; the session scales the gains anyway
                 g /= max(1.0, float(np.abs(g).max()) / 1e37)
             out[:] = g
-        return pc.Result(note=note)
+        return pc.Result(note=note, late=found is None)
 
-    def _least_squares(self, propagator: pc.Propagator, p: Complexes) -> tuple[Complexes, str]:
+    def _least_squares(
+        self, propagator: pc.Propagator, p: Complexes, budget: pc.Budget
+    ) -> tuple[Complexes, str] | None:
         B = propagator.B
         M, N = B.shape
         trusted = max(TRUSTED[B.dtype], 3.0 * (self.rcond or 0.0) ** 2)
@@ -78,7 +83,18 @@ class PseudoInverse(pc.Solver):
                 g = propagator.adjoint(factor.solve(p))
                 g = g + propagator.adjoint(factor.solve(p - propagator.apply(g)))
                 return g.astype(np.complex128), f"Cholesky: rank {M} of {M}"
-        return LeastSquares.of(B, self.rcond).solve(p)
+        return LeastSquares.of(B, self.rcond).solve_within(p, budget)
+
+
+def _approximate(propagator: pc.Propagator, p: Complexes) -> tuple[Complexes, str]:
+    """Return gains that take a small part of the time, and a note."""
+    M, N = propagator.B.shape
+    if M <= N and (factor := propagator.factor(LIFT * propagator.power)).definite:
+        return propagator.adjoint(factor.solve(p)).astype(np.complex128), "regularised: no time"
+    g = propagator.adjoint(p).astype(np.complex128)
+    made = propagator.apply(g)
+    power = float(np.vdot(made, made).real)
+    return g * (complex(np.vdot(made, p)) / power if power else 0.0), "back-propagated: no time"
 
 
 @pc.hookimpl

@@ -1,5 +1,6 @@
 """Least squares of least norm, against NumPy's by singular values, for any shape, rank and scale."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from pacinian.solving.column_groups import ColumnGroups
 from pacinian.solving.least_squares import TRUSTED, LeastSquares, Normal, Reduced, refine
+from pacinian.solving.problem import Budget
 
 CUT = 1e-11
 SIZES = st.integers(1, 20)
@@ -114,6 +116,17 @@ def test_anything_goes_without_nan(
     assert np.isfinite(g).all()
     if not p.any():
         assert not g.any()
+
+
+@pytest.mark.parametrize(("decades", "due"), [(8.0, 10.0), (12.0, 10.0), (1.0, 1.0)])
+def test_no_step_starts_that_would_end_after_the_deadline(decades: float, due: float) -> None:
+    """By a clock that ticks at each look: singular values take 16 times as long as the first factor."""
+    squares = LeastSquares.of(matrix(40, 20, 0, decades=decades).astype(np.complex64))
+    late = squares.solve_within(targets(40, 0), Budget(due, itertools.count().__next__))
+    done = squares.solve_within(targets(40, 0), Budget(1e3, itertools.count().__next__))
+    assert (late is None) == (decades > 1.0)
+    assert done is not None
+    np.testing.assert_array_equal(done[0], squares.solve(targets(40, 0))[0])
 
 
 @pytest.mark.parametrize("shape", [(0, 0), (0, 3), (3, 0), (2, 3)])
