@@ -26,6 +26,8 @@ class Probe:
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
         self._chance = np.random.default_rng(0)
+        self._asked: tuple[Floats | Gains, ...] = ()  # copies of the last input of `hear`
+        self._heard: Floats = np.empty(0)
 
     def look(
         self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
@@ -40,7 +42,9 @@ class Probe:
         if places is None:
             return {}
         found: dict[str, FeltSums] = {}
-        for number, sums in enumerate(places.sums(self.hear(places.points, places.facing, gains))):
+        for number, sums in enumerate(
+            places.sums(self._measure(places.points, places.facing, gains))
+        ):
             item = samples.items[samples.objects[np.flatnonzero(regions == number)[0]]]
             found[name_of(item)] = found.get(name_of(item), FeltSums()).plus(sums)
         return found
@@ -48,8 +52,18 @@ class Probe:
     def hear(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].
 
-        gains: of the frames, (K, N).
+        gains: of the frames, (K, N). The same input again, as of a still scene, costs only the comparison.
         """
+        asked: tuple[Floats | Gains, ...] = points, gains
+        if facing is not None:
+            asked += facing.normals, facing.capsules, np.array(facing.edge)
+        if len(asked) != len(self._asked) or not all(map(np.array_equal, asked, self._asked)):
+            self._asked, self._heard = (), self._measure(points, facing, gains)
+            self._asked = tuple(each.copy() for each in asked)
+            self._heard.flags.writeable = False
+        return self._heard
+
+    def _measure(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         self._propagator.set_points(points, facing)
         p = np.array([self._propagator.apply(g) for g in gains])
         return np.asarray(np.sqrt((np.abs(p).astype(np.float64) ** 2).mean(axis=0)))

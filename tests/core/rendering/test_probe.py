@@ -103,3 +103,28 @@ def test_points_have_none_and_the_report_has_each_object() -> None:
     assert felt["holes"] == 0.0
     assert renderer.report.compute_felt(5)["disc"].force == pytest.approx(1.0, abs=0.05)
     assert "felt of disc" in renderer.report._repr_html_()
+
+
+def test_what_is_heard_is_that_of_a_new_probe_whatever_changed_since_the_last_call() -> None:
+    """Arrays are changed in place, too, as the loop's buffers are."""
+    session, samples, solution = solved(disc(0.0, 1.0))
+    probe, rng = Probe(session), np.random.default_rng(3)
+    points, gains = samples.positions.copy(), np.tile(solution.gains, (2, 1))
+    normals = np.tile([0.0, 0.0, -1.0], (len(points), 1))
+
+    def turn() -> None:
+        normals[:] = rng.normal(size=normals.shape)
+        normals[:] /= np.linalg.norm(normals, axis=1)[:, None]
+
+    def move() -> None:
+        points[0, 0] += 1e-3
+
+    def dim() -> None:
+        gains[1] *= np.float32(0.5)
+
+    for faced in (False, True, False, True):
+        for change in (turn, move, dim, lambda: None):
+            change()
+            facing = pc.SkinFacing(normals.copy()) if faced else None
+            expected = Probe(session).hear(points, facing, gains)
+            np.testing.assert_array_equal(probe.hear(points, facing, gains), expected)
