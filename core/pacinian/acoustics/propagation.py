@@ -144,8 +144,8 @@ def check_medium(medium: object) -> Air:
     if not isinstance(medium, Air):
         raise ArgumentError(
             "medium",
-            f"must be the Air of the problem, not {medium!r}: pass the one given to `solve`, `solution.medium`; "
-            "a solution also has its own `field`, `radiation_pressure`, `force` and `plot`",
+            f"must be the Air of the problem, not {medium!r}: pass that given to `solve`, which is `solution.medium`; "
+            "or for its gains use `solution.field(points)`",
         )
     return medium
 

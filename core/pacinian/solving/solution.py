@@ -94,12 +94,16 @@ class Solution(SolutionValues):
         return radiation_pressure(self.field(points), self.medium)
 
     def force(self, surface: Placed, *, spacing: float | None = None) -> float:
-        """Return the force on a surface [N]: the integral of the radiation pressure over it.
+        """Return the force that presses a surface along its normals [N], the integral of the radiation pressure.
 
-        surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`; nothing is shaded. spacing: between the
-        places at which the pressure is evaluated [m], by default a tenth of the wavelength. Raises ArgumentError,
+        surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`. Only sound that arrives on the outer side of
+        a place presses there, by the square of the cosine of its incidence (`SkinFacing`), so that a body shades its
+        own far side. A flat surface is pressed on the side of the array. Other bodies shade nothing. spacing: between
+        the places at which the pressure is evaluated [m], by default a tenth of the wavelength. Raises ArgumentError,
         PointOnTransducer.
         """
+        from pacinian.solving.surface_force import surface_force
+
         pose, sample = getattr(surface, "pose", None), getattr(surface, "sample_surface", None)
         if not isinstance(pose, Pose) or sample is None:
             raise ArgumentError("surface", f"must be a Surface or a Volume, not {surface!r}")
@@ -107,8 +111,8 @@ class Solution(SolutionValues):
         spacing = (
             wavelength / FORCE_SAMPLES if spacing is None else check_length("spacing", spacing)
         )
-        points, _, areas = sample(spacing)
-        return float(self.radiation_pressure(pose.points(points)) @ areas)
+        points, normals, areas = sample(spacing)
+        return surface_force(self, pose.points(points), pose.directions(normals), areas)
 
     @overload
     def plot(

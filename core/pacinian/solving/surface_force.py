@@ -1,0 +1,38 @@
+"""The force of a field on a surface, along its normals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.solving.propagator import Propagator
+
+if TYPE_CHECKING:
+    from pacinian.solving.solution import Solution
+    from pacinian.types import Floats
+
+ELEMENTS = 1 << 22  # elements of B at once
+FLAT = 1.0 - 1e-9  # least cosine between the normals of a flat surface
+
+
+def surface_force(solution: Solution, points: Floats, normals: Floats, areas: Floats) -> float:
+    """Return the force [N] on places of a surface: points, (K, 3) [m], outward normals, (K, 3), areas, (K,) [m^2].
+
+    Equal normals are those of a sheet, and turned to the array. Raises ArgumentError, PointOnTransducer.
+    """
+    array = solution.array
+    if len(points) and (normals @ normals[0]).min() > FLAT:
+        aside = float((array.centre - points.mean(axis=0)) @ normals[0])
+        normals = -normals if aside < 0.0 else normals
+    facing, propagator = SkinFacing(normals), Propagator(array, solution.medium)
+    gains = solution.gains.astype(np.complex64)
+    rows, force = max(1, ELEMENTS // len(array)), 0.0
+    for first in range(0, len(points), rows):
+        part = slice(first, first + rows)
+        propagator.set_points(points[part], facing.only(part))
+        pressure = radiation_pressure(propagator.apply(gains), solution.medium)
+        force += float(pressure @ areas[part])
+    return force
