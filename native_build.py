@@ -221,8 +221,8 @@ def stubs(root: Path = ROOT) -> dict[Path, str]:
             if isinstance(group, ModuleType):
                 stub = StubGen(group)
                 stub.put(group)
+                used = sorted(set(re.findall(r"\bpacinian\.types\.(\w+)", stub.get())))
                 text = re.sub(r"\bpacinian\.types\.", "", stub.get())
-                used = sorted(set(re.findall(r"(?<=: )[A-Z][a-z]+\b", text)))
                 head = f"from pacinian.types import {', '.join(used)}" if used else ""
                 made[root / where / f"{name}.pyi"] = (
                     NOTE + text.replace("import pacinian.types", head).strip() + "\n"

@@ -95,26 +95,23 @@ class _Steps:
     """Two Newton steps of `lagrange` alone, with what they start from."""
 
     def __init__(self, array: pc.Array, q: Any, t: Any) -> None:
-        from pacinian_plugins.solvers.lagrange.workspace import Workspace
+        from pacinian_plugins.native.lagrange import Workspace
 
         self.propagator = pc.Propagator(array, pc.Air())
         self.propagator.set_points(q)
-        self.p = pc.solve(array, q, t, solver=SOLVER).asked
+        p = pc.solve(array, q, t, solver=SOLVER).asked
         self.mu = 1e-6 * self.propagator.power
-        self.free = np.ones(len(q), np.bool_)
-        self.y = self.mu * self.propagator.factor(self.mu).solve(self.p)
-        self.room, self.out = Workspace.of(len(q), len(array)), np.empty(len(array), np.complex64)
+        self.y = self.mu * self.propagator.factor(self.mu).solve(p)
+        self.w, self.out = Workspace(len(q), len(array)), np.empty(len(array), np.complex64)
+        self.w.p[:], self.w.free[:] = p, True
 
     def _attempt(self, steps: int) -> None:
-        from pacinian_plugins.native.lagrange import attempt
+        from pacinian_plugins.native.lagrange import solve_dual
 
-        room = self.room
-        room.y[:] = self.y
-        room.found[3:5] = np.inf, -1.0
-        attempt(
-            self.propagator.single, self.propagator.gram, self.p, self.free, self.mu, steps, 0.0,
-            room.y, room.h, room.made, room.A, room.tile, room.V, room.which, room.found, 1.0, self.out,
-        )  # fmt: skip
+        self.w.y[:] = self.y
+        self.w.restart_dual()
+        B, G = self.propagator.single, self.propagator.gram
+        solve_dual(B, G, self.mu, steps, 0.0, self.w, 1.0, self.out)
 
     def two_steps(self) -> None:
         self._attempt(2)

@@ -6,9 +6,105 @@ from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Singles
 
 TILE: int = 256
 
-def within(size: float, relative: float, mu: float, N: int) -> float:
+class Workspace:
     """
-    By how much to scale targets of norm `size` [Pa per unit limit] so that single precision can work.
+    Memory for M samples and N transducers, reused from solve to solve, and what the kernels found.
+
+    p: targets, (M,) [Pa per unit limit]. free: whether their phase is free, (M,). y: multipliers, (M,). h: real and
+    imaginary part of the gains in units of the limit, and |x_n|, (3, N). made: real and imaginary part of B h, (2, M).
+    tile: see fused_passes.hpp. error: ||targets - made|| / ||p||, where free phases are those made. cost: sum of c(x_n)
+    at y. multiple: of |p| that is nearest to what full drive makes. stalled: dual steps in a row that did little.
+    bound, objective: [Pa^2] for unit limits. held: transducers at their limit.
+    """
+
+    def __init__(self, M: int, N: int) -> None: ...
+
+    @property
+    def p(self, /) -> Complexes: ...
+
+    @property
+    def free(self, /) -> Flags: ...
+
+    @property
+    def y(self, /) -> Complexes: ...
+
+    @property
+    def h(self, /) -> Singles: ...
+
+    @property
+    def made(self, /) -> Floats: ...
+
+    @property
+    def tile(self, /) -> Singles: ...
+
+    @property
+    def cost(self) -> float: ...
+
+    @cost.setter
+    def cost(self, arg: float, /) -> None: ...
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def multiple(self) -> float: ...
+
+    @property
+    def stalled(self) -> int: ...
+
+    @property
+    def bound(self) -> float: ...
+
+    @property
+    def objective(self) -> float: ...
+
+    @property
+    def held(self) -> int: ...
+
+    def restart_dual(self) -> None:
+        """Count the dual steps that did little from 0."""
+
+    def restart_primal(self) -> None:
+        """Start the primal steps with the default damping."""
+
+class RegionWorkspace:
+    """
+    Memory for regions with M samples and N transducers, and what `solve_region` found.
+
+    h, made: as in `Workspace`. factor: the preconditioner, real and imaginary part, (2, K, K), K = M rounded up to 2;
+    of size 0 for none. met: whether the steps have converged. bound, objective: D(y), and
+    1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.
+    """
+
+    def __init__(self, M: int, N: int, preconditioned: bool) -> None: ...
+
+    @property
+    def h(self, /) -> Singles: ...
+
+    @property
+    def made(self, /) -> Floats: ...
+
+    @property
+    def factor(self, /) -> Singles: ...
+
+    @property
+    def met(self) -> bool: ...
+
+    @property
+    def held(self) -> int: ...
+
+    @property
+    def bound(self) -> float: ...
+
+    @property
+    def objective(self) -> float: ...
+
+    def restart(self) -> None:
+        """Discard the preconditioner, which is that of one B and one D."""
+
+def scale_for_single(size: float, relative: float, mu: float, N: int) -> float:
+    """
+    Return the factor that scales targets of norm `size` [Pa per unit limit] into the range of single precision.
 
     Up to the lower bound, 2 sqrt(mu), nothing reaches its limit: ||g|| <= ||p|| / (2 sqrt(mu)). Beyond the upper one
     the answer hardly changes. relative: mu over trace(G) / M.
@@ -22,7 +118,7 @@ def factor(A: Floats, K: int, positive: int) -> int:
     becomes so large that its unknown is left at 0. Returns how many did.
     """
 
-def turned(G: Complexes, sample: Longs, u: Singles, scale: float, A: Floats) -> None:
+def rotate_gram(G: Complexes, sample: Longs, u: Singles, scale: float, A: Floats) -> None:
     """
     Write the lower triangle of scale Re(conj(u_i) G_ij u_j) for equations of the given samples, (K,), to A.
 
@@ -46,30 +142,29 @@ def curvature(B: Gains, sample: Longs, u: Singles, h: Singles, mu: float, few: b
 
     Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from
     1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its
-    phasor, (2, K). h: as of `evaluate`. V: room, (K rounded up to 4, 2 TILE); which: (TILE,).
+    phasor, (2, K). h: as of `evaluate`. Workspace: V, (K rounded up to 4, 2 TILE); which, (TILE,).
     """
 
-def bend(B: Gains, d: Singles, h: Singles, mu: float, p: Floats, tile: Singles) -> None:
+def apply_curvature(B: Gains, d: Singles, h: Singles, mu: float, p: Floats, tile: Singles) -> None:
     """
     Write p = B W B^H d, (2, M), W = dh/dx at the gains h; arguments as of `evaluate`. d: (2, rows of `tile`).
     """
 
-def descend(B: Gains, G: Complexes, p: Complexes, free: Flags, mu: float, steps: int, enough: float, y: Complexes, h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, which: Longs, found: Floats) -> int:
+def solve_dual(B: Gains, G: Complexes, mu: float, steps: int, enough: float, workspace: Workspace, unit: float, out: Gains) -> int:
     """
-    Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y.
+    Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y, then `certify` and `deliver`.
 
     One equation per sample where its phase is `free`, along the phasor of the pressure made, two where it is fixed.
-    G: B B^H, (M, M). p: targets, (M,) [Pa]. y: multipliers to start from, (M,), in place. h, made, tile, V, which: as of
-    `evaluate`, `curvature`. A: room, (2M + 4, 2M + 4). found: ||asked - made|| / ||p||, the sum of c(x_n), the number at
-    their limit; ||F|| / ||p|| and how many steps in a row did little, to go on with.
+    G: B B^H, (M, M). mu: [Pa^2]. steps: at most. enough: ||F|| / ||p|| to stop at. workspace: has the targets p and the
+    multipliers y to start from; the kernel writes y, h, made, error, cost and stalled. unit, out: as of `deliver`.
     Returns the number of steps, negative if they came to nothing.
     """
 
-def certify(p: Complexes, free: Flags, mu: float, y: Complexes, h: Singles, made: Floats, cost: float, proof: Floats) -> None:
+def certify(mu: float, workspace: Workspace) -> None:
     """
-    Write D(y), 1/2 ||p - made||^2 + mu/2 ||h||^2 for the phases made, and how many are at their limit.
+    Write `bound`, D(y), `objective`, 1/2 ||p - made||^2 + mu/2 ||h||^2 for the phases made, and `held`.
 
-    proof: they are its elements 5 to 7. cost: the sum of c(x_n) at y. Others as of `descend`.
+    workspace: with p, free, y, h, made, and cost at y.
     """
 
 def deliver(h: Singles, unit: float, out: Gains) -> None:
@@ -77,56 +172,49 @@ def deliver(h: Singles, unit: float, out: Gains) -> None:
     Write the gains, (N,), of those in units of the limit, h, (2 or more, N).
     """
 
-def attempt(B: Gains, G: Complexes, p: Complexes, free: Flags, mu: float, steps: int, enough: float, y: Complexes, h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, which: Longs, found: Floats, unit: float, out: Gains) -> int:
-    """As `descend`, then `certify` and `deliver`."""
-
-def equalise(B: Gains, p: Complexes, steps: int, y: Complexes, h: Singles, made: Floats, tile: Singles, found: Floats) -> int:
+def equalise(B: Gains, steps: int, workspace: Workspace) -> int:
     """
-    Make |B h| proportional to |p| with every |h_n| = 1, from multipliers y, (M,), in place.
+    Make |B h| proportional to |p| with every |h_n| = 1, from the multipliers y, by weighted Gerchberg-Saxton steps.
 
-    h, made, tile: as of `evaluate`. All targets are above 0 and their phases free (Di Leonardo et al., Opt. Express 15,
-    2007, here over-relaxed). found[0]: the multiple of |p| that is nearest to what is made.
+    All targets are above 0 and their phases free (Di Leonardo et al., Opt. Express 15, 2007, here over-relaxed).
+    workspace: has p and y; the kernel writes y, h, made and multiple.
     Returns the number of steps, negative if more may help.
     """
 
-def movable(h: Singles, mu: float, damping: float, x: Singles, held: Flags, D: Singles) -> None:
+def project_gradient(h: Singles, mu: float, damping: float, x: Singles, held: Flags, D: Singles) -> None:
     """
     Turn x = B^H y, (2, N), into the gradient v along what can move; write what is held, and D, (N,).
 
     h: gains, (2 or more, N). damping: in units of the mean |x|.
     """
 
-def step(B: Gains, u: Singles, bend: Floats, h: Singles, held: Flags, D: Singles, v: Singles, d: Singles, p: Floats, A: Floats, tile: Singles, V: Singles, y: Singles) -> None:
+def newton_step(B: Gains, u: Singles, bend: Floats, h: Singles, held: Flags, D: Singles, v: Singles, d: Singles, p: Floats, A: Floats, tile: Singles, V: Singles, y: Singles) -> None:
     """
     Write the step d, (2, N), for the gradient v, (2, N).
 
-    u: phasors, (2, M). bend: the weight of what is across u, (M,). h, held, D: as of `movable`. p, A, tile, V, y: room,
-    (2, M), (2M + 4, 2M + 4), as in `passes`, (2M rounded up to 4, 2 TILE), (2, M or more).
+    u: phasors, (2, M). bend: weight of the pressures across u, (M,). h, held, D: as of `project_gradient`. Workspace:
+    p, (2, M); A, (2M + 4, 2M + 4); tile, as in fused_passes.hpp; V, (2M rounded up to 4, 2 TILE); y, (2, M or more).
     """
 
-def nearest(B: Gains, p: Complexes, free: Flags, mu: float, steps: int, enough: float, h: Singles, made: Floats, A: Floats, tile: Singles, V: Singles, W: Singles, held: Flags, found: Floats, finished: float) -> int:
+def solve_primal(B: Gains, mu: float, steps: int, enough: float, finished: float, workspace: Workspace) -> int:
     """
-    Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1, from the gains h, (3, N), in place.
+    Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1 by Newton steps from the gains h.
 
-    made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. A: room, (2M + 4, 2M + 4). V: room,
-    (2M rounded up to 4, 2 TILE). tile: as in `passes`. W, held: room, (7, N) and (N,). found: that error, the damping (1)
-    and how many steps in a row did little (4), to go on with. finished: two steps that lower the cost by a smaller
-    share are the last.
+    enough: ||p - made|| / ||p|| to stop at. finished: two steps that lower the cost by a smaller share are the last.
+    workspace: has the targets p, the gains h, and made, B h of these gains; the kernel writes h, made and error.
     Returns the number of steps, negative if more may help.
     """
 
-def ascend(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, h: Singles, made: Floats, tile: Singles, L: Singles, found: Floats, spent: object) -> int:
+def solve_region(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, workspace: RegionWorkspace, spent: object) -> int:
     """
     Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.
 
-    B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. h, made, tile:
-    as of `evaluate`; h is that of y in the end. L: room for the preconditioner, (2, K, K) with K = M rounded up to 2; of
-    size 0 for none. found: whether ||F|| <= 0.005 ||p||; the dual's value; 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2;
-    the number of gains at their limit; ||F||; and the state of L, which later calls for the same B and D keep: 0 at
-    first. spent: returns whether the time is up, asked after the first step and after some products of each.
+    B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the
+    kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and
+    D. spent: returns whether the time is up, asked after the first step and after some products of each.
     """
 
-def start(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, warm: Complexes, before: Floats, factor: float, p: Complexes, D: Floats, y: Complexes) -> None:
+def start_region(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, warm: Complexes, before: Floats, factor: float, p: Complexes, D: Floats, y: Complexes) -> None:
     """
     Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.
 
@@ -135,12 +223,14 @@ def start(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, 
     these multipliers.
     """
 
-def begin(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, mu: float, relative: float, unit: float, N: int, p: Complexes, free: Flags, y: Complexes, L: Complexes, found: Floats) -> int:
+MAX_START: int = 16
+
+def start(G: Complexes, t: Floats, phi: Floats, first: Floats, steps: int, mu: float, relative: float, unit: float, workspace: Workspace) -> float:
     """
     Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.
 
-    G: (M, M); for few samples it is quicker to solve here than by LAPACK. t, phi, start: (M,). L: room, (M, M).
-    found: by how much the targets are scaled, as by `within`.
+    G: (M, M), for at most MAX_START samples, for which this is quicker than LAPACK. t, phi, first: (M,). Returns the
+    factor on the targets, as by `scale_for_single`.
     """
 
 @overload
@@ -168,7 +258,7 @@ def columns(A: Complexes, x: Complexes, slope: Floats, across: bool, out: Floats
     """
     Write the columns of A, (R, N), turned along x_n (or across it), times sqrt(slope_n); return how many.
 
-    out: room for (2R, N), flat; written as (2R, count), real parts above imaginary parts. Columns of slope 0 are left out,
+    out: workspace for (2R, N), flat; written as (2R, count), real parts above imaginary parts. Columns of slope 0 are left out,
     or where they are few, written as 0.
     """
 
@@ -198,9 +288,9 @@ def expect(x: Complexes, dx: Complexes, h: Complexes, radial: Floats, tangential
     Write g, what h is expected to be after a step dx; those not held shrink by a share besides. All (N,).
     """
 
-def judge(p: Complexes, made: Complexes, limit: Floats, slack: Floats, s: float, r: Complexes, found: Floats) -> None:
+def measure_excess(p: Complexes, made: Complexes, limit: Floats, slack: Floats, s: float, r: Complexes) -> tuple[float, float]:
     """
-    Write r = s p - made, (M,), and to `found` how far it is over a limit at most, and the rest's sum of squares.
+    Write r = s p - made, (M,); return the largest excess over a limit, and the sum of squares of the samples without one.
 
     Exact ones, of limit 0, may be s times as inexact.
     """

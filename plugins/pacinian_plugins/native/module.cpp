@@ -12,13 +12,14 @@ void define_unbounded(nb::module_& m);  // in unbounded.cpp
 
 static void define(nb::module_& m) {
     m.attr("TILE") = TILE;
+    define_workspace(m);
     define_small(m);
     define_sweeps(m);
-    define_descend(m);
+    define_dual(m);
     define_equalise(m);
-    define_tangent(m);
-    define_nearest(m);
-    define_ascend(m);
+    define_newton_step(m);
+    define_primal(m);
+    define_region(m);
     define_unbounded(m);
 }
 

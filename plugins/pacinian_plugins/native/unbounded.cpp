@@ -1,13 +1,13 @@
 // Kernels that must handle NaN and infinity, compiled without the assumption that all numbers are finite.
 #define NO_IMPORT_ARRAY
-#include "pacinian_plugins/solvers/lagrange/begin.hpp"
+#include "pacinian_plugins/solvers/lagrange/start.hpp"
 #include "pacinian_plugins/solvers/lagrange/convex/kernels.hpp"
 
 namespace pacinian::lagrange {
 
 void define_unbounded(nb::module_& m);
 void define_unbounded(nb::module_& m) {
-    define_begin(m);
+    define_start(m);
     define_convex(m);
 }
 

@@ -14,7 +14,6 @@ from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange import reference
 from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.workspace import Workspace
 
 f4 = np.float32
 
@@ -94,7 +93,7 @@ def test_the_curvature_is_what_finite_differences_give(
     if few:
         sealed = G.copy()
         sealed.flags.writeable = False
-        kernels.turned(sealed, sample, planes(u), 1.0 / mu, A)
+        kernels.rotate_gram(sealed, sample, planes(u), 1.0 / mu, A)
     kernels.curvature(B, sample, planes(u), h, f4(mu), few, A, V, which)
     eps = 1e-6 * np.abs(y).max()
     exact = np.empty((M, M))
@@ -139,20 +138,16 @@ def test_the_start_in_one_kernel_is_that_of_lapack(M: int, seed: int) -> None:
     for array in (G, t, phi):
         array.flags.writeable = False
     mu = 1e-6 * float(np.trace(G).real) / M
-    made, y, free = np.empty(M, complex), np.empty(M, complex), np.empty(M, bool)
+    w = kernels.Workspace(M, 40)
     first, steps = initial_phases(M, None)
-    found = np.zeros(8)
-    kernels.begin(
-        G, t, phi, first, steps, mu, 1e-6, 0.5, 40, made, free, y, np.empty((M, M), complex), found
-    )
+    share = kernels.start(G, t, phi, first, steps, mu, 1e-6, 0.5, w)
     plain, flags = np.empty(M, complex), np.empty(M, bool)
     norm = choose(G, t, phi, first, steps, plain, flags)
-    share = kernels.within(norm / 0.5, 1e-6, mu, 40)
-    np.testing.assert_array_equal(free, flags)
-    np.testing.assert_allclose(made, plain * share / 0.5)
-    np.testing.assert_allclose(
-        y, mu * np.linalg.solve(G + mu * np.eye(M), made), rtol=1e-6, atol=1e-12
-    )
+    assert share == kernels.scale_for_single(norm / 0.5, 1e-6, mu, 40)
+    np.testing.assert_array_equal(w.free, flags)
+    np.testing.assert_allclose(w.p, plain * share / 0.5)
+    y = mu * np.linalg.solve(G + mu * np.eye(M), w.p)
+    np.testing.assert_allclose(w.y, y, rtol=1e-6, atol=1e-12)
 
 
 @settings(max_examples=40)
@@ -166,13 +161,13 @@ def test_the_steps_are_those_of_double_precision(
     B, G, p = problem(M, 150, seed, level)
     free = np.arange(M) >= fixed
     mu = 1e-5 * float(np.trace(G).real) / M
-    room = Workspace.of(M, 150)
+    w = kernels.Workspace(M, 150)
     y = mu * np.linalg.solve(G + mu * np.eye(M), p)
-    room.y[:] = y
+    w.p[:], w.free[:], w.y[:] = p, free, y
     sealed = G.copy()
     sealed.flags.writeable = False
     out = np.empty(150, np.complex64)
-    polish = PhaseFreeSolve(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out)
+    polish = PhaseFreeSolve(B, sealed, mu, w, pc.Budget(), 1.0, out)
     end = polish.run()
     exact = reference.solve_newton(B.astype(np.complex128), G, p, free, mu, y, 60)
     made = B.astype(complex) @ exact.h
@@ -218,13 +213,13 @@ def test_the_step_of_the_gains_solves_its_equations(M: int, seed: int) -> None:
     y = rng.normal(size=M) + 1j * rng.normal(size=M)
     x = planes(B.conj().T @ y)
     held, D = np.empty(N, bool), np.empty(N, f4)
-    kernels.movable(h, f4(0.1), 0.3, x, held, D)
+    kernels.project_gradient(h, f4(0.1), 0.3, x, held, D)
     u = np.exp(1j * rng.uniform(0, 6, M))
     bend = rng.uniform(-0.02, 1.0, M)
     rows = M + -M % 4
     K = 2 * M
     d = np.empty((2, N), f4)
-    kernels.step(
+    kernels.newton_step(
         B, planes(u, rows), bend, h, held, D, x, d, np.empty((2, M)), np.zeros((K + 4, K + 4)),
         np.zeros((2, rows, passes.TILE), f4), np.zeros((K + 4, 2 * passes.TILE), f4),
         np.zeros((2, rows), f4),
@@ -251,31 +246,35 @@ def test_the_step_of_the_gains_solves_its_equations(M: int, seed: int) -> None:
 @given(seed=st.integers(0, 99))
 def test_full_drive_makes_amplitudes_proportional(seed: int) -> None:
     B, _, p = problem(4, 200, seed)
-    y, h, made = p.copy(), np.empty((3, 200), f4), np.empty((2, 4))
-    found = np.zeros(1)
-    tile = np.zeros((2, 4, passes.TILE), f4)
-    taken = kernels.equalise(B, p, 200, y, h, made, tile, found)
+    w = kernels.Workspace(4, 200)
+    w.p[:], w.y[:] = p, p
+    taken = kernels.equalise(B, 200, w)
     assert taken == -200 or 0 < taken < 200
-    a = np.hypot(*made)
-    np.testing.assert_allclose(a, found[0] * np.abs(p), rtol=5e-3)
+    np.testing.assert_allclose(np.hypot(*w.made), w.multiple * np.abs(p), rtol=5e-3)
     if taken > 0:  # as many as that, and no more, were needed
-        y[:] = p
-        assert kernels.equalise(B, p, taken, y, h, made, tile, found) == taken
-        y[:] = p
-        assert kernels.equalise(B, p, taken - 1, y, h, made, tile, found) == 1 - taken
-    np.testing.assert_allclose(np.hypot(h[0], h[1]), 1.0, atol=1e-5)
+        w.y[:] = p
+        assert kernels.equalise(B, taken, w) == taken
+        w.y[:] = p
+        assert kernels.equalise(B, taken - 1, w) == 1 - taken
+    np.testing.assert_allclose(np.hypot(w.h[0], w.h[1]), 1.0, atol=1e-5)
+
+
+def test_a_workspace_of_another_size_is_refused() -> None:
+    B, G, _ = problem(3, 40, 0)
+    for M, N in ((2, 40), (3, 41)):
+        with pytest.raises(ValueError, match="size"):
+            kernels.solve_dual(B, G, 1.0, 1, 0.0, kernels.Workspace(M, N), 1.0, np.empty(N, "c8"))
 
 
 def test_a_nearest_answer_cannot_be_improved_by_small_changes() -> None:
     """At targets out of reach: against random changes of the gains within the limit."""
     B, G, p = problem(6, 120, 3, level=1.4)
-    free = np.ones(6, bool)
     mu = 1e-6 * float(np.trace(G).real) / 6
-    room, out = Workspace.of(6, 120), np.empty(120, np.complex64)
-    room.y[:] = mu * np.linalg.solve(G, p)
+    w, out = kernels.Workspace(6, 120), np.empty(120, np.complex64)
+    w.p[:], w.free[:], w.y[:] = p, True, mu * np.linalg.solve(G, p)
     sealed = G.copy()
     sealed.flags.writeable = False
-    PhaseFreeSolve(B, sealed, p, free, mu, room, pc.Budget(), 1.0, out).run()
+    PhaseFreeSolve(B, sealed, mu, w, pc.Budget(), 1.0, out).run()
     wide, t = B.astype(np.complex128), np.abs(p)
 
     def cost(g: Any) -> float:

@@ -13,22 +13,20 @@ import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.native import solving as kernels
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.evidence import TOLERANCE, measure_violations, relative_error
 from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
-from pacinian_plugins.native.lagrange import begin, within
+from pacinian.solving.solution_values import AT_LIMIT
+from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.workspace import MAX_BEGIN_SAMPLES, Workspace
+from pacinian_plugins.solvers.lagrange.problem import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from pacinian.types import Floats
 
-AT_LIMIT = 1.0 - 1e-5  # |h| from which a transducer counts as at its limit
 NEARLY = 0.98  # share of full drive below which the proportions count as hard to make
-POWER_TOLERANCE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
 
 
 @dataclass(frozen=True)
@@ -74,77 +72,57 @@ class Lagrange(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
+        problem = Problem(propagator, targets, limits, warm, budget, out)
         if targets.regions is not None:
-            return self._regions(propagator, targets, limits, warm, budget, out)
-        strongest = targets.scale == "max"
+            return self._solve_regions(problem)
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
         if len(targets.amplitudes) > len(out) or (
-            strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
+            problem.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
-            return self._solve_constrained(propagator, targets, limits, budget, out, mu)
-        result, done = self._solve_gain_limited(propagator, targets, limits, warm, budget, out, mu)
-        broken = self._has_violation(propagator, targets, limits, out)
+            return self._solve_constrained(problem, mu)
+        result, done = self._solve_gain_limited(problem, mu)
+        broken = problem.has_violation()
         if budget.spent or (done and not broken):
             return result
         first = out.copy()
         made = propagator.apply(out).astype(np.complex128)
         phases = None if broken else np.asarray(np.angle(made), np.float64)
-        second = self._solve_constrained(propagator, targets, limits, budget, out, mu, phases)
-        if strongest and not limits.solver_limits:
+        second = self._solve_constrained(problem, mu, phases)
+        if problem.strongest and not limits.solver_limits:
             for g in (first, out):
                 enforce_limits(g, limits, targets.scale)  # compare both at full strength
-            if _strength(propagator, targets, out) < _strength(propagator, targets, first):
+            if problem.rank(out) < problem.rank(first):
                 out[:] = first
                 return result
         return second
 
-    def _regions(
-        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains,
-    ) -> pc.Result:  # fmt: skip
+    def _solve_regions(self, problem: Problem) -> pc.Result:
         """Write the gains for targets with regions, whose phases are all given."""
-        result = regions.solve(propagator, targets, limits, warm, budget, out, self.mu_regions)
-        if budget.spent or not self._has_violation(propagator, targets, limits, out):
+        result = regions.solve(problem, self.mu_regions)
+        if problem.budget.spent or not problem.has_violation():
             return result
-        mu = self.mu_regions * propagator.power
-        return self._solve_constrained(propagator, targets, limits, budget, out, mu)
+        return self._solve_constrained(problem, self.mu_regions * problem.propagator.power)
 
-    def _has_violation(
-        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
-    ) -> bool:
-        """Return whether gains, (N,), break a limit other than the gain limit."""
-        if limits.power is not None:
-            if targets.scale == "max" and targets.regions is None:
-                return True  # the strongest under the gain limit is not the strongest under power
-            power = float(np.vdot(out, out).real)
-            if not power <= POWER_TOLERANCE * limits.power:
-                return True
-        if not limits.solver_limits:
-            return False
-        return bool(measure_violations(propagator, limits, targets, propagator.apply(out), out))
-
-    def _solve_gain_limited(
-        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains, mu: float,
-    ) -> tuple[pc.Result, bool]:  # fmt: skip
+    def _solve_gain_limited(self, problem: Problem, mu: float) -> tuple[pc.Result, bool]:
         """Write the gains for the gain limit alone; return the result and whether it is final.
 
         For `scale="max"`, it is final if the proportions are kept at nearly full drive, or, in a loop, at any drive.
         Otherwise a stronger solution may exist.
         """
+        propagator, targets, limits, warm, budget, out = problem
         M, N = len(targets.amplitudes), len(out)
         key = Workspace, M, N
-        room = acquire(key, lambda: Workspace.of(M, N))
-        share, unit = self._begin(propagator, targets, limits, warm, mu, room)
+        workspace = acquire(key, lambda: Workspace(M, N))
+        share, unit = self._start(problem, mu, workspace)
         single = out.dtype == np.complex64
         polish = PhaseFreeSolve(
-            propagator.single, propagator.gram, room.p, room.free, mu, room, budget,
+            propagator.single, propagator.gram, mu, workspace, budget,
             unit / max(share, 1.0), out if single else np.empty(N, np.complex64),
             starts=self.starts if warm is None else 0,
         )  # fmt: skip
-        strongest = targets.scale == "max" and room.free.all()
+        strongest = problem.strongest and workspace.free.all()
         end = polish.strongest() if strongest else polish.run()
         bound, objective = end.bound, end.objective
         if not single:
@@ -159,73 +137,64 @@ class Lagrange(pc.Solver):
             late=end.late,
             bound=bound * proven,
             objective=objective * proven,
-            multipliers=None if strongest else room.y * (unit / share),
+            multipliers=None if strongest else workspace.y * (unit / share),
             mu=mu,
             note=describe_held(end.held, N),
         )
-        release(key, room, M * N)
+        release(key, workspace, M * N)
         return result, not strongest or end.share > (NEARLY if warm is None else 0.0)
 
-    def _begin(
-        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        warm: pc.Solution | None, mu: float, room: Workspace,
-    ) -> tuple[float, float]:  # fmt: skip
-        """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse to `room`.
+    def _start(self, problem: Problem, mu: float, workspace: Workspace) -> tuple[float, float]:
+        """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse.
 
         Returns the factor that scales the targets into the range of single precision, and the unit [gain].
         """
-        M, N = len(targets.amplitudes), len(propagator.array)
-        start = None if warm is None else warm.phases
-        if M <= MAX_BEGIN_SAMPLES and limits.gain is not None:
-            first, steps = initial_phases(M, start)
-            begin(
-                propagator.gram, targets.amplitudes, targets.phases, first, steps, mu, self.mu,
-                limits.gain, N, room.p, room.free, room.y, room.L, room.found,
+        propagator, targets, limits, warm, _, out = problem
+        M, N = len(targets.amplitudes), len(out)
+        w, phases = workspace, None if warm is None else warm.phases
+        if M <= MAX_START and limits.gain is not None:
+            first, steps = initial_phases(M, phases)
+            share = start(
+                propagator.gram, targets.amplitudes, targets.phases, first, steps, mu, self.mu, limits.gain, w
             )  # fmt: skip
-            return float(room.found[0]), limits.gain
-        norm = choose_phases_into(propagator, targets, start, room.p, room.free)
-        y = propagator.factor(mu).solve(room.p)
+            return share, limits.gain
+        norm = choose_phases_into(propagator, targets, phases, w.p, w.free)
+        y = propagator.factor(mu).solve(w.p)
         # without a gain limit, choose a unit so large that no gain reaches it, whatever the phases
         unit = limits.gain or 100.0 * float(np.abs(propagator.adjoint(y)).max()) or 1.0
-        share = within(norm / unit, self.mu, mu, N)
-        np.multiply(y, mu * share / unit, out=room.y)
-        room.p[:] *= share / unit
+        share = scale_for_single(norm / unit, self.mu, mu, N)
+        np.multiply(y, mu * share / unit, out=w.y)
+        w.p[:] *= share / unit
         return share, unit
 
     def _solve_constrained(
-        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
-        budget: pc.Budget, out: pc.Gains, mu: float, phases: Floats | None = None,
-    ) -> pc.Result:  # fmt: skip
+        self, problem: Problem, mu: float, phases: Floats | None = None
+    ) -> pc.Result:
         """Write the gains under all limits; for `scale="max"`, free phases are optimised from `phases`, (M,) [rad]."""
         from pacinian_plugins.solvers.lagrange.constrained import Constrained  # slow to import
 
-        problem = Constrained.of(propagator, targets, limits, budget, mu)
-        exact = targets.scale == "exact"
-        if exact:
-            found = problem.nearest(self.rounds)
+        limits, out, constrained = problem.limits, problem.out, Constrained.of(problem, mu)
+        if not problem.strongest:
+            found = constrained.nearest(self.rounds)
+        elif problem.targets.regions is None:
+            found = constrained.strongest(phases)
         else:
-            found = problem.strongest(phases) if targets.regions is None else problem.evenly()
-        answer = found.answer
-        out[:] = problem.unit * answer.h
+            found = constrained.evenly()
+        answer, unit = found.answer, constrained.unit
+        out[:] = unit * answer.h
         at_limit = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0
         reached = math.sqrt(kernels.peak(out)) > 0.0
         return pc.Result(
             iterations=answer.steps,
             limited=reached
             and (at_limit > 0 or bool(limits.solver_limits) or limits.power is not None),
-            late=answer.late or budget.spent,
-            bound=problem.unit**2 * found.bound if exact else math.nan,
-            objective=problem.unit**2 * found.objective if exact else math.nan,
+            late=answer.late or problem.budget.spent,
+            bound=math.nan if problem.strongest else unit**2 * found.bound,
+            objective=math.nan if problem.strongest else unit**2 * found.objective,
             mu=mu,
             note=describe_held(at_limit, len(out)),
             unproven=found.unproven,
         )
-
-
-def _strength(propagator: pc.Propagator, targets: pc.Targets, out: pc.Gains) -> tuple[bool, float]:
-    """Return a sort key: whether gains keep the proportions, then how strong they are [Pa]."""
-    p = propagator.apply(out)
-    return relative_error(targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
 def describe_held(count: int, N: int) -> str:

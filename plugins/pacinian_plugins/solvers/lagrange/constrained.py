@@ -17,8 +17,8 @@ from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.turn import turn
 
 if TYPE_CHECKING:
-    import pacinian as pc
     from pacinian.types import Complexes, Flags, Floats
+    from pacinian_plugins.solvers.lagrange.problem import Problem
 
 MET = 1e-4  # relative error at which free phases are not chosen again
 ROUGH = 1e-3  # relative gap that suffices while searching for the strongest even distribution
@@ -45,10 +45,7 @@ class Constrained:
     unit: one unit of gain [-].
     """
 
-    propagator: pc.Propagator
-    targets: pc.Targets
-    limits: pc.Limits
-    budget: pc.Budget
+    problem: Problem
     mu: float
     unit: float
     A: Complexes
@@ -56,11 +53,9 @@ class Constrained:
     reduced: Reduced | None
 
     @classmethod
-    def of(
-        cls, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, budget: pc.Budget,
-        mu: float,
-    ) -> Constrained:  # fmt: skip
+    def of(cls, problem: Problem, mu: float) -> Constrained:
         """Set up the problem for the current positions of the points."""
+        propagator, limits = problem.propagator, problem.limits
         B = propagator.B
         M, N = B.shape
         reduced = Reduced.of(B) if M > N and limits.exact is None else None
@@ -69,21 +64,21 @@ class Constrained:
             parts.append(propagator.quiet.B)
         A = np.ascontiguousarray(np.concatenate(parts))
         G = propagator.gram if reduced is None and len(parts) == 1 else gram_matrix(A)
-        return cls(propagator, targets, limits, budget, mu, limits.gain or 1.0, A, G, reduced)
+        return cls(problem, mu, limits.gain or 1.0, A, G, reduced)
 
     def nearest(self, rounds: int) -> Found:
         """Find the nearest pressures within the limits; choose free phases again while that lowers the error."""
-        targets = self.targets
-        p = choose_phases(self.propagator, targets, None) / self.unit
-        exact = self.limits.exact_mask(len(p)) if self.limits.exact is not None else None
+        propagator, targets, limits, _, budget, _ = self.problem
+        p = choose_phases(propagator, targets, None) / self.unit
+        exact = limits.exact_mask(len(p)) if limits.exact is not None else None
         best: Found | None = None
         start: Complexes | None = None
         for _ in range(rounds):
             down = self._down(p)
             answer = least_squares(
                 self.A, down, mu=self.mu,
-                gram=self.gram, exact=exact, quiet=self._quiet, gain=self.limits.gain is not None,
-                power=self._power, start=start, budget=self.budget,
+                gram=self.gram, exact=exact, quiet=self._quiet, gain=limits.gain is not None,
+                power=self._power, start=start, budget=budget,
             )  # fmt: skip
             found = self._restate_bound(self._found(answer), p, down, exact)
             improved = best is None or found.error < (1.0 - GAIN) * best.error
@@ -100,24 +95,21 @@ class Constrained:
 
         If the proportions cannot be made at all, find the nearest pressures of any strength.
         """
-        targets, quiet, power = self.targets, self._quiet, self._power
-        p = (
-            choose_phases(self.propagator, targets, None)
-            if phases is None
-            else targets.complex(phases)
-        )
+        propagator, targets, limits, _, budget, _ = self.problem
+        quiet, power = self._quiet, self._power
+        p = choose_phases(propagator, targets, None) if phases is None else targets.complex(phases)
         p = p / self.unit
-        limited = self.limits.gain is not None
+        limited = limits.gain is not None
 
         def solve(c: Complexes, start: Complexes | None) -> Answer:
             return maximise_scale(
                 self.A, c, gram=self.gram, quiet=quiet, gain=limited, power=power, start=start,
-                budget=self.budget,
+                budget=budget,
             )  # fmt: skip
 
         unproven = False
         if self.reduced is None:
-            answer = turn(solve, p, targets.free, self.budget)
+            answer = turn(solve, p, targets.free, budget)
             if answer.strength > 0.0:
                 return self._found(answer)._replace(unproven=answer.gap > PROVEN)
             most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
@@ -125,14 +117,15 @@ class Constrained:
         some = None if quiet is None else np.zeros_like(quiet)  # the strength is free
         nearest = least_squares(
             self.A, self._down(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,
-            budget=self.budget,
+            budget=budget,
         )  # fmt: skip
         return self._found(nearest)._replace(unproven=unproven)
 
     def evenly(self) -> Found:
         """Find the largest even multiple of a region's targets within the limits; see `evenly.climb`."""
-        B, limits, answers = self.propagator.B, self.limits, list[Answer]()
-        p = self.targets.complex(self.targets.phases) / self.unit
+        propagator, targets, limits, _, budget, _ = self.problem
+        B, answers = propagator.B, list[Answer]()
+        p = targets.complex(targets.phases) / self.unit
         reach = np.full(len(p), np.inf)
         if limits.gain is not None:
             reach = np.abs(B).sum(axis=1, dtype=np.float64)
@@ -143,13 +136,13 @@ class Constrained:
             answer = least_squares(
                 self.A, self._down(some), mu=self.mu, gram=self.gram, quiet=self._quiet,
                 gain=limits.gain is not None, power=self._power, tolerance=ROUGH,
-                start=answers[-1].y if answers else None, budget=self.budget,
+                start=answers[-1].y if answers else None, budget=budget,
             )  # fmt: skip
             answers[:] = [answer]
             return self._compute_made(answer)
 
-        reach[self.targets.beside] = 0.0
-        climb(p, reach, attempt, self.budget)
+        reach[targets.beside] = 0.0
+        climb(p, reach, attempt, budget)
         return self._found(answers[-1])
 
     def _restate_bound(
@@ -158,7 +151,7 @@ class Constrained:
         """Restate bound and objective for the phases made instead of those of p: the dual is linear in p."""
         answer = found.answer
         soft = ~exact if exact is not None and answer.kept else slice(None)
-        asked = self.targets.complex(np.angle(found.made)) / self.unit
+        asked = self.problem.targets.complex(np.angle(found.made)) / self.unit
         turned = self._down(asked)
         moved = float(np.vdot(answer.y[: len(down)], turned - down).real)
         before, after = (float(np.linalg.norm((a - found.made)[soft])) ** 2 for a in (p, asked))
@@ -173,21 +166,21 @@ class Constrained:
 
     @property
     def _quiet(self) -> Floats | None:
-        quiet = self.limits.quiet
+        quiet = self.problem.limits.quiet
         return None if quiet is None else np.asarray(quiet[1], np.float64) / self.unit
 
     @property
     def _power(self) -> float | None:
-        power = self.limits.power
+        power = self.problem.limits.power
         return None if power is None else power / self.unit**2
 
     def _found(self, answer: Answer) -> Found:
         made = self._compute_made(answer)
-        return Found(answer, made, self.targets.relative_error(made * self.unit))
+        return Found(answer, made, self.problem.targets.relative_error(made * self.unit))
 
     def _compute_made(self, answer: Answer) -> Complexes:
-        M = len(self.targets.amplitudes)
-        return answer.made[:M] if self.reduced is None else self.propagator.B @ answer.h
+        M = len(self.problem.targets.amplitudes)
+        return answer.made[:M] if self.reduced is None else self.problem.propagator.B @ answer.h
 
 
 def _compute_loss(p: Complexes, down: Complexes) -> float:

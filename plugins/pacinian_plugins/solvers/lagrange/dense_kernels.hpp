@@ -9,7 +9,7 @@ namespace pacinian::lagrange {
 
 constexpr f8 LOST = 1e-14;  // pivot, relative to the largest diagonal element, below which it counts as rounding error
 
-inline f8 within(f8 size, f8 relative, f8 mu, i8 N) {
+inline f8 scale_for_single(f8 size, f8 relative, f8 mu, i8 N) {
     const f8 root = std::sqrt(mu / relative);
     return std::min(std::max(size, std::sqrt(mu)), 1e3 * static_cast<f8>(N) * root) / size;
 }
@@ -67,7 +67,7 @@ inline void substitute_in(View<const f8, 2> L, i8 K, i8 positive, View<f8, 1> b)
 }
 
 // Write scale Re(conj(u_i) G_ij u_j), for the equations of the given samples, to the lower triangle of A.
-inline void turned(View<const c16, 2> G, const i8* sample, Index K, View<const f4, 2> u, f8 scale, View<f8, 2> A) {
+inline void rotate_gram(View<const c16, 2> G, const i8* sample, Index K, View<const f4, 2> u, f8 scale, View<f8, 2> A) {
     const f4 *re = u.row(0), *im = u.row(1);
     for (Index i = 0; i < K; ++i) {
         const c16* row = G.row(sample[i]);
@@ -80,15 +80,15 @@ inline void turned(View<const c16, 2> G, const i8* sample, Index K, View<const f
     }
 }
 
-inline void turned_in(View<const c16, 2> G, View<const i8, 1> sample, View<const f4, 2> u, f8 scale, View<f8, 2> A) {
+inline void rotate_gram_in(View<const c16, 2> G, View<const i8, 1> sample, View<const f4, 2> u, f8 scale, View<f8, 2> A) {
     const Index K = sample.size();
-    require(u.shape[0] == 2 && u.shape[1] >= K && A.shape[0] >= K && A.shape[1] >= K, "turned: the shapes differ");
-    turned(G, sample.data, K, u, scale, A);
+    require(u.shape[0] == 2 && u.shape[1] >= K && A.shape[0] >= K && A.shape[1] >= K, "rotate_gram: the shapes differ");
+    rotate_gram(G, sample.data, K, u, scale, A);
 }
 
 inline void define_small(nb::module_& m) {
-    kernel(m, "within", &within,
-           "By how much to scale targets of norm `size` [Pa per unit limit] so that single precision can work.\n\n"
+    kernel(m, "scale_for_single", &scale_for_single,
+           "Return the factor that scales targets of norm `size` [Pa per unit limit] into the range of single precision.\n\n"
            "Up to the lower bound, 2 sqrt(mu), nothing reaches its limit: ||g|| <= ||p|| / (2 sqrt(mu)). Beyond the upper one\n"
            "the answer hardly changes. relative: mu over trace(G) / M.",
            "size", "relative", "mu", "N");
@@ -97,7 +97,7 @@ inline void define_small(nb::module_& m) {
            "The first `positive` pivots are to be positive, the others negative. One of the wrong sign, or that is rounding,\n"
            "becomes so large that its unknown is left at 0. Returns how many did.",
            "A", "K", "positive");
-    kernel(m, "turned", &turned_in,
+    kernel(m, "rotate_gram", &rotate_gram_in,
            "Write the lower triangle of scale Re(conj(u_i) G_ij u_j) for equations of the given samples, (K,), to A.\n\n"
            "G: (M, M). u: (2, K). A: (K, K) or more.",
            "G", "sample", "u", "scale", "A");

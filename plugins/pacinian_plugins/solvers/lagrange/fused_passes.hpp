@@ -74,7 +74,7 @@ inline void gramian(View<const f4, 2> V, Index K, Index count, f4 sign, View<f8,
 // Require that V and A have room for K equations, rounded up to 4.
 inline void require_room(View<const f4, 2> V, View<const f8, 2> A, Index K) {
     const Index rows = (K + 3) / 4 * 4;
-    require(V.shape[0] >= rows && V.shape[1] >= 2 * TILE && A.shape[0] >= rows && A.shape[1] >= rows, "no room for the equations");
+    require(V.shape[0] >= rows && V.shape[1] >= 2 * TILE && A.shape[0] >= rows && A.shape[1] >= rows, "the workspace is too small for the equations");
 }
 
 // Write the columns of V from `at` on: the change of Re(conj(u_m) p_m) with h_n, along its size or along its phase.
@@ -143,15 +143,15 @@ inline void curvature(View<const c8, 2> B, const i8* sample, Index K, View<const
 inline void curvature_of(View<const c8, 2> B, View<const i8, 1> sample, View<const f4, 2> u, View<const f4, 2> h, f4 mu, bool few,
                          View<f8, 2> A, View<f4, 2> V, View<i8, 1> which) {
     require(u.shape[0] == 2 && u.shape[1] >= sample.size() && h.shape[0] >= 3 && h.shape[1] == B.shape[1], "curvature: the shapes differ");
-    require(which.size() >= TILE, "curvature: no room");
+    require(which.size() >= TILE, "curvature: the workspace is too small");
     curvature(B, sample.data, sample.size(), u, h, mu, few, A, V, which.data);
 }
 
-inline void bend(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
+inline void apply_curvature(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
     const Index M = B.shape[0], N = B.shape[1];
     solving::require_tile(tile, M);
-    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "bend: the shapes differ");
-    require(p.shape[0] == 2 && p.shape[1] == M, "bend: the shapes differ");
+    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "apply_curvature: the shapes differ");
+    require(p.shape[0] == 2 && p.shape[1] == M, "apply_curvature: the shapes differ");
     alignas(64) f4 xr[TILE], xi[TILE];
     std::fill(p.data, p.data + p.size(), 0.0);
     for (Index first = 0; first < N; first += TILE) {
@@ -180,9 +180,9 @@ inline void define_sweeps(nb::module_& m) {
            "Add to A, (K, K), lower triangle, how Re(conj(u_i) p_i) changes with y_j = u_j.\n\n"
            "Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from\n"
            "1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its\n"
-           "phasor, (2, K). h: as of `evaluate`. V: room, (K rounded up to 4, 2 TILE); which: (TILE,).",
+           "phasor, (2, K). h: as of `evaluate`. Workspace: V, (K rounded up to 4, 2 TILE); which, (TILE,).",
            "B", "sample", "u", "h", "mu", "few", "A", "V", "which");
-    kernel(m, "bend", &bend,
+    kernel(m, "apply_curvature", &apply_curvature,
            "Write p = B W B^H d, (2, M), W = dh/dx at the gains h; arguments as of `evaluate`. d: (2, rows of `tile`).", "B", "d", "h", "mu",
            "p", "tile");
 }

@@ -18,7 +18,7 @@ constexpr f4 AT_LIMIT = 1.0f - 1e-6f;
 // Turn x = B^H y, (2, N), into the gradient v along the free directions; write which gains are held, and D, (N,).
 //
 // damping: in units of the mean |x|.
-inline void movable(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<bool, 1> held, f4* __restrict D) {
+inline void project_gradient(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<bool, 1> held, f4* __restrict D) {
     const Index N = x.shape[1];
     f4 *__restrict xr = x.row(0), *__restrict xi = x.row(1);
     const f4 *__restrict hr = h.row(0), *__restrict hi = h.row(1);
@@ -109,8 +109,8 @@ inline void coupling(View<const c8, 2> B, View<const f4, 2> u, const f8* share, 
 //
 // bend: weight of the pressures across u, (M,). p: workspace, (2, M). A, tile, V, y: workspace, as in `coupling` and
 // fused_passes.hpp.
-inline void step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend, View<const f4, 2> h, View<const bool, 1> held, const f4* D,
-                 View<const f4, 2> v, View<f4, 2> d, View<f8, 2> p, View<f8, 2> A, View<f4, 3> tile, View<f4, 2> V, View<f4, 2> y) {
+inline void newton_step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend, View<const f4, 2> h, View<const bool, 1> held, const f4* D,
+                        View<const f4, 2> v, View<f4, 2> d, View<f8, 2> p, View<f8, 2> A, View<f4, 3> tile, View<f4, 2> V, View<f4, 2> y) {
     const Index M = B.shape[0], N = B.shape[1], K = 2 * M;
     std::vector<i8> order(K);
     std::vector<f8> room(2 * K);
@@ -150,30 +150,30 @@ inline void step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend, View<
     }
 }
 
-inline void movable_in(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<bool, 1> held, View<f4, 1> D) {
+inline void project_gradient_in(View<const f4, 2> h, f4 mu, f8 damping, View<f4, 2> x, View<bool, 1> held, View<f4, 1> D) {
     const Index N = x.shape[1];
-    require(x.shape[0] == 2 && h.shape[0] >= 2 && h.shape[1] == N && held.size() == N && D.size() == N, "movable: the shapes differ");
-    movable(h, mu, damping, x, held, D.data);
+    require(x.shape[0] == 2 && h.shape[0] >= 2 && h.shape[1] == N && held.size() == N && D.size() == N, "project_gradient: the shapes differ");
+    project_gradient(h, mu, damping, x, held, D.data);
 }
 
-inline void step_in(View<const c8, 2> B, View<const f4, 2> u, View<const f8, 1> bend, View<const f4, 2> h, View<const bool, 1> held,
+inline void newton_step_in(View<const c8, 2> B, View<const f4, 2> u, View<const f8, 1> bend, View<const f4, 2> h, View<const bool, 1> held,
                     View<const f4, 1> D, View<const f4, 2> v, View<f4, 2> d, View<f8, 2> p, View<f8, 2> A, View<f4, 3> tile,
                     View<f4, 2> V, View<f4, 2> y) {
     const Index M = B.shape[0], N = B.shape[1];
-    require(bend.size() == M && u.shape[1] >= M && h.shape[1] == N && held.size() == N && D.size() == N, "step: the shapes differ");
-    require(v.shape[1] == N && d.shape[1] == N && y.shape[0] == 2 && y.shape[1] >= M, "step: the shapes differ");
-    step(B, u, bend.data, h, held, D.data, v, d, p, A, tile, V, y);
+    require(bend.size() == M && u.shape[1] >= M && h.shape[1] == N && held.size() == N && D.size() == N, "newton_step: the shapes differ");
+    require(v.shape[1] == N && d.shape[1] == N && y.shape[0] == 2 && y.shape[1] >= M, "newton_step: the shapes differ");
+    newton_step(B, u, bend.data, h, held, D.data, v, d, p, A, tile, V, y);
 }
 
-inline void define_tangent(nb::module_& m) {
-    kernel(m, "movable", &movable_in,
+inline void define_newton_step(nb::module_& m) {
+    kernel(m, "project_gradient", &project_gradient_in,
            "Turn x = B^H y, (2, N), into the gradient v along what can move; write what is held, and D, (N,).\n\n"
            "h: gains, (2 or more, N). damping: in units of the mean |x|.",
            "h", "mu", "damping", "x", "held", "D");
-    kernel(m, "step", &step_in,
+    kernel(m, "newton_step", &newton_step_in,
            "Write the step d, (2, N), for the gradient v, (2, N).\n\n"
-           "u: phasors, (2, M). bend: the weight of what is across u, (M,). h, held, D: as of `movable`. p, A, tile, V, y: room,\n"
-           "(2, M), (2M + 4, 2M + 4), as in `passes`, (2M rounded up to 4, 2 TILE), (2, M or more).",
+           "u: phasors, (2, M). bend: weight of the pressures across u, (M,). h, held, D: as of `project_gradient`. Workspace:\n"
+           "p, (2, M); A, (2M + 4, 2M + 4); tile, as in fused_passes.hpp; V, (2M rounded up to 4, 2 TILE); y, (2, M or more).",
            "B", "u", "bend", "h", "held", "D", "v", "d", "p", "A", "tile", "V", "y");
 }
 

@@ -5,11 +5,12 @@ People feel amplitude, not phase. So p = t exp(j phi) with phi free, and at the 
 
 1. The regularised pseudo-inverse, for phases from Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
 2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, where u = p / |p| of the pressures made. These are
-   M real equations, so each step solves an M x M real system (`descend`). Two or three steps suffice while
-   only some of the transducers are at their limit.
+   M real equations, so each step solves an M x M real system (`solve_dual`). Two or three steps suffice
+   while only some of the transducers are at their limit.
 3. If stage 2 stalls: full drive. Weighted Gerchberg-Saxton steps find other phases that allow more pressure
    (`equalise`), and stage 2 runs again.
-4. If the array cannot meet the targets: Newton steps on the gains, towards the nearest pressures (`nearest`).
+4. If the array cannot meet the targets: Newton steps on the gains, towards the nearest pressures
+   (`solve_primal`).
 5. If the caller allows the time: stages 3 and 4 from other phases.
 """
 
@@ -23,24 +24,23 @@ import numpy as np
 from pacinian.native.solving import gather
 from pacinian.solving.linalg import lapack
 from pacinian_plugins.native.lagrange import (
-    attempt,
     certify,
     deliver,
     equalise,
     evaluate,
-    nearest,
+    solve_dual,
+    solve_primal,
 )
+from pacinian_plugins.solvers.lagrange.pacing import in_time
 from pacinian_plugins.solvers.lagrange.reference import Refined, refine_certified, solve_newton
-from pacinian_plugins.solvers.lagrange.workspace import in_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     import pacinian as pc
-    from pacinian.types import Complexes, Flags, Floats, Gains
-    from pacinian_plugins.solvers.lagrange.workspace import Workspace
+    from pacinian.types import Complexes, Floats, Gains, Singles
+    from pacinian_plugins.native.lagrange import Workspace
 
-FRESH = np.array([np.inf, -1.0])  # `found[3:5]` before the first step
 STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MET = 1e-4  # relative error that always suffices
 NEARLY = 1e-3  # relative error that suffices once the steps have converged
@@ -63,7 +63,7 @@ BEYOND = 0.999  # multiple of the targets at full drive below which they cannot 
 
 
 class PhaseFreeResult(NamedTuple):
-    """Outcome of the steps. The gains are in `room.h`, in units of the limit."""
+    """Outcome of the steps. The gains are in `workspace.h`, in units of the limit."""
 
     error: float  # ||targets - made|| / ||p||, where free phases are those made
     steps: int
@@ -74,9 +74,21 @@ class PhaseFreeResult(NamedTuple):
     share: float = 0.0  # share of full drive that the strongest solution uses
 
 
+class Candidate(NamedTuple):
+    """Gains h, (3, N), that are kept while others are tried, and their error."""
+
+    error: float
+    h: Singles
+
+    @classmethod
+    def of(cls, error: float, workspace: Workspace) -> Candidate:
+        """Copy the current gains."""
+        return cls(error, workspace.h.copy())
+
+
 @dataclass(eq=False)
 class PhaseFreeSolve:
-    """State of one problem: targets p, (M,) [Pa per unit limit], where their phase is free, and the progress.
+    """One problem and its progress. workspace: has the targets, and the multipliers to start from.
 
     starts: additional starting phases to try if the given ones do not suffice. late: whether the time ran out before
     the first start had finished; additional starts do not count.
@@ -84,10 +96,8 @@ class PhaseFreeSolve:
 
     B: Complexes
     G: Complexes
-    p: Complexes
-    free: Flags
     mu: float
-    room: Workspace
+    workspace: Workspace
     budget: pc.Budget
     unit: float
     out: Gains
@@ -96,7 +106,7 @@ class PhaseFreeSolve:
     late: bool = False
 
     def run(self) -> PhaseFreeResult:
-        """Write the gains, starting from the multipliers in `room.y`."""
+        """Write the gains, starting from the multipliers in the workspace."""
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
             error = self._harder(error)
@@ -111,14 +121,13 @@ class PhaseFreeSolve:
 
     def _prove(self) -> None:
         """Write the current gains, and the bound that the current multipliers prove."""
-        room = self.room
-        certify(self.p, self.free, self.mu, room.y, room.h, room.made, room.found[1], room.found)
-        deliver(room.h, self.unit, self.out)
+        certify(self.mu, self.workspace)
+        deliver(self.workspace.h, self.unit, self.out)
 
     def _make_result(self, error: float) -> PhaseFreeResult:
         """Return the current result with its bound and objective."""
-        bound, objective, held = self.room.found[5:].tolist()
-        return PhaseFreeResult(error, self.steps, self.late, int(held), bound, objective)
+        w = self.workspace
+        return PhaseFreeResult(error, self.steps, self.late, w.held, w.bound, w.objective)
 
     def strongest(self) -> PhaseFreeResult:
         """Write gains for the largest multiple of the targets, whose phases are all free.
@@ -126,29 +135,28 @@ class PhaseFreeSolve:
         Full drive gives the best phases and an estimate of the multiple. A bisection over shares of this estimate,
         with Newton steps for each, then finds the multiple.
         """
-        room, p = self.room, self.p.copy()
+        w, p = self.workspace, self.workspace.p.copy()
         top = self._full()
-        start, weak, strong, error = room.y.copy(), 0.0, 1.01, 1.0
+        start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
         best: PhaseFreeResult | None = None
-        y = start
+        y, h = start, w.h
         while top > 0.0 and strong - weak > SCALE_RESOLUTION and not (best and self.budget.spent):
             share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SCALE_RESOLUTION)
             if share < MIN_SCALE:
                 break
-            self.p[:], room.y[:] = (share * top) * p, start
+            w.p[:], w.y[:] = (share * top) * p, start
             error, _ = self._newton()
             if error > IN_PROPORTION:
                 strong = share
                 continue
-            weak, best, y = share, self._make_result(error)._replace(share=share), room.y.copy()
-            np.copyto(room.spare, room.h)
+            weak, best = share, self._make_result(error)._replace(share=share)
+            y, h = w.y.copy(), w.h.copy()
         self.late |= self.budget.spent
         if best is None:  # no share keeps the proportions: use the last attempt, or full drive
             self._prove()
             return self._make_result(error)
-        np.copyto(room.h, room.spare)
-        deliver(room.h, self.unit, self.out)
-        room.y[:] = y
+        w.h[:], w.y[:] = h, y
+        deliver(w.h, self.unit, self.out)
         return best._replace(steps=self.steps, late=self.late)
 
     def _full(self) -> float:
@@ -156,97 +164,106 @@ class PhaseFreeSolve:
 
         Returns the multiple of the targets that is nearest to the pressures made.
         """
-        room, size = self.room, np.abs(self.p)
+        w, size = self.workspace, np.abs(self.workspace.p)
         top = self._equalise(MOST_EQUAL)
-        y, most = room.y.copy(), float((np.hypot(*room.made) / size).min())
+        y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
         looks = self._looks(lambda made: float((made / size).min()), self._others)
         found, k = max(looks, default=(0.0, 0))
         if found <= most:
-            room.y[:] = y
+            w.y[:] = y
             return top
-        room.y[:] = self._phases(k)
+        w.y[:] = self._phases(k)
         return self._equalise(MOST_EQUAL)
 
     def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
         """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
-        room, endless = self.room, self.budget.endless
+        w, endless = self.workspace, self.budget.endless
         # without time for a step, only evaluate the current multipliers
         steps = steps if endless or self._affords() else 0
-        chunk = steps if endless else max(1, min(steps, QUICK // (len(self.p) * self.B.size)))
-        room.found[3:5] = FRESH
+        chunk = steps if endless else max(1, min(steps, QUICK // self._work))
+        w.restart_dual()
         for _ in range(0, max(1, steps), chunk):
-            taken = attempt(
-                self.B, self.G, self.p, self.free, mu or self.mu, min(chunk, steps), STOP_RESIDUAL, room.y, room.h,
-                room.made, room.A, room.tile, room.V, room.which, room.found, self.unit, self.out,
-            )  # fmt: skip
+            taken = solve_dual(
+                self.B,
+                self.G,
+                mu or self.mu,
+                min(chunk, steps),
+                STOP_RESIDUAL,
+                w,
+                self.unit,
+                self.out,
+            )
             self.steps += abs(taken)
-            if taken >= 0 or room.found[4] > 1.0 or self.budget.spent:
-                return float(room.found[0]), taken >= 0
-        return float(room.found[0]), False
+            if taken >= 0 or w.stalled > 1 or self.budget.spent:
+                return w.error, taken >= 0
+        return w.error, False
+
+    @property
+    def _work(self) -> int:
+        """M M N, which a Newton step takes time in proportion to."""
+        return len(self.B) * self.B.size
 
     def _affords(self) -> bool:
         """Return whether a Newton step would finish in time; if not, mark the result as late."""
-        fits = in_time(self.budget, len(self.p) * self.B.size)
+        fits = in_time(self.budget, self._work)
         self.late |= not fits
         return fits
 
     def _harder(self, error: float) -> float:
         """Continue after Newton steps have stalled at `error`; keep the best gains, with their residual as y."""
-        room, work = self.room, len(self.p) * self.B.size
-        np.copyto(room.spare, room.h)
-        first = second = error
-        np.copyto(room.other, room.h)
-        if self.free.all():
-            if error > MAX_PHASE_ERROR or work > LARGE:  # the array cannot resolve the samples
-                first = self._solve_softened(error)
+        w = self.workspace
+        first = second = Candidate.of(error, w)
+        if w.free.all():
+            if (
+                error > MAX_PHASE_ERROR or self._work > LARGE
+            ):  # the array cannot resolve the samples
+                first = self._solve_softened(first)
             if not self.budget.spent:
-                second = self._full_drive()
-                if second <= MET:
-                    return second
-                np.copyto(room.other, room.h)
-        if first != second and work <= TWICE:  # probe both starting points
-            np.copyto(room.h, room.spare)
-            first = self._nearest(ROUGH)
-            np.copyto(room.spare, room.h)
-            np.copyto(room.h, room.other)
-            second = self._nearest(ROUGH)
-            np.copyto(room.other, room.h)
-        np.copyto(room.h, room.spare if first <= second else room.other)
-        error = self._nearest(FINISHED) if work <= LARGE else min(first, second)
+                error = self._full_drive()
+                if error <= MET:
+                    return error
+                second = Candidate.of(error, w)
+        if first.error != second.error and self._work <= TWICE:  # probe both starting points
+            first, second = self._probe(first), self._probe(second)
+        best = first if first.error <= second.error else second
+        w.h[:] = best.h
+        error = self._nearest(FINISHED) if self._work <= LARGE else best.error
         self._residual()
         return error
+
+    def _probe(self, start: Candidate) -> Candidate:
+        """Take rough steps on the gains from those of `start`."""
+        self.workspace.h[:] = start.h
+        return Candidate.of(self._nearest(ROUGH), self.workspace)
 
     @property
     def _others(self) -> int:
         """Number of additional starts: 0 for many samples or fixed phases."""
-        M = len(self.p)
-        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.free.all() else 0
+        M = len(self.B)
+        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.workspace.free.all() else 0
 
     def _elsewhere(self, error: float) -> float:
         """Try other starting phases; keep the best gains and return their error. error: of the current gains.
 
         Each start is probed at full drive. Only those nearest to the targets are continued.
         """
-        room, best = self.room, error
-        np.copyto(room.spare, room.h)
-        asked = np.abs(self.p)
+        w, best = self.workspace, Candidate.of(error, self.workspace)
+        asked = np.abs(w.p)
         looks = sorted(
             self._looks(lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._others)
         )
         for _, k in looks[: self.starts]:
-            if self.budget.spent or best <= MET:
+            if self.budget.spent or best.error <= MET:
                 break
-            room.y[:] = self._phases(k)
+            w.y[:] = self._phases(k)
             self._equalise(EQUAL)
             found = self._nearest(ROUGH)
-            if found < best:
-                best = found
-                np.copyto(room.spare, room.h)
-        np.copyto(room.h, room.spare)
-        if best < error:
-            best = self._nearest(FINISHED)
+            if found < best.error:
+                best = Candidate.of(found, w)
+        w.h[:] = best.h
+        reached = self._nearest(FINISHED) if best.error < error else best.error
         self._residual()
-        return best
+        return reached
 
     def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
         """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
@@ -254,25 +271,25 @@ class PhaseFreeSolve:
         for k in range(count):
             if self.budget.spent:
                 break
-            self.room.y[:] = self._phases(k)
+            self.workspace.y[:] = self._phases(k)
             self._equalise(EQUAL)
-            looks.append((worth(np.hypot(self.room.made[0], self.room.made[1])), k))
+            looks.append((worth(np.hypot(*self.workspace.made)), k))
         return looks
 
     def _phases(self, k: int) -> Complexes:
         """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""
-        m = np.arange(len(self.p))
+        m = np.arange(len(self.B))
         turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
-        return np.asarray(np.abs(self.p) * np.exp(2j * np.pi * turns), np.complex128)
+        return np.asarray(np.abs(self.workspace.p) * np.exp(2j * np.pi * turns), np.complex128)
 
-    def _solve_softened(self, error: float) -> float:
-        """Take Newton steps with increased regularisation, and reduce it while the error falls; return the least error.
+    def _solve_softened(self, best: Candidate) -> Candidate:
+        """Take Newton steps with increased regularisation, and reduce it while the error falls; return the best gains.
 
-        The best gains so far are in `room.spare`. error: theirs on entry.
+        best: the current gains.
         """
         if not self._affords():
-            return error
-        room, G, last = self.room, self.G, 1.0
+            return best
+        w, G, last = self.workspace, self.G, 1.0
         power = float(np.trace(G).real) / len(G)
         diagonal = np.arange(len(G))
         for share in SOFT:
@@ -280,25 +297,24 @@ class PhaseFreeSolve:
             if share == SOFT[0]:
                 shifted = np.array(G)
                 shifted[diagonal, diagonal] += soft
-                _, y, singular = lapack.zposv(shifted, self.p)
+                _, y, singular = lapack.zposv(shifted, w.p)
                 if singular:
                     raise np.linalg.LinAlgError("the Gram matrix is not positive definite")
-                room.y[:] = soft * y.reshape(-1)
+                w.y[:] = soft * y.reshape(-1)
             else:
-                room.y[:] *= soft / last
+                w.y[:] *= soft / last
             last = soft
-            found, _ = self._newton(STEPS_EACH, soft)
-            if found < error:
-                error = found
-                np.copyto(room.spare, room.h)
+            error, _ = self._newton(STEPS_EACH, soft)
+            if error < best.error:
+                best = Candidate.of(error, w)
             elif share != SOFT[0] or self.budget.spent:
                 break
-        return error
+        return best
 
     def _full_drive(self) -> float:
         """Restart the Newton steps from the phases of full drive; return the error."""
         if self._equalise(EQUAL) < BEYOND:
-            self.room.y[:] *= 10.0  # hold more transducers at the limit
+            self.workspace.y[:] *= 10.0  # hold more transducers at the limit
         return self._newton()[0]
 
     def _equalise(self, steps: int) -> float:
@@ -306,58 +322,49 @@ class PhaseFreeSolve:
 
         Returns the multiple of the targets that is nearest to what full drive makes.
         """
-        room = self.room
+        w = self.workspace
         chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
         for _ in range(0, steps, chunk):
-            taken = equalise(
-                self.B, self.p, chunk, room.y, room.h, room.made, room.tile, room.found
-            )
+            taken = equalise(self.B, chunk, w)
             self.steps += abs(taken)
             if taken >= 0 or self.budget.spent:
                 break
-        multiple = float(room.found[0])
-        reached = room.h[2][room.h[2] > 0.0]
-        room.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
-        return multiple
+        reached = w.h[2][w.h[2] > 0.0]
+        w.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
+        return w.multiple
 
     def _nearest(self, finished: float) -> float:
-        """Take steps of `nearest` from the current gains; return the error."""
-        room = self.room
-        room.found[1], room.found[4] = 0.0, 0.0
-        gather(self.B, room.h, room.made, room.tile)
+        """Take Newton steps on the gains, from the current ones; return the error."""
+        w = self.workspace
+        w.restart_primal()
+        gather(self.B, w.h, w.made, w.tile)
         most = LAST if self._affords() else 0
-        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * len(self.p) * self.B.size))
+        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * self._work))
         for _ in range(0, max(1, most), chunk):
-            steps = nearest(
-                self.B, self.p, self.free, self.mu, min(chunk, most), STOP_RESIDUAL,
-                room.h, room.made, room.A, room.tile, room.V, room.W, room.held, room.found,
-                finished,
-            )  # fmt: skip
+            steps = solve_primal(self.B, self.mu, min(chunk, most), STOP_RESIDUAL, finished, w)
             self.steps += abs(steps)
             if steps >= 0 or self.budget.spent:
                 break
-        return float(room.found[0])
+        return w.error
 
     def _residual(self) -> None:
         """Set the multipliers to the residual of the gains, which proves optimality at the nearest pressures."""
-        room = self.room
-        gather(self.B, room.h, room.made, room.tile)
-        q = room.made[0] + 1j * room.made[1]
-        t = np.where(self.free, np.abs(self.p) * np.exp(1j * np.angle(q)), self.p)
-        room.y[:] = t - q
-        y = np.zeros((2, room.tile.shape[1]), np.float32)
-        y[:, : len(q)] = room.y.real, room.y.imag
-        spent = np.empty_like(room.made)
-        room.found[1] = evaluate(self.B, y, self.mu, room.other, spent, room.tile)
+        w = self.workspace
+        gather(self.B, w.h, w.made, w.tile)
+        q = w.made[0] + 1j * w.made[1]
+        t = np.where(w.free, np.abs(w.p) * np.exp(1j * np.angle(q)), w.p)
+        w.y[:] = t - q
+        y = np.zeros((2, w.tile.shape[1]), np.float32)
+        y[:, : len(q)] = w.y.real, w.y.imag
+        h, made = np.empty_like(w.h), np.empty_like(w.made)  # only the cost is needed
+        w.cost = evaluate(self.B, y, self.mu, h, made, w.tile)
 
     def refine(self, B: Complexes) -> Refined:
-        """Return the solution in double precision, for B in double precision; its multipliers are in `room.y`."""
-        room = self.room
-        h = room.h[0].astype(np.complex128) + 1j * room.h[1]
-        rough = refine_certified(
-            B, self.p, self.free, self.mu, room.y, h / np.maximum(np.abs(h), 1.0)
-        )
-        fine = solve_newton(B, self.G, self.p, self.free, self.mu, room.y, STEPS, self.budget)
+        """Return the solution in double precision, for B in double precision; its multipliers are in the workspace."""
+        w = self.workspace
+        h = w.h[0].astype(np.complex128) + 1j * w.h[1]
+        rough = refine_certified(B, w.p, w.free, self.mu, w.y, h / np.maximum(np.abs(h), 1.0))
+        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, STEPS, self.budget)
         best = fine if fine.objective < rough.objective else rough
-        room.y[:] = best.y
+        w.y[:] = best.y
         return best

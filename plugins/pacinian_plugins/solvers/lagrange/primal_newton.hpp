@@ -6,6 +6,7 @@
 
 #include "pacinian/native/math.hpp"
 #include "pacinian_plugins/solvers/lagrange/newton_step.hpp"
+#include "pacinian_plugins/solvers/lagrange/workspace.hpp"
 
 namespace pacinian::lagrange {
 
@@ -54,36 +55,37 @@ inline f8 shortened(View<const f4, 2> h, View<const f4, 2> d, f4 length, View<f4
     return total;
 }
 
-inline i8 nearest(View<const c8, 2> B, View<const c16, 1> p, View<const bool, 1> free, f8 mu, i8 steps, f8 enough, View<f4, 2> h,
-                  View<f8, 2> made, View<f8, 2> A, View<f4, 3> tile, View<f4, 2> V, View<f4, 2> W, View<bool, 1> held,
-                  View<f8, 1> found, f8 finished) {
-    const Index M = B.shape[0], N = B.shape[1], rows = tile.shape[1];
-    require(p.size() == M && free.size() == M && h.shape[0] >= 2 && h.shape[1] == N, "nearest: the shapes differ");
-    require(made.shape[0] == 2 && made.shape[1] == M && W.shape[0] >= 7 && W.shape[1] == N && held.size() == N, "nearest: the shapes differ");
-    require(found.size() >= 5, "nearest: no room");
-    solving::require_tile(tile, M);
+inline i8 solve_primal(View<const c8, 2> B, f8 mu, i8 steps, f8 enough, f8 finished, Workspace& w) {
+    w.check(B);
+    const View<f4, 3> tile = w.tile.view;
+    const Index M = w.M, N = w.N, rows = tile.shape[1];
+    const View<c16, 1> p = w.p.view;
+    const View<bool, 1> free = w.free.view, held = w.limited();
+    const View<f4, 2> h = w.h.view;
+    const View<f8, 2> made = w.made.view;
     std::vector<f4> planes(6 * rows, 0.0f);
     const View<f4, 2> u{planes.data(), {2, rows}}, y{planes.data() + 2 * rows, {2, rows}}, spare{planes.data() + 4 * rows, {2, rows}};
     std::vector<f8> room(3 * M, 0.0);
     f8* bend = room.data();
     const View<f8, 2> q{bend + M, {2, M}};
-    const View<f4, 2> x{W.row(0), {2, N}}, d{W.row(2), {2, N}}, next{W.row(4), {2, N}};
-    f4* D = W.row(6);
+    const View<f4, 2> x{w.steps(0), {2, N}}, d{w.steps(2), {2, N}}, next{w.steps(4), {2, N}};
+    f4* D = w.steps(6);
     f8 size = 0.0, total = 0.0;
     for (Index m = 0; m < M; ++m) size += power(p[m]);
     for (Index n = 0; n < N; ++n) total += h(0, n) * h(0, n) + h(1, n) * h(1, n);
     f8 cost = misfit(p, free, made, u, y, bend), best = cost + mu / 2.0 * total;
-    f8 damping = found[1] > 0.0 ? found[1] : DAMPED, idle = found[4];
+    f8 damping = w.damping > 0.0 ? w.damping : DAMPED;
+    i8 idle = w.idle;
     i8 taken = 0;
-    while (2.0 * cost > enough * enough * size && idle < 2.0 && damping <= MOST) {
+    while (2.0 * cost > enough * enough * size && idle < 2 && damping <= MOST) {
         if (taken == steps) {
             taken = -taken;
             break;
         }
         ++taken;
         solving::spread(B, y, x, tile);
-        movable(h, static_cast<f4>(mu), damping, x, held, D);
-        step(B, u, bend, h, held, D, x, d, q, A, tile, V, spare);
+        project_gradient(h, static_cast<f4>(mu), damping, x, held, D);
+        newton_step(B, u, bend, h, held, D, x, d, q, w.system(), tile, w.columns(), spare);
         f4 length = 1.0f;
         f8 now = NONE_YET;
         while (!(now < best) && length > SHORTEST) {
@@ -98,27 +100,25 @@ inline i8 nearest(View<const c8, 2> B, View<const c16, 1> p, View<const bool, 1>
             damping *= 10.0;
             continue;
         }
-        idle = best - now < finished * best ? idle + 1.0 : 0.0;
+        idle = best - now < finished * best ? idle + 1 : 0;
         damping *= length < 0.5f ? 3.0 : 0.25;
         best = now;
         std::copy(next.data, next.data + 2 * N, h.data);
         std::copy(q.data, q.data + 2 * M, made.data);
     }
-    found[0] = std::sqrt(2.0 * cost / size);
-    found[1] = damping;
-    found[4] = idle;
+    w.error = std::sqrt(2.0 * cost / size);
+    w.damping = damping;
+    w.idle = idle;
     return taken;
 }
 
-inline void define_nearest(nb::module_& m) {
-    kernel(m, "nearest", &nearest,
-           "Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1, from the gains h, (3, N), in place.\n\n"
-           "made: B h, (2, M), of the gains given. enough: ||p - made|| / ||p|| to stop at. A: room, (2M + 4, 2M + 4). V: room,\n"
-           "(2M rounded up to 4, 2 TILE). tile: as in `passes`. W, held: room, (7, N) and (N,). found: that error, the damping (1)\n"
-           "and how many steps in a row did little (4), to go on with. finished: two steps that lower the cost by a smaller\n"
-           "share are the last.\n"
+inline void define_primal(nb::module_& m) {
+    kernel(m, "solve_primal", &solve_primal,
+           "Lower 1/2 ||p - B h||^2 + mu/2 ||h||^2 over |h_n| <= 1 by Newton steps from the gains h.\n\n"
+           "enough: ||p - made|| / ||p|| to stop at. finished: two steps that lower the cost by a smaller share are the last.\n"
+           "workspace: has the targets p, the gains h, and made, B h of these gains; the kernel writes h, made and error.\n"
            "Returns the number of steps, negative if more may help.",
-           "B", "p", "free", "mu", "steps", "enough", "h", "made", "A", "tile", "V", "W", "held", "found", "finished");
+           "B", "mu", "steps", "enough", "finished", "workspace");
 }
 
 }  // namespace pacinian::lagrange

@@ -1,4 +1,4 @@
-"""The steps of `descend` in double precision and plain NumPy, for `precision="double"` and as a reference."""
+"""The steps of `solve_dual` in double precision and plain NumPy, for `precision="double"` and as a reference."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@
 // matrix for one in four transducers, each weighted 4, in single precision.
 //
 // Common arguments: B, y, h, made, tile: as in fused_passes.hpp. L: lower triangle, real and imaginary parts, (2, K, K) with
-// K = M rounded up to 2; of size 0 for no preconditioner.
+// K = M rounded up to 2; of size 0 for no preconditioner. See `RegionWorkspace`.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 
 #include "pacinian/native/math.hpp"
 #include "pacinian_plugins/solvers/lagrange/fused_passes.hpp"
+#include "pacinian_plugins/solvers/lagrange/workspace.hpp"
 
 namespace pacinian::lagrange {
 
@@ -23,7 +24,7 @@ constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
-constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution.AT_LIMIT`
+constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_values.AT_LIMIT`
 
 struct Sum {
     f4 re, im;
@@ -195,10 +196,10 @@ struct Ascent {
         return value;
     }
 
-    // Write z = the preconditioner times r. state: 1 if there is a factor.
-    void approximate(const Vector& r, f8 state, Vector& z) {
+    // Write z = the preconditioner times r.
+    void approximate(const Vector& r, bool factored, Vector& z) {
         z = r;
-        if (state <= 0.0) return;
+        if (!factored) return;
         const Index K = L.shape[1];
         plane.assign(2 * K, 0.0f);
         for (Index m = 0; m < count(); ++m) {
@@ -210,15 +211,15 @@ struct Ascent {
     }
 
     // Solve (D + B W B^H) d = F with a residual of at most `enough`.
-    void direction(const Vector& F, f8 enough, f8 state, Vector& d) {
+    void direction(const Vector& F, f8 enough, bool factored, Vector& d) {
         const Index M = count();
         std::fill(d.begin(), d.end(), c16(0.0));
         Vector r = F, z(M), Hq(M);
-        approximate(r, state, z);
+        approximate(r, factored, z);
         Vector q = z;
         f8 weight = inner(r, q);
         for (Index done = 0; done < MAX_PASSES; ++done) {
-            bend(B, planes(q.data()), h, mu, made, tile);
+            apply_curvature(B, planes(q.data()), h, mu, made, tile);
             for (Index m = 0; m < M; ++m) Hq[m] = D[m] * q[m] + made_at(m);
             const f8 a = weight / inner(q, Hq);
             f8 rest = 0.0;
@@ -228,7 +229,7 @@ struct Ascent {
                 rest += power(r[m]);
             }
             if (rest <= enough * enough || (done >= MIN_PASSES && late())) return;
-            approximate(r, state, z);
+            approximate(r, factored, z);
             const f8 last = weight;
             weight = inner(r, z);
             for (Index m = 0; m < M; ++m) q[m] = z[m] + (weight / last) * q[m];
@@ -236,16 +237,15 @@ struct Ascent {
     }
 };
 
-inline Index ascend(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, View<f4, 2> h,
-                    View<f8, 2> made, View<f4, 3> tile, View<f4, 3> L, View<f8, 1> found, nb::handle spent) {
-    const Index M = B.shape[0], N = B.shape[1], K = M + M % 2;
-    require(p.size() == M && D.size() == M && y.size() == M && found.size() >= 6, "ascend: the shapes differ");
-    require(h.shape[0] == 3 && h.shape[1] == N && made.shape[0] == 2 && made.shape[1] == M, "ascend: the shapes differ");
-    solving::require_tile(tile, M);
-    require(L.shape[0] == 2 && (L.size() == 0 || (L.shape[1] == K && L.shape[2] == K)), "ascend: no room for the factor");
-    require(mu > 0.0f, "ascend: mu is not positive");
-    Ascent ascent{B, p, D, mu, y, h, made, tile, L, spent};
-    f8& state = found[5];
+inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, RegionWorkspace& w,
+                          nb::handle spent) {
+    const Index M = w.M, N = w.N;
+    require(B.shape[0] == M && B.shape[1] == N && p.size() == M && D.size() == M && y.size() == M, "solve_region: the shapes differ");
+    require(mu > 0.0f, "solve_region: mu is not positive");
+    const View<f4, 2> h = w.h.view;
+    const View<f4, 3> tile = w.tile.view, L = w.factor.view;
+    Ascent ascent{B, p, D, mu, y, h, w.made.view, tile, L, spent};
+    using Factor = RegionWorkspace::Factor;
     f8 size = 0.0;
     for (Index m = 0; m < M; ++m) size += power(p[m]);
     size = std::sqrt(size);
@@ -253,11 +253,11 @@ inline Index ascend(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1>
     f8 value = ascent.look(at, 0.0, none, F), missed = std::sqrt(inner(F, F));
     Index steps = 0;
     while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
-        if (state == 0.0 && L.size()) {
+        if (w.state == Factor::none && L.size()) {
             couple(B, D, h, mu, tile, L);
-            state = decompose(L) ? 1.0 : -1.0;
+            w.state = decompose(L) ? Factor::usable : Factor::indefinite;
         }
-        ascent.direction(F, std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0), state, d);
+        ascent.direction(F, std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0), w.state == Factor::usable, d);
         const f8 slope = inner(F, d), before = value;
         std::copy(y.data, y.data + M, at.begin());
         f8 step = 1.0;
@@ -282,19 +282,18 @@ inline Index ascend(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1>
         strength += squared;
         held += squared > HELD * HELD ? 1 : 0;
     }
-    found[0] = missed <= STOP_RESIDUAL * size ? 1.0 : 0.0;
-    found[1] = dual;
-    found[2] = 0.5 * (primal + mu * strength);
-    found[3] = static_cast<f8>(held);
-    found[4] = missed;
+    w.met = missed <= STOP_RESIDUAL * size;
+    w.bound = dual;
+    w.objective = 0.5 * (primal + mu * strength);
+    w.held = held;
     return steps;
 }
 
-inline void start(View<const f8, 1> t, View<const f8, 1> phases, View<const bool, 1> beside, f8 scale, f8 quiet, View<const c16, 1> warm,
-                  View<const f8, 1> before, f8 factor, View<c16, 1> p, View<f8, 1> D, View<c16, 1> y) {
+inline void start_region(View<const f8, 1> t, View<const f8, 1> phases, View<const bool, 1> beside, f8 scale, f8 quiet, View<const c16, 1> warm,
+                         View<const f8, 1> before, f8 factor, View<c16, 1> p, View<f8, 1> D, View<c16, 1> y) {
     const Index M = t.size();
-    require(phases.size() == M && beside.size() == M && p.size() == M && D.size() == M && y.size() == M, "start: the shapes differ");
-    require(!warm.size() || (warm.size() == M && before.size() == M), "start: the shapes differ");
+    require(phases.size() == M && beside.size() == M && p.size() == M && D.size() == M && y.size() == M, "start_region: the shapes differ");
+    require(!warm.size() || (warm.size() == M && before.size() == M), "start_region: the shapes differ");
     for (Index m = 0; m < M; ++m) {
         p[m] = std::polar(scale * t[m], phases[m]);
         D[m] = beside[m] ? 1.0 / quiet : 1.0;
@@ -302,16 +301,14 @@ inline void start(View<const f8, 1> t, View<const f8, 1> phases, View<const bool
     }
 }
 
-inline void define_ascend(nb::module_& m) {
-    kernel(m, "ascend", &ascend,
+inline void define_region(nb::module_& m) {
+    kernel(m, "solve_region", &solve_region,
            "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
-           "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. h, made, tile:\n"
-           "as of `evaluate`; h is that of y in the end. L: room for the preconditioner, (2, K, K) with K = M rounded up to 2; of\n"
-           "size 0 for none. found: whether ||F|| <= 0.005 ||p||; the dual's value; 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2;\n"
-           "the number of gains at their limit; ||F||; and the state of L, which later calls for the same B and D keep: 0 at\n"
-           "first. spent: returns whether the time is up, asked after the first step and after some products of each.",
-           "B", "p", "D", "mu", "y", "h", "made", "tile", "L", "found", "spent");
-    kernel(m, "start", &start,
+           "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the\n"
+           "kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and\n"
+           "D. spent: returns whether the time is up, asked after the first step and after some products of each.",
+           "B", "p", "D", "mu", "y", "workspace", "spent");
+    kernel(m, "start_region", &start_region,
            "Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.\n\n"
            "t: amplitudes [Pa], phases: [rad], beside: whether a sample is silent, (M,). scale: factor on t. quiet: weight of silent\n"
            "samples. warm, before: earlier multipliers and phases, which turn together, (M,), or of size 0 for none. factor: on\n"

@@ -5,6 +5,7 @@
 
 #include "pacinian/native/math.hpp"
 #include "pacinian_plugins/solvers/lagrange/fused_passes.hpp"
+#include "pacinian_plugins/solvers/lagrange/workspace.hpp"
 
 namespace pacinian::lagrange {
 
@@ -12,10 +13,12 @@ constexpr f8 ROOT = 0.5;   // exponent of target / made by which a multiplier gr
 constexpr f8 AHEAD = 1.5;  // over-relaxation of the step to the phases made: 1 takes twice as many steps
 constexpr f8 CLOSE = 1e-4;
 
-inline i8 equalise(View<const c8, 2> B, View<const c16, 1> p, i8 steps, View<c16, 1> y, View<f4, 2> h, View<f8, 2> made,
-                   View<f4, 3> tile, View<f8, 1> found) {
-    const Index M = p.size();
-    require(B.shape[0] == M && y.size() == M && found.size() >= 1, "equalise: the shapes differ");
+inline i8 equalise(View<const c8, 2> B, i8 steps, Workspace& w) {
+    w.check(B);
+    const Index M = w.M;
+    const View<c16, 1> p = w.p.view, y = w.y.view;
+    const View<f8, 2> made = w.made.view;
+    const View<f4, 3> tile = w.tile.view;
     std::vector<f4> planes(2 * tile.shape[1], 0.0f);
     const View<f4, 2> ys{planes.data(), {2, tile.shape[1]}};
     std::vector<f8> a(M);
@@ -28,7 +31,7 @@ inline i8 equalise(View<const c8, 2> B, View<const c16, 1> p, i8 steps, View<c16
             ys(0, m) = static_cast<f4>(y[m].real());
             ys(1, m) = static_cast<f4>(y[m].imag());
         }
-        evaluate(B, ys, 0.0f, h, made, tile);
+        evaluate(B, ys, 0.0f, w.h.view, made, tile);
         f8 top = 0.0, below = 0.0, all_made = 0.0;
         for (Index m = 0; m < M; ++m) {
             a[m] = std::sqrt(square(made(0, m)) + square(made(1, m)));
@@ -36,7 +39,7 @@ inline i8 equalise(View<const c8, 2> B, View<const c16, 1> p, i8 steps, View<c16
             below += power(p[m]);
             all_made += a[m] * a[m];
         }
-        found[0] = top / below;
+        w.multiple = top / below;
         if (!(top > 0.0) || all_made * below / (top * top) - 1.0 < CLOSE * CLOSE) return taken;
         if (taken == steps) return -steps;
         const f8 level = std::sqrt(all_made / below);
@@ -51,11 +54,11 @@ inline i8 equalise(View<const c8, 2> B, View<const c16, 1> p, i8 steps, View<c16
 
 inline void define_equalise(nb::module_& m) {
     kernel(m, "equalise", &equalise,
-           "Make |B h| proportional to |p| with every |h_n| = 1, from multipliers y, (M,), in place.\n\n"
-           "h, made, tile: as of `evaluate`. All targets are above 0 and their phases free (Di Leonardo et al., Opt. Express 15,\n"
-           "2007, here over-relaxed). found[0]: the multiple of |p| that is nearest to what is made.\n"
+           "Make |B h| proportional to |p| with every |h_n| = 1, from the multipliers y, by weighted Gerchberg-Saxton steps.\n\n"
+           "All targets are above 0 and their phases free (Di Leonardo et al., Opt. Express 15, 2007, here over-relaxed).\n"
+           "workspace: has p and y; the kernel writes y, h, made and multiple.\n"
            "Returns the number of steps, negative if more may help.",
-           "B", "p", "steps", "y", "h", "made", "tile", "found");
+           "B", "steps", "workspace");
 }
 
 }  // namespace pacinian::lagrange

@@ -11,7 +11,7 @@ from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex import matvec
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 from pacinian_plugins.solvers.lagrange.convex.smoothing import Smoothing
-from pacinian_plugins.solvers.lagrange.workspace import in_time
+from pacinian_plugins.solvers.lagrange.pacing import in_time
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -43,10 +43,9 @@ class Trial(NamedTuple):
         if shorter < 1.0:
             h, made, power = shorter * h, shorter * made, shorter * shorter * power
         s = 1.0 if c is None else float(np.vdot(c, made).real) / float(np.vdot(c, c).real)
-        r, found = np.empty_like(made), np.empty(2)
+        r = np.empty_like(made)
         target = rows.p if c is None else c
-        kernels.judge(target, made, rows.limit, rows.slack, s, r, found)
-        excess, square = found.tolist()
+        excess, square = kernels.measure_excess(target, made, rows.limit, rows.slack, s, r)
         objective = (square + dual.mu * power) / 2.0 if c is None else -s
         return cls(excess, objective, h, made, r)
 

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include <nanobind/stl/pair.h>
 
 #include "pacinian/native/math.hpp"
 
@@ -169,10 +172,10 @@ inline void expect(View<const c16, 1> x, View<const c16, 1> dx, View<const c16, 
     }
 }
 
-inline void judge(View<const c16, 1> p, View<const c16, 1> made, View<const f8, 1> limit, View<const f8, 1> slack, f8 s, View<c16, 1> r,
-                  View<f8, 1> found) {
+inline std::pair<f8, f8> measure_excess(View<const c16, 1> p, View<const c16, 1> made, View<const f8, 1> limit,
+                                        View<const f8, 1> slack, f8 s, View<c16, 1> r) {
     const Index M = p.size();
-    require(made.size() == M && limit.size() == M && slack.size() == M && r.size() == M && found.size() >= 2, "judge: the shapes differ");
+    require(made.size() == M && limit.size() == M && slack.size() == M && r.size() == M, "measure_excess: the shapes differ");
     f8 excess = 0.0, total = 0.0;
     for (Index m = 0; m < M; ++m) {
         r[m] = s * p[m] - made[m];
@@ -184,8 +187,7 @@ inline void judge(View<const c16, 1> p, View<const c16, 1> made, View<const f8, 
             excess = std::max(excess, std::sqrt(size) - allowed);
         }
     }
-    found[0] = excess;
-    found[1] = total;
+    return {excess, total};
 }
 
 // The next two kernels write to a column-major matrix of LAPACK: S, (2R, 2R), is passed as its transpose.
@@ -223,7 +225,7 @@ inline void define_convex(nb::module_& m) {
     kernel(m, "forward", &forward<double>, forth, "A", "h", "made");
     const char* picked =
         "Write the columns of A, (R, N), turned along x_n (or across it), times sqrt(slope_n); return how many.\n\n"
-        "out: room for (2R, N), flat; written as (2R, count), real parts above imaginary parts. Columns of slope 0 are left out,\n"
+        "out: workspace for (2R, N), flat; written as (2R, count), real parts above imaginary parts. Columns of slope 0 are left out,\n"
         "or where they are few, written as 0.";
     kernel(m, "columns", &columns<float, float>, picked, "A", "x", "slope", "across", "out");
     kernel(m, "columns", &columns<float, double>, picked, "A", "x", "slope", "across", "out");
@@ -242,10 +244,10 @@ inline void define_convex(nb::module_& m) {
            "x", "g", "weight", "extra", "limit", "radial", "tangential");
     kernel(m, "expect", &expect, "Write g, what h is expected to be after a step dx; those not held shrink by a share besides. All (N,).", "x",
            "dx", "h", "radial", "tangential", "limit", "shrink", "g");
-    kernel(m, "judge", &judge,
-           "Write r = s p - made, (M,), and to `found` how far it is over a limit at most, and the rest's sum of squares.\n\n"
+    kernel(m, "measure_excess", &measure_excess,
+           "Write r = s p - made, (M,); return the largest excess over a limit, and the sum of squares of the samples without one.\n\n"
            "Exact ones, of limit 0, may be s times as inexact.",
-           "p", "made", "limit", "slack", "s", "r", "found");
+           "p", "made", "limit", "slack", "s", "r");
     kernel(m, "real", &real, "Write scale G, (R, R), as a real matrix, (2R, 2R), transposed.", "G", "scale", "S");
     kernel(m, "add_blocks", &add_blocks,
            "Add one 2 x 2 matrix for each y, (R,), to S, (2R, 2R), transposed: slopes along and across it, and `ridge`.", "y", "radial",

@@ -11,7 +11,7 @@ from pacinian.solving.linalg import lapack
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex import matvec
 from pacinian_plugins.solvers.lagrange.convex.newton import State, factor
-from pacinian_plugins.solvers.lagrange.workspace import in_time
+from pacinian_plugins.solvers.lagrange.pacing import in_time
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags

@@ -6,15 +6,17 @@
 
 #include "pacinian/solving/unbounded.hpp"
 #include "pacinian_plugins/solvers/lagrange/dense_kernels.hpp"
+#include "pacinian_plugins/solvers/lagrange/workspace.hpp"
 
 namespace pacinian::lagrange {
 
-inline i8 begin(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi, View<const f8, 1> start, i8 steps, f8 mu, f8 relative,
-                f8 unit, i8 N, View<c16, 1> p, View<bool, 1> free, View<c16, 1> y, View<c16, 2> L, View<f8, 1> found) {
-    const Index M = p.size();
-    require(y.size() == M && L.shape[0] >= M && L.shape[1] >= M && found.size() >= 1, "begin: the shapes differ");
-    const f8 norm = solving::choose(G, t, phi, start, steps, p, free), share = within(norm / unit, relative, mu, N);
-    found[0] = share;
+inline f8 start(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi, View<const f8, 1> first, i8 steps, f8 mu,
+                f8 relative, f8 unit, Workspace& w) {
+    const Index M = w.M;
+    require(M <= MAX_START, "start: too many samples");
+    const View<c16, 1> p = w.p.view, y = w.y.view;
+    const View<c16, 2> L = w.factor();
+    const f8 norm = solving::choose(G, t, phi, first, steps, p, w.free.view), share = scale_for_single(norm / unit, relative, mu, w.N);
     for (Index m = 0; m < M; ++m) {
         p[m] *= share / unit;
         y[m] = mu * p[m];
@@ -35,15 +37,16 @@ inline i8 begin(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi
         y[i] /= L(i, i).real();
         for (Index k = 0; k < i; ++k) y[k] -= std::conj(L(i, k)) * y[i];
     }
-    return M;
+    return share;
 }
 
-inline void define_begin(nb::module_& m) {
-    kernel(m, "begin", &begin,
+inline void define_start(nb::module_& m) {
+    m.attr("MAX_START") = MAX_START;
+    kernel(m, "start", &start,
            "Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.\n\n"
-           "G: (M, M); for few samples it is quicker to solve here than by LAPACK. t, phi, start: (M,). L: room, (M, M).\n"
-           "found: by how much the targets are scaled, as by `within`.",
-           "G", "t", "phi", "start", "steps", "mu", "relative", "unit", "N", "p", "free", "y", "L", "found");
+           "G: (M, M), for at most MAX_START samples, for which this is quicker than LAPACK. t, phi, first: (M,). Returns the\n"
+           "factor on the targets, as by `scale_for_single`.",
+           "G", "t", "phi", "first", "steps", "mu", "relative", "unit", "workspace");
 }
 
 }  // namespace pacinian::lagrange

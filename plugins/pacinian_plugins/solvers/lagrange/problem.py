@@ -1,0 +1,48 @@
+"""One problem: the arguments of `pacinian.Solver.solve`, and questions about its gains."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.solving.evidence import TOLERANCE, measure_violations, relative_error
+
+if TYPE_CHECKING:
+    import pacinian as pc
+
+POWER_TOLERANCE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
+
+
+class Problem(NamedTuple):
+    """The arguments of `pacinian.Solver.solve`."""
+
+    propagator: pc.Propagator
+    targets: pc.Targets
+    limits: pc.Limits
+    warm: pc.Solution | None
+    budget: pc.Budget
+    out: pc.Gains
+
+    @property
+    def strongest(self) -> bool:
+        """Whether the largest multiple of the targets is wanted."""
+        return self.targets.scale == "max"
+
+    def has_violation(self) -> bool:
+        """Return whether the gains in `out` break a limit other than the gain limit."""
+        propagator, targets, limits, _, _, out = self
+        if limits.power is not None:
+            if self.strongest and targets.regions is None:
+                return True  # the strongest under the gain limit is not the strongest under power
+            power = float(np.vdot(out, out).real)
+            if not power <= POWER_TOLERANCE * limits.power:
+                return True
+        if not limits.solver_limits:
+            return False
+        return bool(measure_violations(propagator, limits, targets, propagator.apply(out), out))
+
+    def rank(self, gains: pc.Gains) -> tuple[bool, float]:
+        """Return a sort key: whether gains, (N,), keep the proportions, then how strong they are [Pa]."""
+        p = self.propagator.apply(gains)
+        return relative_error(self.targets, p) <= TOLERANCE, float(np.linalg.norm(p))
