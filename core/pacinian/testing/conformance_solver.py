@@ -326,7 +326,7 @@ class _Kit:
         off = float(np.linalg.norm((np.abs(p) - t)[t > 0.0])) / float(np.linalg.norm(t))
         require(off <= EVEN + SINGLE, f"status ok, with an error of {off:.1%} for {name}")
         for own in (number == one for one in range(int(number.max()) + 1)):
-            wave = joint_phases(self.array, problem.q[own], radiation_pressure=t[own] ** 2)
+            wave = joint_phases(self.array, problem.q[own], AIR, radiation_pressure=t[own] ** 2)
             alike = abs(complex(np.vdot(np.exp(1j * wave), p[own]))) / float(np.abs(p[own]).sum())
             require(
                 alike > MIN_COHERENCE,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.problem import BESIDE, Limits, Targets
 from pacinian.solving.regions import joint_phases
@@ -53,7 +54,9 @@ def make_ordinary(
     rng = np.random.default_rng(seed)
     q = array.centre + np.c_[rng.uniform(-0.05, 0.05, (count, 2)), rng.uniform(0.12, 0.2, count)]
     t = rng.uniform(0.5, 1.0, count)
-    t *= level * float(np.abs(matrix(array, q)).sum(axis=1).mean()) / float(np.linalg.norm(t))
+    t *= (
+        level * float(np.abs(matrix(array, q, Air())).sum(axis=1).mean()) / float(np.linalg.norm(t))
+    )
     return Problem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
 
 
@@ -64,11 +67,13 @@ def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
     """
     q = shape.points + array.centre + [0.0, 0.0, ABOVE - HEIGHT]
     t = np.where(shape.regions == BESIDE, 0.0, 1.0)
-    t *= level * float(np.abs(matrix(array, q)).sum(axis=1).mean()) / float(np.linalg.norm(t))
+    t *= (
+        level * float(np.abs(matrix(array, q, Air())).sum(axis=1).mean()) / float(np.linalg.norm(t))
+    )
     phases = np.zeros(len(q))
     for number in range(int(shape.regions.max()) + 1):
         own = shape.regions == number
-        phases[own] = joint_phases(array, q[own], radiation_pressure=t[own] ** 2)
+        phases[own] = joint_phases(array, q[own], Air(), radiation_pressure=t[own] ** 2)
     return Problem(q, t, phases, regions=shape.regions)
 
 
