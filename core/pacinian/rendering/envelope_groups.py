@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -48,7 +49,7 @@ class EnvelopeGroups:
     def __len__(self) -> int:
         return len(self.items)
 
-    @property
+    @cached_property
     def steady(self) -> bool:
         """Whether all strengths are constant."""
         return all(
@@ -61,6 +62,16 @@ class EnvelopeGroups:
 
         switches: whether square waves have steps.
         """
+        if self.steady:
+            return np.repeat(self._constant, len(t), axis=1)
+        return self._compute_strength(t, switches)
+
+    @cached_property
+    def _constant(self) -> Floats:
+        """Strength of each voice at all times, if it is `steady`, (voices, 1)."""
+        return self._compute_strength(np.zeros(1), switches=False)
+
+    def _compute_strength(self, t: Floats, switches: bool) -> Floats:
         factors = np.empty((len(self.items), len(t)))
         for row, item in zip(factors, self.items, strict=True):
             envelope = resolve(item.envelope)

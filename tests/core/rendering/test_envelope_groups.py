@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
+from pacinian.scene.modulation.envelope import resolve
 from pacinian.scene.modulation.technique import AM, LM, STM, Simultaneous
 from pacinian.scene.modulation.waves import Pulse
 
@@ -61,7 +62,12 @@ def test_no_samples_have_no_voice() -> None:
     ],
 )
 def test_only_what_is_constant_and_stays_is_steady(options: dict[str, Any], steady: bool) -> None:
-    assert voices(point(), point(0.03, **options)).steady is steady
+    made = voices(point(), point(0.03, **options))
+    assert made.steady is steady
+    for t in T, T[:1], T[5:]:
+        factors = [resolve(each.envelope).at(t) * each.technique.factor(t) for each in made.items]
+        expected = np.clip(np.array([f * np.ones(len(t)) for f in factors]), 0.0, 1.0)
+        np.testing.assert_array_equal(made.strength(t), expected)
 
 
 def test_strength_is_the_envelope_times_the_techniques_factor() -> None:
