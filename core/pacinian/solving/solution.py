@@ -194,8 +194,9 @@ class Solution(SolutionValues):
     def _repr_html_(self) -> Card:
         rows = {
             "status": f"{self.status.name}: {self.status.advice}",
-            "error at the points": f"{100.0 * self.error:.2g} %; "
-            f"of the proportions {100.0 * self.shape_error:.2g} %",
+            "error at the points": f"of the proportions {100.0 * self.shape_error:.2g} %"
+            if self.targets.scale == "max"
+            else f"{100.0 * self.error:.2g} %; of the proportions {100.0 * self.shape_error:.2g} %",
             "points": len(self.sound_pressure),
             "transducers": f"{len(self.gains)}, {self.saturation:.0%} at their limit",
             "iterations": self.iterations,

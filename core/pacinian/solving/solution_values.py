@@ -109,8 +109,12 @@ class SolutionValues:
         )
         asked = f" ({' to '.join(ends)} Pa)" if ends else ""
         held = f", {self.saturation:.0%} at their limit" if self.saturation else ""
+        error = f"error {self.error:.2g}"
+        if self.targets.scale == "max":
+            most = np.abs(self.sound_pressure).max(initial=0.0)
+            error = f"up to {most:.4g} Pa, error of the proportions {self.shape_error:.2g}"
         return (
-            f"<Solution by {self.solver}: {self.status.name}, error {self.error:.2g} "
+            f"<Solution by {self.solver}: {self.status.name}, {error} "
             f"at {len(t)} points{asked}, {len(self.gains)} transducers{held}, "
             f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
         )

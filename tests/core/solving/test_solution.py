@@ -92,6 +92,13 @@ def test_a_body_shades_its_own_far_side() -> None:
     assert solution.force(ball) == pytest.approx(expected, rel=0.01)
 
 
+def test_as_strong_as_possible_it_tells_strength_and_proportions() -> None:
+    strong = pc.solve(ARRAY, POINTS, [2.0, 1.0], scale="max")
+    most = np.abs(strong.sound_pressure).max()
+    assert f"up to {most:.4g} Pa, error of the proportions" in repr(strong)
+    assert "of the proportions" in strong._repr_html_()
+
+
 def test_finer_samples_bring_the_force_closer(solution: pc.Solution) -> None:
     surface = pc.Surface(shape=pc.Disc(0.012), pose=pc.Pose((0.0, 0.0, 0.15)), force=0.001)
     best = solution.force(surface, spacing=0.0002)
