@@ -138,6 +138,22 @@ def test_touches_begin_move_and_end(server: Fake, game: Game) -> None:
     game.event("lost")
 
 
+def test_one_bad_object_refuses_itself_by_name(server: Fake, game: Game) -> None:
+    """It is not sent, so that no other object is refused with it."""
+    for line, path, says in (
+        ("ball small -0.03 5", "$.objects[small].shape.radius", "0"),
+        ("ball mute 0.03 0", "$.objects[mute]", "must have a radiation pressure or a force"),
+        (f"ball {'n' * 65} 0.03 5", f"$.objects[{'n' * 65}]", "1 to 64 characters"),
+    ):
+        assert not game.do(line)["done"]
+        refused = game.event("refused", "argument")
+        assert refused["path"] == path
+        assert says in refused["message"]
+    assert game.do("ball good 0.03 5")["done"]
+    server.until(lambda: bool(server.of(commands.Put)))
+    assert [list(put.objects) for put in server.of(commands.Put)] == [["good"]]
+
+
 def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
     server: Fake, start: Callable[..., Game], file: Path
 ) -> None:

@@ -95,6 +95,7 @@ namespace Pacinian.Tests
             {
                 case "start": _client.Start(); break;
                 case "put": done = _client.Put(name, Point(words)); break;
+                case "ball": done = _client.Put(name, Ball(Number(words[2]), Number(words[3]))); break;
                 case "heavy": done = _client.Put(name, Rain((int)Number(words[2]))); break;
                 case "move": done = _client.Move(name, To(words)); break;
                 case "remove": done = _client.Remove(name); break;
@@ -218,6 +219,12 @@ namespace Pacinian.Tests
         private static Point Point(string[] words)
         {
             return new Point { Position = At(words), RadiationPressure = Number(words[5]) };
+        }
+
+        /// <summary>pressure: 0 for none.</summary>
+        private static Volume Ball(double radius, double pressure)
+        {
+            return new Volume { Shape = new Sphere { Radius = radius }, RadiationPressure = pressure == 0.0 ? (double?)null : pressure };
         }
 
         private static Movement To(string[] words)

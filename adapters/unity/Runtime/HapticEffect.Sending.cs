@@ -92,7 +92,7 @@ namespace Pacinian.Haptics
             {
                 Describe(felt, now);
                 Place(felt, pose);
-                problem = Checking.Problem(felt, Blank());
+                problem = Checking.Problem(felt);
             }
             Tell(problem);
             _changed = false;

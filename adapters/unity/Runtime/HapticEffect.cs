@@ -95,9 +95,6 @@ namespace Pacinian.Haptics
         /// <summary>Its shape, without what all have; null, and why, if it has none.</summary>
         protected internal abstract Wire.Felt Shaped(out string problem);
 
-        /// <summary>One of the same kind, to be read into.</summary>
-        protected abstract Wire.Felt Blank();
-
         /// <summary>Where it is, in the array's frame.</summary>
         protected abstract void Place(Wire.Felt felt, Rigid pose);
 

@@ -25,12 +25,6 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected override Felt Blank()
-        {
-            return new Point();
-        }
-
-        /// <inheritdoc/>
         protected override void Place(Felt felt, Rigid pose)
         {
             ((Point)felt).Position = pose.Position;

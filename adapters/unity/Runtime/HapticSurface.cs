@@ -88,12 +88,6 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected override Felt Blank()
-        {
-            return new Surface();
-        }
-
-        /// <inheritdoc/>
         protected override void Place(Felt felt, Rigid pose)
         {
             Wire.Pose made = ((Surface)felt).Pose;

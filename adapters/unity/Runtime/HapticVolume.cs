@@ -80,12 +80,6 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected override Wire.Felt Blank()
-        {
-            return new Volume();
-        }
-
-        /// <inheritdoc/>
         protected override void Place(Wire.Felt felt, Rigid pose)
         {
             Wire.Pose made = ((Volume)felt).Pose;

@@ -19,8 +19,8 @@ namespace Pacinian.Haptics.Tests
         {
             _envelope.Clip = Tone(48000, 2, 4800);
             _envelope.Kind = kind;
-            Point point = new Point { Envelope = _envelope.Message };
-            Assert.AreEqual("", Checking.Problem(point, new Point()));
+            Point point = new Point { RadiationPressure = 1.0, Envelope = _envelope.Message };
+            Assert.AreEqual("", Checking.Problem(point));
             Assert.AreEqual(kind.ToString(), point.Envelope.GetType().Name);
             Assert.AreEqual("", _envelope.Problem);
         }
@@ -42,7 +42,7 @@ namespace Pacinian.Haptics.Tests
             _envelope.High = 7f;
             _envelope.Low = -1f;
             _envelope.Frequency = 1e6f;
-            Assert.AreEqual("", Checking.Problem(new Point { Envelope = _envelope.Message }, new Point()));
+            Assert.AreEqual("", Checking.Problem(new Point { RadiationPressure = 1.0, Envelope = _envelope.Message }));
         }
 
         [Test]

@@ -7,14 +7,26 @@ namespace Pacinian
     /// <summary>What is to be felt. Of what waits to be sent about one object only the newest is sent.</summary>
     public sealed partial class HapticClient
     {
-        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of one object: the rest is for other fields
+        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope: the rest is for other fields
 
-        /// <summary>An object: new, or in place of the one of that name. It is read now, and can be changed after.</summary>
+        private readonly Reader _checker = new Reader();
+
+        /// <summary>
+        /// An object: new, or in place of the one of that name. It is read now, and can be changed after. What the server would
+        /// refuse is refused here, by name: false, and <see cref="Refused"/> is raised at the next tick.
+        /// </summary>
         public bool Put(string name, Felt item)
         {
             Writer part = _shared.Writers.Rent();
             item.Write(part);
-            return Fits(part, "$.objects[" + name + "]") && Told("put", Write(Kind.Put, name, part, new Movement()));
+            Refusal why;
+            if (Checking.Find(name, item, part, _checker, out why))
+            {
+                _shared.Inbox.Refuse(why);
+                _shared.Writers.Return(part);
+                return false;
+            }
+            return Told("put", Write(Kind.Put, name, part, new Movement()));
         }
 
         /// <summary>A new pose of an object that is there.</summary>
