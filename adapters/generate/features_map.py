@@ -40,6 +40,8 @@ ONLY_UNREAL = {
     ): "an actor; in Unity the prefab Haptic Array, and GameObject > Pacinian > Array",
     ("HapticArray", "Server"): "as above",
     ("HapticArray", "View"): "as above",
+    ("HapticServer", "StartServer"): "in Unity a game uses ServerProcess of the core",
+    ("HapticServer", "StopServer"): "as above",
     ("PacinianSettings", "ServerCommand"): "in Unity of the user: Window > Pacinian > Server",
     ("PacinianSettings", "ServerArguments"): "as above",
 }

@@ -120,9 +120,10 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
     eventually(lambda: there("Things.Point"))
     at = np.frombuffer(look(server).points, "<f4").reshape(-1, 3)
     np.testing.assert_allclose(at[0], [-0.03, 0.05, 0.2], atol=1e-4)
-    game.do("duration point 0.3")
+    game.do("duration point 1000")
     game.do("play point")
     eventually(lambda: there("Things.Point"))
+    game.do("duration point 0.001")  # which is over
     eventually(there)
     game.until(lambda s: not s["playing"])
     game.do("duration point 0")
@@ -243,10 +244,33 @@ def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Serve
     since = time.perf_counter()
     game.stand_still()
     wait_for_expiry(server, since)
-    game.status()  # it goes on
-    assert game.event("ended")["code"] == "expired"
-    assert not game.status()["armed"]
-    game.sounding()
+    game.say("status")  # it goes on
+    game.event("stood still")
+    game.until(lambda s: s["armed"] and s["output"] == "sounding")  # by itself
+    assert not [told for told in game.told if told.get("event") == "ended"]
+
+
+def test_touches_are_told_and_why_it_is_silent(play: Callable[..., Game]) -> None:
+    game = play()
+    connected(game)
+    far = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.3)))
+    game.do(f"joints {numbers(level(far.joints))}")
+    assert '"ball" is nearest' in game.until(lambda s: s["cause"] == "nothing in reach")["silence"]
+    touch(game)
+    began = game.event("touch")
+    assert (began["effect"], began["hand"]) == ("ball", "right")
+    assert 0.0 < began["strength"] <= 1.0
+    assert np.linalg.norm(array(np.reshape(began["at"], (-1, 3))) - BALL) < RADIUS + 0.01
+    told = game.until(lambda s: s["touched"] == "ball" and s["output"] == "sounding")
+    assert told["silence"] == told["cause"] == ""
+    game.do("lost")
+    assert game.event("left")["effect"] == "ball"
+    game.until(lambda s: s["cause"] == "hand not seen")
+    touch(game)
+    game.event("touch")
+    game.say("disconnect")
+    game.event("left")
+    assert game.until(lambda s: s["cause"] == "not connected")["silence"] != ""
 
 
 def test_a_server_that_ends_and_comes_again(play: Callable[..., Game], server: Server) -> None:

@@ -30,6 +30,10 @@ void event(const char* what, const Refusal& why) {
        {"path", why.path}});
 }
 
+void touched(const char* what, const wire::TouchState& touch) {
+  say({{"event", what}, {"object", touch.object}, {"hand", touch.hand}, {"strength", touch.strength}});
+}
+
 /// A clock at which the client's own thread stands still for as long as the game wants.
 class Clock {
  public:
@@ -77,6 +81,12 @@ class Game {
     client_.on.lost = [](const std::string& why) { event("lost", {"", why, "", ""}); };
     client_.on.ended = [](const Refusal& why) { event("ended", why); };
     client_.on.refused = [](const Refusal& why) { event("refused", why); };
+    client_.on.touch_began = [](const wire::TouchState& touch) { touched("touch", touch); };
+    client_.on.touch_moved = [this](const wire::TouchState& touch) { moved_ = touch; };
+    client_.on.touch_ended = [](const wire::TouchState& touch) { touched("left", touch); };
+    client_.on.stood_still = [](const pacinian::Standstill& still) {
+      say({{"event", "stood still"}, {"seconds", still.seconds}, {"whole", still.whole}, {"text", still.text()}});
+    };
   }
 
   /// One frame.
@@ -144,12 +154,19 @@ class Game {
     if (what == "wave") waves_ = name == "on";
     if (what == "lose") waves_ = false, hands_.clear();
     if (what == "lose") return client_.hands(hands_);
+    if (what == "freeze") freeze();
     if (what == "tick") ticks_ = name == "on";
     if (what == "remove") return client_.remove(name);
     if (what == "clear") return client_.clear();
-    if (what == "arm") return client_.arm(name == "take");
+    if (what == "arm") return client_.arm(name == "take", name != "once");
     if (what == "disarm") return client_.disarm();
     return what != "reset" || client_.reset();
+  }
+
+  /// Stands still until more is said.
+  static void freeze() {
+    pollfd input = {STDIN_FILENO, POLLIN, 0};
+    ::poll(&input, 1, -1);
   }
 
   static void felt(const std::vector<std::complex<float>>& pressures) {
@@ -175,6 +192,8 @@ class Game {
          {"server", client_.server()}, {"offset", client_.offset()},
          {"time", client_.now()}, {"solvers", count(abilities, abilities ? abilities->solvers.size() : 0)},
          {"output", some ? std::string(output) : ""}, {"objects", count(some, state.objects.size())},
+         {"cause", client_.silence().cause}, {"why", client_.silence().text}, {"touched", moved_.object},
+         {"strength", moved_.strength}, {"height", moved_.position[2]},
          {"solver", state.solver}, {"backend", state.backend}, {"intensity", some ? state.intensity : -1.0},
          {"points", count(some, state.points.size() / 12)},
          {"hands", count(some, state.hands.size() / 312)}, {"sequence", some ? state.sequence : -1},
@@ -183,6 +202,7 @@ class Game {
 
   Client client_;
   std::vector<wire::HandFrame> hands_;
+  wire::TouchState moved_;
   bool ticks_ = true, waves_ = false;
 };
 

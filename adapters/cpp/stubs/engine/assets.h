@@ -134,3 +134,22 @@ extern int StubDrawn;
 inline void DrawDebugLine(const UWorld*, const FVector&, const FVector&, const FColor&) { ++StubDrawn; }
 inline void DrawDebugPoint(const UWorld*, const FVector&, float, const FColor&) { ++StubDrawn; }
 inline void DrawDebugCoordinateSystem(const UWorld*, const FVector&, const FRotator&, float) { ++StubDrawn; }
+
+/// Files and plug-ins: there is none of a plug-in's.
+struct FPaths {
+  static FString Combine(const FString& Folder, const FString& Name) { return Folder + TEXT("/") + Name; }
+  static FString ConvertRelativePathToFull(const FString& Path) { return Path; }
+  static FString ProjectLogDir() { return StubLogs; }
+  static bool FileExists(const FString&) { return false; }
+  static inline FString StubLogs;
+};
+struct IPlugin {
+  FString GetBaseDir() const { return FString(); }
+};
+struct IPluginManager {
+  static IPluginManager& Get() {
+    static IPluginManager Made;
+    return Made;
+  }
+  TSharedPtr<IPlugin> FindPlugin(const FString&) { return nullptr; }
+};

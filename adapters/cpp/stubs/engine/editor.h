@@ -4,16 +4,7 @@
 
 #include "assets.h"
 
-struct FProcHandle {
-  bool IsValid() const { return false; }
-};
 struct FPlatformProcess {
-  static FProcHandle CreateProc(const TCHAR*, const TCHAR*, bool, bool, bool, uint32*, int32, const TCHAR*, void*) {
-    return {};
-  }
-  static void TerminateProc(FProcHandle&, bool) {}
-  static void CloseProc(FProcHandle&) {}
-  static bool IsProcRunning(FProcHandle&) { return false; }
   static void* GetDllHandle(const TCHAR*) { return nullptr; }
   static void FreeDllHandle(void*) {}
 };

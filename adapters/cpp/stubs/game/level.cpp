@@ -6,6 +6,8 @@
 #include "ArrayOriginComponent.h"
 #include "Engine/StaticMesh.h"
 #include "HapticEnvelope.h"
+#include "Misc/Paths.h"
+#include "PacinianSettings.h"
 
 namespace {
 
@@ -14,13 +16,23 @@ void tell(const std::string& line) {
   std::fflush(stdout);
 }
 
-std::string quoted(const FString& given) { return '"' + stub::utf8(*given) + '"'; }
+std::string quoted(const FString& given) {
+  std::string made;
+  for (const char c : stub::utf8(*given)) made += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return '"' + made + '"';
+}
 
 std::string numbers(const TArray<FVector>& given) {
   std::ostringstream made;
   made.precision(9);
   for (const FVector& each : given) made << (made.tellp() > 0 ? "," : "") << each.X << ',' << each.Y << ',' << each.Z;
   return '[' + made.str() + ']';
+}
+
+void tell(const FHapticTouch& touch, const char* event) {
+  tell(std::string(R"({"event": ")") + event + R"(", "code": "", "effect": )" + quoted(touch.Effect) + R"(, "hand": )" +
+       quoted(touch.Hand) + R"(, "strength": )" + std::to_string(touch.Strength) + R"(, "at": )" +
+       numbers({touch.Position}) + "}");
 }
 
 FVector vector(std::istream& from) {
@@ -39,6 +51,7 @@ FString word(std::istream& from) {
 
 Level::Level(const std::string& connection, const std::string& more) {
   const auto has = [&](const char* what) { return more.find(what) != std::string::npos; };
+  FPaths::StubLogs = UTF8_TO_TCHAR(connection.substr(0, connection.rfind('/')).c_str());
   array = world->spawn<AHapticArray>(TEXT("Array"));
   server = array->Server;
   server->ConnectionFile = UTF8_TO_TCHAR(connection.c_str());
@@ -53,6 +66,11 @@ Level::Level(const std::string& connection, const std::string& more) {
   server->OnRefused.Add([](const FString& code, const FString& message, const FString&) {
     tell(R"({"event": "refused", "code": )" + quoted(code) + R"(, "message": )" + quoted(message) + "}");
   });
+  server->OnTouchMoved.Add([this](const FHapticTouch& touch) { felt = touch; });
+  server->OnTouchEnded.Add([](const FHapticTouch& touch) { tell(touch, "left"); });
+  server->OnStoodStill.Add([](float, bool whole) {
+    tell(std::string(R"({"event": "stood still", "code": "", "whole": )") + (whole ? "true}" : "false}"));
+  });
   things = world->spawn<AActor>(TEXT("Things"));
   ball = things->CreateDefaultSubobject<UPrimitiveComponent>(TEXT("Sphere"));
   ball->SetupAttachment(array->Origin);
@@ -60,6 +78,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   volume = things->CreateDefaultSubobject<UHapticVolumeComponent>(TEXT("Volume"));
   volume->SetupAttachment(ball);
   volume->EffectName = TEXT("ball");
+  volume->OnTouchBegan.Add([](const FHapticTouch& touch) { tell(touch, "touch"); });
   volume->Envelope = NewObject<UHapticEnvelope>(things);
   point = things->CreateDefaultSubobject<UHapticPointComponent>(TEXT("Point"));
   point->SetupAttachment(array->Origin);
@@ -95,6 +114,8 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "quiet") return zone(from);
   if (what == "align") return align(from);
   if (what == "connect") server->Connect();
+  if (what == "serve") serve(from);
+  if (what == "unserve") UHapticServerComponent::StopServer();
   if (what == "disconnect") server->Disconnect();
   if (what == "reconnect") server->Reconnect();
   if (what == "arm") server->Arm();
@@ -111,6 +132,15 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "sway") from >> sway;
   effect(what, from);
   tell(R"({"did": ")" + what + "\"}");
+}
+
+/// Starts the server: its program, and more words.
+void Level::serve(std::istream& from) {
+  auto* settings = GetMutableDefault<UPacinianSettings>();
+  settings->ServerCommand = word(from);
+  for (FString each = word(from); !each.IsEmpty(); each = word(from)) settings->ServerArguments.Add(each);
+  FString problem;
+  server->StartServer(problem);
 }
 
 /// Where something is: array, ball or point; place [cm], yaw [deg], scale. The array in the level, others above it.
@@ -228,6 +258,8 @@ void Level::status() {
        << R"(, "emitted": )" << volume->GetEmitted() << R"(, "wrong": )" << quoted(volume->GetProblem())
        << R"(, "force": )" << volume->GetRegionFelt().Force << R"(, "pointed": )" << (point->GetRegionFelt().bKnown ? "true" : "false")
        << R"(, "faulty": )" << quoted(point->GetProblem())
+       << R"(, "silence": )" << quoted(server->GetSilence()) << R"(, "cause": )" << quoted(server->GetSilenceCause())
+       << R"(, "touched": )" << quoted(felt.Effect) << R"(, "height": )" << felt.Position.Z
        << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")
        << R"(, "samples": )" << numbers(places) << R"(, "problem": )" << quoted(server->GetProblem()) << "}";
   tell(made.str());

@@ -27,6 +27,7 @@ class Level {
   void end(EEndPlayReason::Type reason) { world->end(reason); }
 
  private:
+  void serve(std::istream& rest);
   void place(std::istream& rest);
   void joints(std::istream& rest);
   void open(std::istream& rest);
@@ -49,6 +50,7 @@ class Level {
   UHapticSurfaceComponent* plate = nullptr;
   UHapticHandComponent* hand = nullptr;
   UQuietZoneComponent* quiet = nullptr;
+  FHapticTouch felt;    ///< as it was told last
   TArray<FVector> rest;  ///< the hand's joints [cm]
   double sway = 0.0;     ///< of the hand, along x [cm]
   double time = 0.0;     ///< [s]

@@ -1,3 +1,4 @@
+using System.IO;
 using UnrealBuildTool;
 
 /// The components.
@@ -10,6 +11,11 @@ public class Pacinian : ModuleRules
         bEnableExceptions = false;
         bUseRTTI = false;
         PublicDependencyModuleNames.AddRange(new string[] { "Core", "CoreUObject", "Engine", "DeveloperSettings" });
-        PrivateDependencyModuleNames.AddRange(new string[] { "HeadMountedDisplay", "InputCore", "PacinianCore", "PhysicsCore", "RenderCore", "RHI" });
+        PrivateDependencyModuleNames.AddRange(new string[] { "HeadMountedDisplay", "InputCore", "PacinianCore", "PhysicsCore", "Projects", "RenderCore", "RHI" });
+        string Server = Path.Combine(PluginDirectory, "Server", "pacinian"); // the standalone server, if it is there
+        if (Directory.Exists(Server))
+        {
+            RuntimeDependencies.Add("$(PluginDir)/Server/pacinian/...");
+        }
     }
 }

@@ -45,4 +45,14 @@ float Strongest(const wire::State& State, const std::string& Name) {
   return Most;
 }
 
+FHapticTouch ToTouch(const wire::TouchState& Told, const FHapticSpace& Space) {
+  FHapticTouch Made;
+  Made.Effect = Text(Told.object);
+  Made.Hand = Text(Told.hand);
+  Made.Position = Space.Out({Told.position[0], Told.position[1], Told.position[2]});
+  Made.Pressure = static_cast<float>(Told.pressure);
+  Made.Strength = static_cast<float>(Told.strength);
+  return Made;
+}
+
 }  // namespace Haptic

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "HapticTouch.h"
 #include "Link.h"
 
 class UObject;
@@ -20,5 +21,8 @@ pacinian::Vec3 At(const pacinian::wire::Bytes& Rows, std::size_t i);
 
 /** The largest radiation pressure that is emitted for an object [Pa]; 0 if none is. */
 float Strongest(const pacinian::wire::State& State, const std::string& Name);
+
+/** A touch in the level. */
+FHapticTouch ToTouch(const pacinian::wire::TouchState& Told, const FHapticSpace& Space);
 
 }  // namespace Haptic

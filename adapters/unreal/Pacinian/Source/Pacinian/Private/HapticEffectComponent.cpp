@@ -135,6 +135,10 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
 }
 
+bool UHapticEffectComponent::IsCalled(const FString& Wanted) const {
+  return Sent && Sent->Name == Haptic::Text(Wanted);
+}
+
 void UHapticEffectComponent::Refuse(const FString& Path, const FString& Message) {
   const FString Objects(TEXT("$.objects["));
   if (!Sent || !Path.StartsWith(Objects, ESearchCase::CaseSensitive)) return;

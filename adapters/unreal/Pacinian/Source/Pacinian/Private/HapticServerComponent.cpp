@@ -1,10 +1,12 @@
 #include "HapticServerComponent.h"
 
 #include "ArrayOriginComponent.h"
+#include "Emitted.h"
 #include "HapticEffectComponent.h"
 #include "HapticScene.h"
 #include "Link.h"
 #include "Misc/CoreDelegates.h"
+#include "StartedServer.h"
 #include "Telling.h"
 
 namespace wire = pacinian::wire;
@@ -19,6 +21,8 @@ void UHapticServerComponent::BeginPlay() {
   Super::BeginPlay();
   if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Servers.AddUnique(this);
   Exit = FCoreDelegates::OnEnginePreExit.AddUObject(this, &UHapticServerComponent::Leave);
+  FString Problem;
+  if (bStartServer) StartServer(Problem);
   if (bConnectOnPlay) Connect();
 }
 
@@ -55,6 +59,19 @@ void UHapticServerComponent::Connect() {
   On.ended = [this](const pacinian::Refusal& Told) { Ended(Haptic::Text(Told.code), Haptic::Text(Told.message)); };
   On.refused = [this](const pacinian::Refusal& Told) { Refused(Told); };
   On.state_changed = [this](const wire::State&) { OnStateChanged.Broadcast(); };
+  On.touch_began = [this](const wire::TouchState& Told) {
+    if (Link) Touched(Haptic::ToTouch(Told, Link->Space), true);
+  };
+  On.touch_moved = [this](const wire::TouchState& Told) {
+    if (Link) OnTouchMoved.Broadcast(Haptic::ToTouch(Told, Link->Space));
+  };
+  On.touch_ended = [this](const wire::TouchState& Told) {
+    if (Link) Touched(Haptic::ToTouch(Told, Link->Space), false);
+  };
+  On.stood_still = [this](const pacinian::Standstill& Told) {
+    UE_LOG(LogPacinian, Log, TEXT("%s"), *Haptic::Text(Told.text()));
+    OnStoodStill.Broadcast(static_cast<float>(Told.seconds), Told.whole);
+  };
   Link->Client.start();
 }
 
@@ -75,7 +92,19 @@ void UHapticServerComponent::Reconnect() { Connect(); }
 void UHapticServerComponent::Leave() {
   const TSharedPtr<FHapticLink> Held = MoveTemp(Link);
   Link.Reset();
-  if (Held) Held->Client.close();
+  if (!Held) return;
+  const std::vector<wire::TouchState> Touches = Held->Client.touches();
+  Held->Client.close();
+  for (const wire::TouchState& Told : Touches) Touched(Haptic::ToTouch(Told, Held->Space), false);
+}
+
+void UHapticServerComponent::Touched(const FHapticTouch& Touch, bool bBegins) {
+  (bBegins ? OnTouchBegan : OnTouchEnded).Broadcast(Touch);
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  if (!Scene) return;
+  const TArray<TObjectPtr<UHapticEffectComponent>> Effects = Scene->Effects;  // what is told may change them
+  for (const TObjectPtr<UHapticEffectComponent>& Effect : Effects)
+    if (Effect->IsCalled(Touch.Effect)) (bBegins ? Effect->OnTouchBegan : Effect->OnTouchEnded).Broadcast(Touch);
 }
 
 /// A session: nothing is there yet. The components put their objects when they find another number than before.
@@ -93,10 +122,7 @@ void UHapticServerComponent::Begun() {
 
 void UHapticServerComponent::Ended(const FString& Code, const FString& Message) {
   UE_LOG(LogPacinian, Warning, TEXT("Sound has ended (%s): %s"), *Code, *Message);
-  if (bWanted && bArmAgainAfterLoss && Code == TEXT("expired"))
-    Arm();
-  else
-    bWanted = false;
+  bWanted = false;
   OnEnded.Broadcast(Code, Message);
 }
 
@@ -146,6 +172,7 @@ void UHapticServerComponent::Choose(bool bIntensity, bool bSolver, bool bBackend
 
 void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType, FActorComponentTickFunction* Tick) {
   Super::TickComponent(DeltaTime, TickType, Tick);
+  Haptic::TickServer(IsConnected());
   const TSharedPtr<FHapticLink> Held = Link;  // what it tells may end it
   if (!Held) return;
   Held->Client.tick();

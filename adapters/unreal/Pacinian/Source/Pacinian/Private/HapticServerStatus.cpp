@@ -1,6 +1,7 @@
 #include "HapticServerComponent.h"
 #include "Link.h"
 #include "PacinianSettings.h"
+#include "StartedServer.h"
 
 using pacinian::wire::Output;
 
@@ -27,7 +28,18 @@ EHapticStatus UHapticServerComponent::GetStatus() const {
 
 FString UHapticServerComponent::GetProblem() const {
   if (IsConnected()) return Complaint;
+  const FString Server = Haptic::ServerProblem();
+  if (!Server.IsEmpty()) return Server;
   return Link ? Haptic::Text(Link->Client.problem()) : FString();
+}
+
+FString UHapticServerComponent::GetSilence() const {
+  if (!IsConnected() && !GetProblem().IsEmpty()) return GetProblem();
+  return Link ? Haptic::Text(Link->Client.silence().text) : FString(TEXT("not connected: call Connect"));
+}
+
+FString UHapticServerComponent::GetSilenceCause() const {
+  return Link ? Haptic::Text(Link->Client.silence().cause) : FString(TEXT("not connected"));
 }
 
 float UHapticServerComponent::GetLatency() const {

@@ -1,6 +1,7 @@
 #include "Core.h"
 #include "HapticServerComponent.h"
 #include "Modules/ModuleManager.h"
+#include "StartedServer.h"
 #include "UObject/UObjectGlobals.h"
 #include "UObject/UObjectIterator.h"
 
@@ -13,6 +14,7 @@ class FPacinianModule : public IModuleInterface {
     if (!UObjectInitialized()) return;
     for (TObjectIterator<UHapticServerComponent> It; It; ++It) It->Disconnect();
     GetMutableDefault<UHapticServerComponent>()->Disconnect();
+    Haptic::StopServer();
   }
 };
 

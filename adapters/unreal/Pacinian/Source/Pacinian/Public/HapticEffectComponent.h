@@ -3,6 +3,7 @@
 #include "Components/SceneComponent.h"
 #include "CoreMinimal.h"
 #include "HapticTechnique.h"
+#include "HapticTouch.h"
 #include "HapticTypes.h"
 
 #include "HapticEffectComponent.generated.h"
@@ -69,6 +70,14 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticFinished OnFinished;
 
+  /** A hand begins to feel it. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticTouched OnTouchBegan;
+
+  /** A hand feels it no more, as it was told last. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticTouched OnTouchEnded;
+
   /** Can be felt from now on, for its duration. Activate does the same. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void Play();
@@ -112,6 +121,9 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
 #if WITH_EDITOR
   virtual void PostEditChangeProperty(FPropertyChangedEvent& Event) override;
 #endif
+
+  /** Whether the server knows it by that name. */
+  bool IsCalled(const FString& Wanted) const;
 
   /** Tells the server of it. Called by the server component in each frame. */
   void Send(const FHapticFrame& Frame);

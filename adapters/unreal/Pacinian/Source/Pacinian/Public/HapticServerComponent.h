@@ -2,6 +2,7 @@
 
 #include "Components/ActorComponent.h"
 #include "CoreMinimal.h"
+#include "HapticTouch.h"
 #include "HapticTypes.h"
 
 #include "HapticServerComponent.generated.h"
@@ -12,6 +13,7 @@ DECLARE_DYNAMIC_MULTICAST_DELEGATE_TwoParams(FHapticEnded, const FString&, Code,
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(FHapticRefused, const FString&, Code, const FString&, Message,
                                                const FString&, Advice);
 DECLARE_DYNAMIC_MULTICAST_DELEGATE(FHapticStateChanged);
+DECLARE_DYNAMIC_MULTICAST_DELEGATE_TwoParams(FHapticStoodStill, float, Seconds, bool, bWhole);
 
 namespace pacinian {
 class Client;
@@ -48,6 +50,11 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection", meta = (ClampMin = "0", ClampMax = "10", Units = "s"))
   float Lease = 0.0f;
 
+  /** When play begins, starts the server unless one runs: the standalone one in the plugin's folder (Server/pacinian), or
+   * the one that Project Settings, Plugins, Pacinian names. It ends with the game. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
+  bool bStartServer = false;
+
   /** Connects when play begins. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bConnectOnPlay = true;
@@ -56,7 +63,7 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bArmOnConnect = true;
 
-  /** Lets it be felt again by itself after the connection was lost, and after the game hung for longer than the lease. */
+  /** Lets it be felt again by itself after the connection was lost. After the game stood still it is, in any case. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bArmAgainAfterLoss = false;
 
@@ -84,7 +91,7 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticLost OnLost;
 
-  /** Sound ended unasked. Code: "expired" (the game hung), "owner" (another program took over), "stopped" or "fault". */
+  /** Sound ended unasked. Code: "owner" (another program took over), "stopped" or "fault". */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticEnded OnEnded;
 
@@ -95,6 +102,31 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   /** The server has said what it emits, up to once in a frame. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticStateChanged OnStateChanged;
+
+  /** A hand begins to feel an effect. Effects have this event, too. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticTouched OnTouchBegan;
+
+  /** A hand feels an effect still, where and as strongly as told, 60 times a second. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticTouched OnTouchMoved;
+
+  /** A hand feels an effect no more, as it was told last. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticTouched OnTouchEnded;
+
+  /** The game stood still for longer than its lease [s], and sounds again if nothing else ended the sound. Whole: the whole
+   * program did, as at a breakpoint; otherwise a frame was long, or the editor paused. */
+  UPROPERTY(BlueprintAssignable, Category = "Haptics")
+  FHapticStoodStill OnStoodStill;
+
+  /** Starts the server, as bStartServer does. False, with the problem. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  bool StartServer(FString& Problem) const;
+
+  /** Ends the server that this program has started, if it has: silence. May take five seconds. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  static void StopServer();
 
   /** Begins to connect, with the properties as they are now. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
@@ -147,6 +179,14 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetProblem() const;
 
+  /** Why nothing can be felt, and what to do, as the nearest object and its distance. Empty while something can. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  FString GetSilence() const;
+
+  /** The same for programs: a cause of docs/wire-messages.md, "not connected" or "not the owner". Empty if it sounds. */
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  FString GetSilenceCause() const;
+
   /** Median round trip to the server [s]; 0 before the first. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetLatency() const;
@@ -186,6 +226,7 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   void Ended(const FString& Code, const FString& Message);
   void Choose(bool bIntensity, bool bSolver, bool bBackend);
   void Leave();
+  void Touched(const FHapticTouch& Touch, bool bBegins);
 
   TSharedPtr<FHapticLink> Link;
   FDelegateHandle Exit;

@@ -13,13 +13,14 @@ class PACINIAN_API UPacinianSettings : public UDeveloperSettings {
  public:
   UPacinianSettings();
 
-  /** The program that is the server, for Tools, Start Haptic Server: its path, or its name if the system finds it. */
+  /** The program that is the server: its path, or its name if the system finds it. Not used if the plugin's folder
+   * contains a standalone server, Server/pacinian. */
   UPROPERTY(Config, EditAnywhere, Category = "Server")
   FString ServerCommand = TEXT("pacinian");
 
-  /** What it is told, as `serve --backend simulated`. */
+  /** What `serve` is told, a word each, as `--backend` and `simulated`, or the path of a configuration. */
   UPROPERTY(Config, EditAnywhere, Category = "Server")
-  FString ServerArguments = TEXT("serve");
+  TArray<FString> ServerArguments;
 
   /** Solvers to choose from; those of the last server that was connected. */
   UPROPERTY(Transient)

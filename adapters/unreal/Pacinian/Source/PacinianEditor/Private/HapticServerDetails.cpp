@@ -23,6 +23,7 @@ void FHapticServerDetails::CustomizeDetails(IDetailLayoutBuilder& Layout) {
   };
   Add(LOCTEXT("Status", "Connection"), &FHapticServerDetails::Status);
   Add(LOCTEXT("Output", "Output"), &FHapticServerDetails::Output);
+  Add(LOCTEXT("Silence", "Silent because"), &FHapticServerDetails::Silence);
   Add(LOCTEXT("Latency", "Round trip"), &FHapticServerDetails::Latency);
   Add(LOCTEXT("Problem", "Problem"), &FHapticServerDetails::Problem);
 }
@@ -35,6 +36,10 @@ FText FHapticServerDetails::Output() const {
   if (!Server.IsValid()) return FText();
   const FText Told = UEnum::GetDisplayValueAsText(Server->GetOutput());
   return Server->IsArmed() ? FText::Format(LOCTEXT("Armed", "{0}, armed"), Told) : Told;
+}
+
+FText FHapticServerDetails::Silence() const {
+  return Server.IsValid() ? FText::FromString(Server->GetSilence()) : FText();
 }
 
 FText FHapticServerDetails::Latency() const {

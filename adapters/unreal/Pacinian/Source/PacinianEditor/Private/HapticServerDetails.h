@@ -15,6 +15,7 @@ class FHapticServerDetails : public IDetailCustomization {
  private:
   FText Status() const;
   FText Output() const;
+  FText Silence() const;
   FText Latency() const;
   FText Problem() const;
 

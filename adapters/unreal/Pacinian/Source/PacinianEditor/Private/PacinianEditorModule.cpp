@@ -6,7 +6,6 @@
 #include "Misc/MessageDialog.h"
 #include "Modules/ModuleManager.h"
 #include "PropertyEditorModule.h"
-#include "ServerProcess.h"
 #include "ToolMenus.h"
 #include "UObject/UObjectIterator.h"
 #include "UnrealEdGlobals.h"
@@ -28,7 +27,6 @@ class FPacinianEditorModule : public IModuleInterface {
   }
 
   virtual void ShutdownModule() override {
-    Server.Stop();
     UToolMenus::UnRegisterStartupCallback(this);
     UToolMenus::UnregisterOwner(this);
     if (!UObjectInitialized()) return;
@@ -45,22 +43,22 @@ class FPacinianEditorModule : public IModuleInterface {
     FToolMenuSection& Section = UToolMenus::Get()->ExtendMenu(TEXT("LevelEditor.MainMenu.Tools"))
                                     ->AddSection(TEXT("Pacinian"), LOCTEXT("Menu", "Haptics"));
     Section.AddMenuEntry(TEXT("PacinianStart"), LOCTEXT("Start", "Start Haptic Server"),
-                         LOCTEXT("StartTip", "Starts the server that is named in the project's settings."), FSlateIcon(),
-                         FUIAction(FExecuteAction::CreateRaw(this, &FPacinianEditorModule::Start)));
+                         LOCTEXT("StartTip", "Starts the server in the plugin's folder, or the one that the project's settings name, unless one runs."), FSlateIcon(),
+                         FUIAction(FExecuteAction::CreateStatic(&FPacinianEditorModule::Start)));
     Section.AddMenuEntry(TEXT("PacinianEnd"), LOCTEXT("End", "End Haptic Server"),
                          LOCTEXT("EndTip", "Ends the server that was started here: silence."), FSlateIcon(),
-                         FUIAction(FExecuteAction::CreateRaw(this, &FPacinianEditorModule::End)));
+                         FUIAction(FExecuteAction::CreateStatic(&UHapticServerComponent::StopServer)));
     Section.AddMenuEntry(TEXT("PacinianStop"), LOCTEXT("Stop", "Emergency Stop"),
                          LOCTEXT("StopTip", "Silence at once, whatever plays, until the output is reset."), FSlateIcon(),
                          FUIAction(FExecuteAction::CreateStatic(&FPacinianEditorModule::EmergencyStop)));
   }
 
-  void Start() {
+  static void Start() {
     FString Problem;
-    if (!Server.Start(Problem)) FMessageDialog::Open(EAppMsgType::Ok, FText::FromString(Problem));
+    if (GetDefault<UHapticServerComponent>()->StartServer(Problem)) return;
+    Problem = Problem + TEXT(". Say where it is in Project Settings, Plugins, Pacinian.");
+    FMessageDialog::Open(EAppMsgType::Ok, FText::FromString(Problem));
   }
-
-  void End() { Server.Stop(); }
 
   /// To the servers of all levels that are open; without one, to the usual.
   static void EmergencyStop() {
@@ -68,8 +66,6 @@ class FPacinianEditorModule : public IModuleInterface {
     for (TObjectIterator<UHapticServerComponent> It; It; ++It, bFound = true) It->EmergencyStop();
     if (!bFound) GetMutableDefault<UHapticServerComponent>()->EmergencyStop();
   }
-
-  FServerProcess Server;
 };
 
 IMPLEMENT_MODULE(FPacinianEditorModule, PacinianEditor)

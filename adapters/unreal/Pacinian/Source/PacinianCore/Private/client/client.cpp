@@ -51,9 +51,19 @@ bool Client::Inside::ask(Request request) {
   return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
 }
 
+/// Refuses aloud what is lost without a session: once, until the next. Not what is sent in each frame.
+bool Client::Inside::told(const char* what, bool done) {
+  if (done || std::exchange(told_no_session, true)) return done;
+  const std::string start = worker ? "" : "call start, and ";
+  refusals.push_back({"session", std::string("`") + what + "` was asked for, but there is no session", "",
+                      start + "do it when on.connected is called"});
+  return false;
+}
+
 bool Client::put(std::string_view name, wire::Object object) {
-  return in_->command(
-      [&](Outbox& box, Stamp stamp) { box.put(name, std::move(object), stamp); });
+  return in_->told("put", in_->command([&](Outbox& box, Stamp stamp) {
+    box.put(name, std::move(object), stamp);
+  }));
 }
 
 bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion) {
@@ -74,15 +84,17 @@ bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Mot
 }
 
 bool Client::remove(std::string_view name) {
-  return in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); });
+  return in_->told("remove", in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); }));
 }
 
 bool Client::clear() {
-  return in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); });
+  return in_->told("clear", in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); }));
 }
 
 bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
-  return in_->command([&](Outbox& box, Stamp stamp) { box.envelope(name, envelope, stamp); });
+  return in_->told("envelope", in_->command([&](Outbox& box, Stamp stamp) {
+    box.envelope(name, envelope, stamp);
+  }));
 }
 
 bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen) {
@@ -93,17 +105,19 @@ bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<doub
 }
 
 bool Client::quiet(const std::vector<wire::Zone>& zones) {
-  return in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); });
+  return in_->told("quiet", in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); }));
 }
 
-bool Client::arm(bool take) { return in_->ask({Request::Kind::arm, take}); }
+bool Client::arm(bool take, bool resume) {
+  return in_->told("arm", in_->ask({Request::Kind::arm, take, resume}));
+}
 
-bool Client::disarm() { return in_->ask({Request::Kind::disarm}); }
+bool Client::disarm() { return in_->told("disarm", in_->ask({Request::Kind::disarm})); }
 
-bool Client::reset() { return in_->ask({Request::Kind::reset}); }
+bool Client::reset() { return in_->told("reset", in_->ask({Request::Kind::reset})); }
 
 bool Client::select(wire::Select choice) {
-  return in_->ask({Request::Kind::select, false, std::move(choice)});
+  return in_->told("select", in_->ask({Request::Kind::select, false, false, std::move(choice)}));
 }
 
 bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallback told) {
@@ -111,7 +125,7 @@ bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallbac
   for (const auto& point : points)
     for (const float value : point) wire::append(request.field.points, value);
   request.told = std::move(told);
-  return in_->ask(std::move(request));
+  return in_->told("field", in_->ask(std::move(request)));
 }
 
 }  // namespace pacinian

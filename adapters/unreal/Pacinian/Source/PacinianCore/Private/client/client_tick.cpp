@@ -1,4 +1,5 @@
 #include <complex>
+#include <cstdio>
 #include <utility>
 
 #include "inside.h"
@@ -32,6 +33,7 @@ void Client::close() {
   in_->view = {};
   in_->session = 0;
   in_->has_state = false;
+  in_->touches.clear();
   ++in_->closed;
 }
 
@@ -53,7 +55,11 @@ void Client::tick() {
   bool newer = false;
   std::string problem;
   if (in.worker) {
-    in.worker->mailbox().tick(in.options.clock());
+    const auto pause = in.worker->mailbox().tick(in.options.clock());
+    if (in.view.armed && pause.game > in.view.lease && on.stood_still)
+      on.stood_still({pause.game, pause.worker > 0.75 * pause.game});
+  }
+  if (in.worker) {
     newer = in.worker->mailbox().collect(in.view, in.events, in.state);
   }
   {
@@ -61,11 +67,16 @@ void Client::tick() {
     std::swap(problem, in.stop_problem);
   }
   if (!problem.empty() && on.refused) on.refused({"stop", problem, "", "try again"});
+  for (const Refusal& refusal : std::exchange(in.refusals, {}))
+    if (on.refused) on.refused(refusal);
   for (Event& event : in.events)
     if (in.closed == closed) in.dispatch(event, on);
   in.events.clear();
   in.has_state = (in.has_state || newer) && in.closed == closed;
-  if (newer && in.has_state && on.state_changed) on.state_changed(in.state);
+  if (newer && in.has_state) {
+    in.touches.follow(in.state.scene == in.view.scene ? &in.state : nullptr, on);
+    if (in.has_state && in.closed == closed && on.state_changed) on.state_changed(in.state);
+  }
   in.ticks = false;
 }
 
@@ -74,12 +85,13 @@ void Client::Inside::dispatch(Event& event, const Events& on) {
   switch (event.kind) {
     case Event::Kind::connected:
       session = event.session;
-      has_state = false;
+      has_state = told_no_session = false;
       if (on.connected) on.connected();
       break;
     case Event::Kind::lost:
       session = 0;
       has_state = false;
+      touches.follow(nullptr, on);
       if (on.lost) on.lost(told.message);
       break;
     case Event::Kind::ended:
@@ -113,6 +125,14 @@ const std::string& Client::scene() const { return in_->view.scene; }
 const std::string& Client::server() const { return in_->view.server; }
 const wire::Abilities* Client::capabilities() const { return in_->view.abilities.get(); }
 const wire::State* Client::state() const { return in_->has_state ? &in_->state : nullptr; }
+const std::vector<wire::TouchState>& Client::touches() const { return in_->touches.now(); }
 RegionFelt Client::felt(std::string_view name) const { return RegionFelt::of(state(), name); }
+
+std::string Standstill::text() const {
+  char figures[32];
+  std::snprintf(figures, sizeof figures, "%.1f", seconds);
+  const char* what = whole ? "the program stood still (a breakpoint, or the computer slept)" : "the game did not tick";
+  return std::string(what) + " for " + figures + " s, so it was silent; it goes on";
+}
 
 }  // namespace pacinian

@@ -69,6 +69,7 @@ void Dialogue::ask(Request request, double now) {
   };
   wire::Arm arm;
   arm.take = request.take;
+  arm.resume = request.resume;
   switch (request.kind) {
     case Request::Kind::arm:
       send(arm, timeout_);

@@ -7,6 +7,7 @@
 
 #include "pacinian/client.h"
 #include "stopper.h"
+#include "touches.h"
 #include "worker.h"
 
 namespace pacinian {
@@ -20,6 +21,7 @@ struct Client::Inside {
   template <class Act>
   bool command(Act act);
   bool ask(client::Request request);
+  bool told(const char* what, bool done);
   void dispatch(client::Event& event, const Events& on);
   void stopped(const std::string& problem);
 
@@ -27,7 +29,9 @@ struct Client::Inside {
   client::View view;
   std::vector<client::Event> events;
   wire::State state;
-  bool has_state = false, ticks = false;
+  client::Touches touches;
+  std::vector<Refusal> refusals;  ///< the client's own
+  bool has_state = false, ticks = false, told_no_session = false;
   std::uint64_t session = 0;  ///< that the game knows of; 0: none
   int closed = 0;             ///< how often it was
 

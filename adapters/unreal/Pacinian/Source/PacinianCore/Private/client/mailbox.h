@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -33,10 +35,16 @@ class Mailbox {
     return true;
   }
 
+  /// How long the game has not ticked, and the longest of that time in which the worker did not run [s].
+  struct Pause {
+    double game, worker;
+  };
+
   /// The game is alive at `time` [s].
-  void tick(double time) {
-    ticked_.store(time);
+  Pause tick(double time) {
+    const double before = ticked_.exchange(time), longest = longest_step_.exchange(0.0);
     if (wants_tick_.exchange(false)) bell.ring();
+    return {time - before, std::max(longest, time - stepped_.load())};
   }
 
   /// Takes what has been told since. True if there is a newer state.
@@ -52,6 +60,13 @@ class Mailbox {
   // The worker's side.
 
   double ticked() const { return ticked_.load(); }
+
+  /// The worker runs at `time` [s].
+  void step(double time) {
+    const double since = time - stepped_.exchange(time);
+    if (since > longest_step_.load()) longest_step_.store(since);
+  }
+
   void want_tick() { wants_tick_.store(true); }
 
   /// Adds what is to be sent to `box` and `requests`.
@@ -116,7 +131,8 @@ class Mailbox {
   View view_;
   wire::State state_;
   bool viewed_ = false, fresh_ = false;
-  std::atomic<double> ticked_{-1e300};
+  std::atomic<double> ticked_{-1e300}, longest_step_{0.0};
+  std::atomic<double> stepped_{std::numeric_limits<double>::quiet_NaN()};
   std::atomic<bool> wants_tick_{false};
 };
 

@@ -36,7 +36,7 @@ struct View {
 struct Request {
   enum class Kind : std::uint8_t { arm, disarm, reset, select, field };
   Kind kind = Kind::arm;
-  bool take = false;
+  bool take = false, resume = false;
   wire::Select choice = {};
   wire::Field field = {};
   FieldCallback told = {};

@@ -6,7 +6,7 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr double max_wait = 1.0;         // [s] between two looks at the clock
+constexpr double max_wait = 0.1;         // [s] between two steps
 constexpr double max_fresh_age = 0.05;   // [s] of a state, beyond which newer ones are looked for
 constexpr double settling_time = 0.005;  // [s] in which more would come
 
@@ -36,6 +36,7 @@ bool Worker::command(const wire::Writer& message) {
 void Worker::run() {
   while (!quits_.load()) {
     const double now = options_.clock();
+    mailbox_.step(now);
     if (!transport_ && now >= attempts_.due()) connect(now);
     if (transport_) speak(now);
     tell(now);

@@ -11,6 +11,7 @@
 #include "pacinian/client/events.h"
 #include "pacinian/client/options.h"
 #include "pacinian/client/region_felt.h"
+#include "pacinian/client/silence.h"
 #include "pacinian/wire/commands.h"
 #include "pacinian/wire/control.h"
 #include "pacinian/wire/replies.h"
@@ -22,9 +23,10 @@ namespace pacinian {
 ///
 /// A thread of its own connects, and again after each loss, sends, and listens. Of what has not been sent yet only the
 /// newest for each object is kept. The lease is renewed only as long as `tick` is called, so that a game that hangs
-/// falls silent. After a loss nothing resumes: objects must be put again, and the output armed.
+/// falls silent until it goes on. After a loss nothing resumes: objects must be put again, and the output armed.
 ///
-/// What returns bool is false, and does nothing, without a session; what the server refuses is told by `on.refused`.
+/// What returns bool is false, and does nothing, without a session; `on.refused` tells that once, and what the server
+/// refuses.
 class Client {
  public:
   PACINIANCORE_API explicit Client(Options options = {});
@@ -56,6 +58,10 @@ class Client {
   PACINIANCORE_API const wire::State* state() const;             ///< the newest; null before the first
   /// What is felt of an object's surface or volume, by its name, in the newest state.
   PACINIANCORE_API RegionFelt felt(std::string_view name) const;
+  /// Why the output is silent, and what to do; empty while it sounds, and before the first state.
+  PACINIANCORE_API Silence silence() const;
+  /// Hands that feel an object of this client's scene.
+  PACINIANCORE_API const std::vector<wire::TouchState>& touches() const;
 
   /// Its clock [s].
   PACINIANCORE_API double now() const;
@@ -79,8 +85,9 @@ class Client {
   /// All quiet zones of this client, in place of those before.
   PACINIANCORE_API bool quiet(const std::vector<wire::Zone>& zones);
 
-  /// This client's scene is to be felt, as long as `tick` is called. take: from its owner, if need be.
-  PACINIANCORE_API bool arm(bool take = false);
+  /// This client's scene is to be felt, as long as `tick` is called. take: from its owner, if need be. resume: if the
+  /// game stands still for longer than its lease, it sounds again when it goes on; otherwise it is to be armed again.
+  PACINIANCORE_API bool arm(bool take = false, bool resume = true);
   /// Silence, softly; the output is let go.
   PACINIANCORE_API bool disarm();
   /// Emergency stop: silence at once, whoever owns the output, until `reset`. From any thread, with or without a

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pacinian::client {
+
+/// A program that this one has started. Its standard input is a pipe, which the system closes when this program ends.
+class Child {
+ public:
+  /// command: the program, then its arguments. log: a file for its standard error; none if empty. Null, with the problem,
+  /// if it cannot be started.
+  static std::unique_ptr<Child> start(const std::vector<std::string>& command, const std::string& log,
+                                      std::string& problem);
+  ~Child();
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  bool runs();
+  /// That it ended with; less than 0: of the signal that has killed it, or unknown.
+  int code() const { return code_; }
+  void close_input();
+  void kill();
+
+ private:
+  struct Handles;
+  explicit Child(std::unique_ptr<Handles> handles);
+
+  std::unique_ptr<Handles> handles_;
+  int code_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace pacinian::client

@@ -1,0 +1,114 @@
+#include "pacinian/server_process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "child.h"
+#include "connection.h"
+#include "pacinian/client/options.h"
+
+namespace pacinian {
+
+namespace {
+
+constexpr double first_pause = 2.0, longest_pause = 30.0;  // [s] between two starts
+constexpr double well = 10.0;                 // [s] after which the next pause is the first again
+constexpr std::chrono::milliseconds look{10};  // between two looks whether it has ended
+constexpr std::streamoff tail = 2000;         // of a log [bytes]
+
+/// The last line of a log; empty if there is none.
+std::string last_line(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(0, std::ios::end);
+  file.seekg(std::max<std::streamoff>(0, file.tellg() - tail));
+  std::string line, last;
+  while (std::getline(file, line))
+    if (!line.empty()) last = line;
+  return last;
+}
+
+}  // namespace
+
+struct ServerProcess::Inside {
+  explicit Inside(Options given) : options(std::move(given)) {}
+
+  bool begin(double now) {
+    std::vector<std::string> command = {options.program, "serve", "--until-eof"};
+    if (!options.connection_path.empty())
+      command.insert(command.end(), {"--connection", options.connection_path});
+    command.insert(command.end(), options.arguments.begin(), options.arguments.end());
+    std::string why;
+    child = client::Child::start(command, options.log, why);
+    problem = child ? "" : options.program + " cannot be started: " + why;
+    started = now;
+    rest(now);
+    return child != nullptr;
+  }
+
+  /// Until the next start there is to be a pause, longer each time.
+  void rest(double now) {
+    due = now + pause;
+    pause = std::min(2.0 * pause, longest_pause);
+  }
+
+  void bury(double now) {
+    const std::string said = options.log.empty() ? "" : last_line(options.log);
+    problem = "the server has ended, with exit code " + std::to_string(child->code());
+    problem += said.empty() ? "" : ": " + said;
+    child.reset();
+    rest(now);
+  }
+
+  const Options options;
+  std::unique_ptr<client::Child> child;
+  std::string problem;
+  bool wanted = false;
+  double started = 0.0, due = 0.0, pause = first_pause;
+};
+
+ServerProcess::ServerProcess(Options options) : in_(std::make_unique<Inside>(std::move(options))) {}
+
+ServerProcess::~ServerProcess() { stop(); }
+
+bool ServerProcess::start() {
+  Inside& in = *in_;
+  if (runs()) return true;
+  const double now = steady_clock();
+  in.wanted = true;
+  in.pause = first_pause;
+  in.problem.clear();
+  client::Connection other;
+  std::string why;
+  if (!other.read(in.options.connection_path, why)) return in.begin(now);
+  in.rest(now);
+  return true;
+}
+
+void ServerProcess::tick(bool connected) {
+  Inside& in = *in_;
+  const double now = steady_clock();
+  if (!in.wanted) return;
+  if (in.child && !in.child->runs()) in.bury(now);
+  if (connected) in.problem.clear();
+  if (connected || (in.child && now > in.started + well)) in.pause = first_pause;
+  if (connected && !in.child) in.rest(now);
+  if (!connected && !in.child && now >= in.due) in.begin(now);
+}
+
+void ServerProcess::stop(double patience) {
+  in_->wanted = false;
+  if (!in_->child) return;
+  in_->child->close_input();
+  for (const double end = steady_clock() + patience; in_->child->runs(); std::this_thread::sleep_for(look))
+    if (steady_clock() > end) in_->child->kill();
+  in_->child.reset();
+}
+
+bool ServerProcess::runs() const { return in_->child && in_->child->runs(); }
+
+const std::string& ServerProcess::problem() const { return in_->problem; }
+
+}  // namespace pacinian
