@@ -96,7 +96,7 @@ namespace Pacinian
             _worker.Wake();
             if (Armed && still > Lease)
             {
-                StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.5 * still });
+                StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.75 * still });
             }
             bool fresh = _shared.Inbox.Look(out _standing, out _trips, out _offset);
             Notice notice;
