@@ -1,0 +1,120 @@
+"""Games in C++ and C#, and one in Unreal's stead, that start the server: it ends with them; they find another's."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from ..waiting import PATIENCE
+from . import tools, unreal
+from .game import Game
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+CPP = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
+CSHARP = pytest.mark.deep("mono", "mcs")
+SERVER = str(Path(sys.executable).with_name("pacinian"))
+
+
+def build_cpp() -> Path:
+    """The folder with the games in C++ and in Unreal's stead."""
+    unreal.generate(tools.CPP / "build" / "watched" / "headers")
+    return tools.watched("client_server", "play")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "connection.json"
+
+
+@pytest.fixture(
+    params=[
+        pytest.param("cpp", marks=CPP, id="cpp"),
+        pytest.param("csharp", marks=CSHARP, id="csharp"),
+    ]
+)
+def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., Game]]:
+    """Starts a game, whose server is as told."""
+    program: list[str | Path] = (
+        [build_cpp() / "core" / "client_server"] if request.param == "cpp" else []
+    )
+    if not program:
+        core = request.getfixturevalue("csharp_core")
+        sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Server", "Json")]
+        program = ["mono", tools.csharp(core.with_name("ClientServer.exe"), sources, core)]
+    games: list[Game] = []
+
+    def begin(*command: str) -> Game:
+        log, words = file.with_name(f"log{len(games)}"), command or (SERVER, "--quiet")
+        games.append(Game([*program, file, log, *words], tools.environment()))
+        return games[-1]
+
+    yield begin
+    for game in games:
+        with game:
+            if game.process.poll() is None:
+                assert game.end() == 0, game.told[-20:]
+
+
+def find_server(file: Path) -> list[psutil.Process]:
+    """The processes of the server that has written a connection file."""
+    server = psutil.Process(json.loads(file.read_text(encoding="utf-8"))["pid"])
+    return [server, *server.children(recursive=True)]
+
+
+def is_ours(game: Game, yes: bool) -> None:
+    """Wait until it is connected, to a server that it has started or not."""
+    told = game.until(lambda s: s["status"] and s["runs"] is yes)
+    assert told["problem"] == ""
+
+
+def test_the_server_ends_with_the_game_that_has_started_it_and_the_next_game_starts_another(
+    start: Callable[..., Game], file: Path
+) -> None:
+    first = start()
+    is_ours(first, True)
+    second = start()
+    is_ours(second, False)
+    processes = find_server(file)
+    assert len(processes) >= 4
+    first.kill()
+    assert not psutil.wait_procs(processes, PATIENCE)[1]
+    is_ours(second, True)
+    processes = find_server(file)
+    second.say("stop")
+    assert not psutil.wait_procs(processes, PATIENCE)[1]
+    assert not file.exists()
+    assert not second.until(lambda s: not s["status"])["runs"]
+
+
+@pytest.mark.parametrize(
+    ("command", "problem"),
+    [
+        (("/nowhere/pacinian",), "/nowhere/pacinian"),  # cannot be started, or is not found
+        ((SERVER, "--backend", "nonsense"), "exit code 2: error: no backend is called 'nonsense'"),
+    ],
+)
+def test_why_there_is_no_server_is_told(
+    start: Callable[..., Game], command: tuple[str, ...], problem: str
+) -> None:
+    assert not start(*command).until(lambda s: problem in s["problem"])["runs"]
+
+
+@CPP
+def test_the_unreal_components_start_it_and_end_it(file: Path) -> None:
+    with Game([build_cpp() / "play", file], tools.environment()) as game:
+        game.do(f"serve {SERVER} --quiet")
+        game.until(lambda s: s["status"] == "connected")
+        processes = find_server(file)
+        game.do("unserve")
+        assert not psutil.wait_procs(processes, PATIENCE)[1]
+        game.do("serve /nowhere/pacinian")
+        told = game.until(lambda s: "cannot be started" in s["problem"])
+        assert told["silence"] == told["problem"]
+        assert game.end() == 0, game.told[-20:]
