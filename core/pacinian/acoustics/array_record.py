@@ -37,11 +37,11 @@ def to_map(array: Array) -> dict[str, Any]:
 
 def from_map(settings: dict[str, Any], positions: Floats, normals: Floats) -> Array:
     """Return the array; omnidirectional if the directivity is missing. Damaged values raise any Exception."""
-    told: dict[str, Any] = settings["transducer"]
+    transducer: dict[str, Any] = settings["transducer"]
     kind = Transducer(
-        frequency=told["frequency"],
-        pressure=told["pressure"],
-        directivity=_make_directivity(told["directivity"]),
+        frequency=transducer["frequency"],
+        pressure=transducer["pressure"],
+        directivity=_make_directivity(transducer["directivity"]),
     )
     given = settings.get("response")
     response = None if given is None else np.frombuffer(given, "<c16")
@@ -58,7 +58,7 @@ def _describe_directivity(D: Callable[[Floats], Floats]) -> dict[str, Any] | str
     return next((name for name, function in NAMED.items() if function is D), None)
 
 
-def _make_directivity(told: dict[str, Any] | str | None) -> Callable[[Floats], Floats]:
-    if isinstance(told, dict):
-        return DirectivityTable(**told) if "angles" in told else Piston(**told)
-    return NAMED["omni" if told is None else told]
+def _make_directivity(record: dict[str, Any] | str | None) -> Callable[[Floats], Floats]:
+    if isinstance(record, dict):
+        return DirectivityTable(**record) if "angles" in record else Piston(**record)
+    return NAMED["omni" if record is None else record]

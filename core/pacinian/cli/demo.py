@@ -53,7 +53,7 @@ def demo(
         click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
 
     from pacinian.acoustics.array import autd
-    from pacinian.cli.run_output import picture, progress, summary, tell
+    from pacinian.cli.run_output import picture, print_summary, progress, summary
     from pacinian.demo import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer
@@ -73,4 +73,4 @@ def demo(
     title = "A circling ball and a button: radiation pressure"
     extra["picture"] = picture(renderer, out, title, quiet=as_json)
     less = "" if units == 1 else "fewer units (`--units 1`), or "
-    tell(summary(renderer, extra, processor), as_json, f"try {less}a lower `--rate`")
+    print_summary(summary(renderer, extra, processor), as_json, f"try {less}a lower `--rate`")

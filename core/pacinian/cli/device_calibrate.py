@@ -71,7 +71,7 @@ def calibrate(
     """
     from pacinian.acoustics.air import Air
     from pacinian.checks import check_number
-    from pacinian.cli.doctor import tell
+    from pacinian.cli.doctor import print_findings
     from pacinian.devices.calibration import Measurement, write_calibration
     from pacinian.devices.scan import read_scan, undo_calibration
     from pacinian.devices.scan_fit import fit_scan
@@ -129,7 +129,7 @@ def calibrate(
         }
         click.echo(json.dumps(told))
     else:
-        tell(findings)
+        print_findings(findings)
         click.echo(f"{out}: {len(measured)} channels; set it as `calibration` in {file}")
 
 

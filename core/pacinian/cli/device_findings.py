@@ -25,8 +25,8 @@ def check_description(device: DeviceDescription) -> list[Finding]:
     """Check the description alone."""
     array = device.array()
     size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(array.positions, axis=0))
-    told = f"{len(array)} transducers on {len(device.boards)} boards, {size} mm"
-    found = [Finding("array", "ok", told)]
+    text = f"{len(array)} transducers on {len(device.boards)} boards, {size} mm"
+    found = [Finding("array", "ok", text)]
     found += [_board(board) for board in device.boards]
     found += [_places(device), _frequency(device)]
     return found
@@ -36,15 +36,15 @@ def _board(board: Board) -> Finding:
     L, size = board.layout.count, np.abs(board.responses)
     dead = np.setdiff1d(np.arange(L), board.alive)
     odd = board.alive[(size[board.alive] > UNLIKE) | (size[board.alive] < 1.0 / UNLIKE)]
-    told = f"{L} channels"
+    text = f"{L} channels"
     if len(dead):
-        told += f", dead: {_some(dead.tolist())}"
+        text += f", dead: {_some(dead.tolist())}"
     if len(dead) != L and np.ptp(size[board.alive]):
-        told += f", {size[board.alive].min():.2g} to {size[board.alive].max():.2g} times as strong"
+        text += f", {size[board.alive].min():.2g} to {size[board.alive].max():.2g} times as strong"
     if len(odd):
-        told += f", far from their kind: {_some(odd.tolist())}"
-        return Finding(_name(board), "warning", told, "measure them again, or list them as dead")
-    return Finding(_name(board), "ok", told)
+        text += f", far from their kind: {_some(odd.tolist())}"
+        return Finding(_name(board), "warning", text, "measure them again, or list them as dead")
+    return Finding(_name(board), "ok", text)
 
 
 def _places(device: DeviceDescription) -> Finding:
@@ -60,15 +60,15 @@ def _places(device: DeviceDescription) -> Finding:
         return Finding("places", "ok", f"none are nearer than {1e3 * MIN_SPACING:g} mm")
     wrong = sorted({" and ".join(sorted({owners[i], owners[j]})) for i, j in pairs})
     nearest = min(float(np.linalg.norm(r[i] - r[j])) for i, j in pairs)
-    told = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"
-    return Finding("places", "problem", told, "correct the boards' poses and layouts")
+    text = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"
+    return Finding("places", "problem", text, "correct the boards' poses and layouts")
 
 
 def _frequency(device: DeviceDescription) -> Finding:
-    f, told = device.transducer.frequency, f"{device.transducer.frequency / 1e3:g} kHz"
+    f, text = device.transducer.frequency, f"{device.transducer.frequency / 1e3:g} kHz"
     if device.transducer.directivity == "t4010a1" and not BAND[0] <= f <= BAND[1]:
-        return Finding("frequency", "warning", told, "a T4010A1 is made for 40 kHz")
-    return Finding("frequency", "ok", told)
+        return Finding("frequency", "warning", text, "a T4010A1 is made for 40 kHz")
+    return Finding("frequency", "ok", text)
 
 
 def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]) -> Finding:
@@ -81,8 +81,8 @@ def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]
     ]
     if left:
         fix = "measure them with `pacinian devices calibrate`; until then the description applies"
-        told = f"{len(measured)} channels measured, not: {_some(left)}"
-        return Finding("calibration", "warning", told, fix)
+        text = f"{len(measured)} channels measured, not: {_some(left)}"
+        return Finding("calibration", "warning", text, fix)
     return Finding("calibration", "ok", f"{len(measured)} channels measured")
 
 

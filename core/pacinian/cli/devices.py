@@ -92,7 +92,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
     Exit code 1 if there is a problem; warnings do not count.
     """
     from pacinian.cli.device_findings import calibration, check_description
-    from pacinian.cli.doctor import tell
+    from pacinian.cli.doctor import print_findings
     from pacinian.devices.calibration import read_calibration
     from pacinian.devices.description import DeviceDescription
 
@@ -105,7 +105,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
     else:
-        tell(findings)
+        print_findings(findings)
     if any(f.level == "problem" for f in findings):
         raise SystemExit(1)
 

@@ -30,12 +30,12 @@ def doctor(connection: str | None, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
     else:
-        tell(findings)
+        print_findings(findings)
     if any(f.level == "problem" for f in findings):
         raise SystemExit(1)
 
 
-def tell(findings: list[Finding]) -> None:
+def print_findings(findings: list[Finding]) -> None:
     """Print findings, one per line, each with its remedy."""
     from rich.console import Console
     from rich.markup import escape
@@ -43,7 +43,7 @@ def tell(findings: list[Finding]) -> None:
     console = Console(highlight=False, soft_wrap=True)  # remedies are copied: no line may be broken
     for f in findings:
         level = f"[{COLOURS[f.level]}]{f.level:<8}[/]"
-        console.print(f"{level} {escape(f.name)}: {escape(f.told)}")
+        console.print(f"{level} {escape(f.name)}: {escape(f.text)}")
         if f.fix:
             console.print(f"         -> {escape(f.fix)}")
     problems = sum(f.level == "problem" for f in findings)

@@ -28,16 +28,16 @@ class Finding:
 
     name: str
     level: Literal["ok", "warning", "problem"]
-    told: str
+    text: str
     fix: str = ""
 
 
 def python(version: tuple[int, int, int], executable: str) -> Finding:
     """Check the Python version."""
-    told = f"{'.'.join(map(str, version))}, {executable}"
+    text = f"{'.'.join(map(str, version))}, {executable}"
     if version[:2] < MAX_STATE_AGE:
-        return Finding("Python", "problem", told, "install Python 3.11 or newer")
-    return Finding("Python", "ok", told)
+        return Finding("Python", "problem", text, "install Python 3.11 or newer")
+    return Finding("Python", "ok", text)
 
 
 def libraries(versions: Mapping[str, str | None]) -> Finding:
@@ -45,17 +45,17 @@ def libraries(versions: Mapping[str, str | None]) -> Finding:
     missing = [name for name, version in versions.items() if version is None]
     if missing:
         return Finding("libraries", "problem", f"missing: {', '.join(missing)}", INSTALL)
-    told = ", ".join(f"{name} {version}" for name, version in versions.items())
-    return Finding("libraries", "ok", told)
+    text = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return Finding("libraries", "ok", text)
 
 
 def extras(missing: Mapping[str, str]) -> Finding:
     """List the optional libraries. missing: extra to its first missing library."""
     if not missing:
         return Finding("extras", "ok", "all installed")
-    told = ", ".join(f"{name} without {library}" for name, library in missing.items())
+    text = ", ".join(f"{name} without {library}" for name, library in missing.items())
     names = ",".join(missing)
-    return Finding("extras", "ok", told, f"if wanted: {suggest_install(names)}")
+    return Finding("extras", "ok", text, f"if wanted: {suggest_install(names)}")
 
 
 def curve(has: bool, version: str) -> Finding:
@@ -63,26 +63,26 @@ def curve(has: bool, version: str) -> Finding:
     if has:
         return Finding("ZeroMQ", "ok", f"libzmq {version} with CURVE")
     fix = "install pyzmq's own wheel: `pip install --force-reinstall pyzmq`"
-    told = f"libzmq {version} without CURVE: only programs on this machine can connect"
-    return Finding("ZeroMQ", "warning", told, fix)
+    text = f"libzmq {version} without CURVE: only programs on this machine can connect"
+    return Finding("ZeroMQ", "warning", text, fix)
 
 
 def kernels(variant: str, level: int) -> Finding:
     """Check the compiled kernels. variant: variant in use. level: x86-64 level of the processor; 0 if it is another."""
-    told = f"compiled for {VARIANTS[variant]}"
+    text = f"compiled for {VARIANTS[variant]}"
     if variant == "plain" and level >= X86:
         fix = "use a processor with AVX2, as most since 2015 have"
-        return Finding("kernels", "warning", f"{told}: expect several times longer ticks", fix)
-    return Finding("kernels", "ok", told)
+        return Finding("kernels", "warning", f"{text}: expect several times longer ticks", fix)
+    return Finding("kernels", "ok", text)
 
 
 def processor(cores: int) -> Finding:
     """Check the number of cores that this process may use."""
-    told = f"{cores} cores"
+    text = f"{cores} cores"
     if cores < 2:
         fix = "give it two cores or more: the loop and the device's guard need one each"
-        return Finding("processor", "warning", told, fix)
-    return Finding("processor", "ok", told)
+        return Finding("processor", "warning", text, fix)
+    return Finding("processor", "ok", text)
 
 
 def plugins(count: int, failed: Sequence[str]) -> Finding:
@@ -106,8 +106,8 @@ def port(error: str) -> Finding:
 def connection(path: str, there: bool, error: str) -> Finding:
     """Check the connection file. error: why it cannot be used, or ""."""
     if not there:
-        told = f"{path} does not exist: no server runs, or it uses another file"
-        return Finding("connection file", "ok", told, "`pacinian serve` starts one")
+        text = f"{path} does not exist: no server runs, or it uses another file"
+        return Finding("connection file", "ok", text, "`pacinian serve` starts one")
     if error:
         fix = "stop that server if it runs, remove the file, and start `pacinian serve`"
         return Finding("connection file", "problem", error, fix)
@@ -118,47 +118,47 @@ def server(error: str, output: str, version: str, why: str = "") -> Finding:
     """Check that the server of the connection file answers. error: why not, or "". why: why it is silent, or ""."""
     if error:
         return Finding("server", "problem", error, "see its log; start `pacinian serve` again")
-    told = f"a server runs ({version}), its output is {output}{why and ': '}{why}"
+    text = f"a server runs ({version}), its output is {output}{why and ': '}{why}"
     if output in ("faulted", "stopped"):
         fix = "`pacinian status` lists the faults; then call `reset()` and `arm()` from a client"
-        return Finding("server", "warning", told, fix)
-    return Finding("server", "ok", f"{told}; another server needs its own --connection")
+        return Finding("server", "warning", text, fix)
+    return Finding("server", "ok", f"{text}; another server needs its own --connection")
 
 
-def air(told: str) -> Finding:
+def air(text: str) -> Finding:
     """Report the air that the server assumes."""
     fix = (
         "measure the air at the array; if it differs, use `pacinian serve --temperature`: an error of 10 degrees costs "
         "nine units a third to a half of the pressure at a focus, and moves it by 6 mm"
     )
-    return Finding("air", "ok", f"the server assumes: {told}", fix)
+    return Finding("air", "ok", f"the server assumes: {text}", fix)
 
 
 def memory(folder: str, writable: bool, free: int, needed: int) -> Finding:
     """Check the shared memory. free: free space [bytes]. needed: space that a server needs [bytes]."""
-    told = f"{folder}, {free / 2**20:.0f} MiB free, {needed / 2**20:.0f} MiB needed"
+    text = f"{folder}, {free / 2**20:.0f} MiB free, {needed / 2**20:.0f} MiB needed"
     if not writable:
         fix = "make it writable, or set TMPDIR to a folder that is"
         return Finding("shared memory", "problem", f"{folder} cannot be written", fix)
     if free < needed:
         fix = "free space there; start a container with --shm-size=256m"
-        return Finding("shared memory", "problem", told, fix)
-    return Finding("shared memory", "ok", told)
+        return Finding("shared memory", "problem", text, fix)
+    return Finding("shared memory", "ok", text)
 
 
 def clock(resolution: float, late: Sequence[float]) -> Finding:
     """Check the clock. resolution: of the clock [s]. late: lateness of sleeps of 1 ms [s]."""
     p99 = sorted(late)[math.ceil(0.99 * len(late)) - 1]
-    told = (
+    text = (
         f"resolution {1e9 * resolution:.0f} ns; 99 % of sleeps are late by up to {1e3 * p99:.2f} ms, "
         f"the latest by {1e3 * max(late):.2f} ms"
     )
     if resolution > 1e-5:
-        return Finding("clock", "problem", told, "a clock of 10 microseconds or better is needed")
+        return Finding("clock", "problem", text, "a clock of 10 microseconds or better is needed")
     if p99 > JITTER:
         fix = "close other programs; power saving or a busy virtual machine can also cause this"
-        return Finding("clock", "warning", told, fix)
-    return Finding("clock", "ok", told)
+        return Finding("clock", "warning", text, fix)
+    return Finding("clock", "ok", text)
 
 
 def usb(libusb: bool, platform: str) -> Finding:
@@ -176,7 +176,7 @@ def usb(libusb: bool, platform: str) -> Finding:
 
 def permissions(devices: int, usable: int) -> Finding:
     """Check how many of the USB devices this user may open (Linux)."""
-    told = f"you can open {usable} of {devices} USB devices"
+    text = f"you can open {usable} of {devices} USB devices"
     if devices and not usable:
-        return Finding("USB permissions", "warning", told, f"if you have a USB array: {RIGHTS}")
-    return Finding("USB permissions", "ok", told)
+        return Finding("USB permissions", "warning", text, f"if you have a USB array: {RIGHTS}")
+    return Finding("USB permissions", "ok", text)

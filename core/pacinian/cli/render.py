@@ -53,7 +53,7 @@ def render(
     """
     from msgspec.structs import replace
 
-    from pacinian.cli.run_output import picture, progress, summary, tell
+    from pacinian.cli.run_output import picture, print_summary, progress, summary
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.scene_renderer import make_renderer
     from pacinian.scene.file import load_scene_file
@@ -78,4 +78,4 @@ def render(
         processor = time.process_time() - begin
     extra["picture"] = picture(renderer, out, scene.name, quiet=as_json)
     remedy = "give the scene file a lower `rate`, a smaller `array` or fewer objects"
-    tell(summary(renderer, extra, processor), as_json, remedy)
+    print_summary(summary(renderer, extra, processor), as_json, remedy)

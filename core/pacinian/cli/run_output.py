@@ -86,7 +86,7 @@ def summary(
     }
 
 
-def tell(told: dict[str, Any], as_json: bool, remedy: str = "") -> None:
+def print_summary(figures: dict[str, Any], as_json: bool, remedy: str = "") -> None:
     """Print a summary as a table, or as one JSON object.
 
     Exits with code 130 after Ctrl-C, and with code 1 after a fault or, if strict, if anything was not as asked.
@@ -94,29 +94,29 @@ def tell(told: dict[str, Any], as_json: bool, remedy: str = "") -> None:
     remedy: what helps a machine that is too slow.
     """
     if as_json:
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(figures))
     else:
-        _print_table(told, remedy)
-    if told["interrupted"]:
+        _print_table(figures, remedy)
+    if figures["interrupted"]:
         raise SystemExit(130)
-    if told["fault_count"] or (told.get("strict") and not told["intact"]):
+    if figures["fault_count"] or (figures.get("strict") and not figures["intact"]):
         raise SystemExit(1)
 
 
-def judge_pace(told: dict[str, Any], remedy: str) -> str:
+def judge_pace(figures: dict[str, Any], remedy: str) -> str:
     """Return in words whether the ticks of a run were on time; if not, why, and what to do.
 
-    told: a summary. remedy: what helps if the machine is too slow for the scene.
+    figures: a summary. remedy: what helps if the machine is too slow for the scene.
     """
-    planned = told["ticks"] + told["skipped"].get("missed ticks", 0)
-    timely = told["ticks"] - told["late_ticks"]
+    planned = figures["ticks"] + figures["skipped"].get("missed ticks", 0)
+    timely = figures["ticks"] - figures["late_ticks"]
     if not planned:
         return ""
-    told_share = f"{timely / planned:.0%} of the {planned:,} planned ticks were on time"
+    on_time = f"{timely / planned:.0%} of the {planned:,} planned ticks were on time"
     if timely >= TIMELY_SHARE * planned:
-        return f"{told_share}."
-    took, free, due = told["tick_p50_ms"], told["processor_share"], 1e3 / told["rate"]
-    text = f"Only {told_share}: one took {took:.1f} ms (median), and {told['rate']:g} Hz leave {due:g} ms."
+        return f"{on_time}."
+    took, free, due = figures["tick_p50_ms"], figures["processor_share"], 1e3 / figures["rate"]
+    text = f"Only {on_time}: one took {took:.1f} ms (median), and {figures['rate']:g} Hz leave {due:g} ms."
     if free is not None and free < BUSY_SHARE:
         text += f" Other programs held the processor for {1.0 - free:.0%} of that time: close them."
         took *= free
@@ -125,7 +125,7 @@ def judge_pace(told: dict[str, Any], remedy: str) -> str:
     return text
 
 
-def _print_table(told: dict[str, Any], remedy: str) -> None:
+def _print_table(figures: dict[str, Any], remedy: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
@@ -138,45 +138,47 @@ def _print_table(told: dict[str, Any], remedy: str) -> None:
     table.add_column(style="dim", no_wrap=True)
     table.add_column(overflow="fold")
     rows = {
-        "array": f"{told['transducers']} transducers, {told['samples']} samples at the end",
-        "solver, backend": f"{told['solver']}, {told['backend']}",
-        "ticks": f"{told['ticks']:,} at {told['rate']:g} Hz, {_late(told)}",
-        "tick time": f"{_times(told)}, max {told['tick_max_ms']:.2f} ms",
-        "error": f"{told['error_at_samples']:.2%} of the target sound pressures, as emitted at the samples",
+        "array": f"{figures['transducers']} transducers, {figures['samples']} samples at the end",
+        "solver, backend": f"{figures['solver']}, {figures['backend']}",
+        "ticks": f"{figures['ticks']:,} at {figures['rate']:g} Hz, {_late(figures)}",
+        "tick time": f"{_times(figures)}, max {figures['tick_max_ms']:.2f} ms",
+        "error": f"{figures['error_at_samples']:.2%} of the target sound pressures, as emitted at the samples",
         **{
             f"felt of {name}": str(FeltRegion(**felt))
-            for name, felt in list(told["felt"].items())[:MAX_LISTED]
+            for name, felt in list(figures["felt"].items())[:MAX_LISTED]
         },
-        "solves": ", ".join(f"{n:,} {name}" for name, n in told["statuses"].items()) or "none",
-        "left out": str(split_skips(told["skipped"])),
+        "solves": ", ".join(f"{n:,} {name}" for name, n in figures["statuses"].items()) or "none",
+        "left out": str(split_skips(figures["skipped"])),
         **{
             f"not as asked: {label}": describe_totals(
                 {reason: Total(**total) for reason, total in reasons.items()}
             )
-            for label, reasons in list(told["deviations"].items())[:MAX_LISTED]
+            for label, reasons in list(figures["deviations"].items())[:MAX_LISTED]
         },
     }
-    if (more := len(told["deviations"]) - MAX_LISTED) > 0:
+    if (more := len(figures["deviations"]) - MAX_LISTED) > 0:
         rows["not as asked: others"] = f"{more} more objects, see --json"
-    if base := told.get("dummy"):
+    if base := figures.get("dummy"):
         rows["dummy loop"] = f"{base['ticks']:,} ticks, {_late(base)}, {_times(base)}"
-    if told.get("record"):
-        rows["recording"] = str(Path(told["record"]).resolve())
-    for i, fault in enumerate(told["faults"][:5]):
-        rows[f"fault {i + 1} of {told['fault_count']}"] = fault
+    if figures.get("record"):
+        rows["recording"] = str(Path(figures["record"]).resolve())
+    for i, fault in enumerate(figures["faults"][:5]):
+        rows[f"fault {i + 1} of {figures['fault_count']}"] = fault
     for name, value in rows.items():
         table.add_row(Text(name), Text(value, style="red" if name.startswith("fault") else ""))
     console = make_console()
     console.print(table)
-    if pace := judge_pace(told, remedy):
+    if pace := judge_pace(figures, remedy):
         console.print(Text(pace, style="yellow" if pace.startswith("Only") else "green"))
-    if told.get("picture"):
-        console.print(Text(f"Picture: {Path(told['picture']).resolve()}"), soft_wrap=True)
+    if figures.get("picture"):
+        console.print(Text(f"Picture: {Path(figures['picture']).resolve()}"), soft_wrap=True)
 
 
-def _late(told: dict[str, Any]) -> str:
-    return f"{told['late_ticks']:,} late ({told['late_ticks'] / max(1, told['ticks']):.0%})"
+def _late(figures: dict[str, Any]) -> str:
+    return (
+        f"{figures['late_ticks']:,} late ({figures['late_ticks'] / max(1, figures['ticks']):.0%})"
+    )
 
 
-def _times(told: dict[str, Any]) -> str:
-    return f"median {told['tick_p50_ms']:.2f} ms, p99 {told['tick_p99_ms']:.2f} ms"
+def _times(figures: dict[str, Any]) -> str:
+    return f"median {figures['tick_p50_ms']:.2f} ms, p99 {figures['tick_p99_ms']:.2f} ms"

@@ -71,8 +71,8 @@ def describe_air(sound: Sound | None) -> str:
     """Return the same as text."""
     if sound is None:
         return "not reported"
-    told = "" if sound.temperature is None else f"{sound.temperature:g} °C, "
-    return f"{told}{sound.speed_of_sound:.1f} m/s"
+    temperature = "" if sound.temperature is None else f"{sound.temperature:g} °C, "
+    return f"{temperature}{sound.speed_of_sound:.1f} m/s"
 
 
 def plain(state: State) -> dict[str, Any]:
@@ -83,13 +83,13 @@ def plain(state: State) -> dict[str, Any]:
     import msgspec
     import numpy as np
 
-    told: dict[str, Any] = msgspec.to_builtins(state)
+    plain_state: dict[str, Any] = msgspec.to_builtins(state)
     for name, (kind, width) in BULK.items():
         rows = np.frombuffer(getattr(state, name), kind).reshape(-1, width)
-        told[name] = (rows[:, 0] if width == 1 else rows).tolist()
-    del told["id"], told["type"]
-    told["silence"] = state.silence and state.silence._asdict()
-    return told
+        plain_state[name] = (rows[:, 0] if width == 1 else rows).tolist()
+    del plain_state["id"], plain_state["type"]
+    plain_state["silence"] = state.silence and state.silence._asdict()
+    return plain_state
 
 
 def make_table(state: State) -> Table:

@@ -146,7 +146,7 @@ def test_boards_are_not_missed_where_nobody_could_look(plugins: Any) -> None:
         (found,) = device_findings.check_connected(
             described(boards=boards, backend="mine"), [blind]
         )
-        assert (found.level, found.told, found.fix) == (
+        assert (found.level, found.text, found.fix) == (
             "problem", "search failed", "install libusb",
         )  # fmt: skip
 
@@ -196,7 +196,7 @@ def test_boards_that_overlap_are_named() -> None:
     near = pc.Board("B", pose=pc.Pose((0.0, 0.004, 0.0)))
     found = device_findings.check_description(described(boards=[pc.Board("A"), near]))
     (problem,) = (f for f in found if f.level == "problem")
-    assert re.search(r"overlap, 4\.0 mm apart, on board A and board B", problem.told)
+    assert re.search(r"overlap, 4\.0 mm apart, on board A and board B", problem.text)
     opposite = pc.Board("B", pose=pc.Pose((0.0, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0)))
     assert (
         levels(device_findings.check_description(described(boards=[pc.Board("A"), opposite])))[
@@ -206,7 +206,7 @@ def test_boards_that_overlap_are_named() -> None:
     )
     tight = pc.Board("A", Grid(4, 4, 0.005))
     found = device_findings.check_description(described(boards=[tight]))
-    assert "on board A" in next(f.told for f in found if f.level == "problem")
+    assert "on board A" in next(f.text for f in found if f.level == "problem")
 
 
 def test_dead_and_odd_channels_are_counted() -> None:
@@ -217,9 +217,9 @@ def test_dead_and_odd_channels_are_counted() -> None:
         "board A"
     ]
     assert found.level == "warning"
-    assert "dead: 7, 9" in found.told
-    assert "far from their kind: 3, 4" in found.told
-    assert "247 transducers" in device_findings.check_description(described(boards=[one]))[0].told
+    assert "dead: 7, 9" in found.text
+    assert "far from their kind: 3, 4" in found.text
+    assert "247 transducers" in device_findings.check_description(described(boards=[one]))[0].text
 
 
 def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
@@ -238,7 +238,7 @@ def test_levels_must_be_the_backend_s() -> None:
     assert device_findings.levels(described(levels=Steps(128, 65)), CAN).level == "ok"
     wrong = device_findings.levels(described(levels=Steps(256, 65), backend="mine"), CAN)
     assert wrong.level == "problem"
-    assert "mine has 128 phases" in wrong.told
+    assert "mine has 128 phases" in wrong.text
 
 
 def test_boards_are_looked_for_by_serial() -> None:

@@ -74,7 +74,7 @@ def test_facts_and_what_to_do(found: Finding, level: str, says: str) -> None:
     import re
 
     assert found.level == level
-    assert re.search(says, f"{found.told} {found.fix}", re.DOTALL)
+    assert re.search(says, f"{found.text} {found.fix}", re.DOTALL)
     assert found.fix or level == OK  # whatever is wrong comes with a way to mend it
 
 
@@ -104,11 +104,11 @@ def test_it_sees_a_server_and_why_one_does_not_answer(server: Fake, tmp_path: Pa
     server.answers[control.Status] = lambda m: state(id=m.id, cause="not armed", why="call arm()")
     path = server.connection.write(tmp_path / "connection.json")
     assert doctor_probes.file(str(path)).level == OK
-    told_of = doctor_probes.server(str(path)).told
+    told_of = doctor_probes.server(str(path)).text
     assert "fake" in told_of
     assert "its output is silent: call arm()" in told_of
     path.chmod(0o644)
-    assert "chmod 600" in doctor_probes.file(str(path)).told
+    assert "chmod 600" in doctor_probes.file(str(path)).text
     path.chmod(0o600)
     server.close()
     code, found = told("--connection", str(path))
@@ -117,7 +117,7 @@ def test_it_sees_a_server_and_why_one_does_not_answer(server: Fake, tmp_path: Pa
 
 
 def test_each_extra_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert doctor_probes.extras().told == "all installed"  # as the tests need them
+    assert doctor_probes.extras().text == "all installed"  # as the tests need them
     absent = {"matplotlib", "starlette", "pyarrow", "pyftdi", "autd3"}
     there = doctor_probes._version
     monkeypatch.setattr(
@@ -127,8 +127,8 @@ def test_each_extra_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(found.fix.partition("[")[2].partition("]")[0].split(",")) == set(
         doctor_probes.EXTRAS
     )
-    assert "view without starlette" in found.told
-    assert "devices without pyftdi" in found.told
+    assert "view without starlette" in found.text
+    assert "devices without pyftdi" in found.text
 
 
 def test_a_look_that_fails_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -139,5 +139,5 @@ def test_a_look_that_fails_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_pat
     monkeypatch.setattr(socket, "socket", broken)
     code, found = told("--connection", str(tmp_path / "none"))
     assert code == 1
-    assert "odd machine" in found["processor"]["told"]
+    assert "odd machine" in found["processor"]["text"]
     assert "odd machine" in found["loopback"]["told"]

@@ -29,11 +29,11 @@ COLOURS = {
 
 def format_json(level: str, event: str, values: dict[str, Any], error: BaseException | None) -> str:
     """Return an event as a JSON object in one line. Values that JSON lacks become text."""
-    told = {name: make_printable(value) for name, value in {**values, "event": event}.items()}
-    told |= {"level": level, "timestamp": tell_time()}
+    fields = {name: make_printable(value) for name, value in {**values, "event": event}.items()}
+    fields |= {"level": level, "timestamp": tell_time()}
     if error is not None:
-        told["exception"] = describe_exceptions(error)
-    return json.dumps(told, default=repr)
+        fields["exception"] = describe_exceptions(error)
+    return json.dumps(fields, default=repr)
 
 
 def format_text(level: str, event: str, values: dict[str, Any], error: BaseException | None) -> str:
@@ -84,10 +84,10 @@ def describe_exceptions(error: BaseException) -> str:
 
     Local variables are left out, because they may be secret.
     """
-    told: list[str] = []
+    lines: list[str] = []
     link: BaseException | None = error
-    while link is not None and len(told) < MAX_EXCEPTIONS:
+    while link is not None and len(lines) < MAX_EXCEPTIONS:
         calls = traceback.format_tb(link.__traceback__, -MAX_CALLS)
-        told.append("".join([*calls, describe_error(link)]))
+        lines.append("".join([*calls, describe_error(link)]))
         link = link.__cause__ or (None if link.__suppress_context__ else link.__context__)
-    return "\n".join(reversed(told))
+    return "\n".join(reversed(lines))

@@ -80,13 +80,13 @@ class UdpTransport:
         """Whether the last post is still waiting to be sent."""
         return bool(self._next) and self._next is not self._nop
 
-    def post(self, told: Sequence[Due]) -> None:
+    def post(self, updates: Sequence[Due]) -> None:
         """Queue these frames in place of waiting ones, without blocking. An empty post is a heartbeat."""
-        if not told:
+        if not updates:
             if self._next or self._clock() - self._sent < 0.25 * self._watchdog:
                 return
-            told = self._nop
-        self._next = told
+            updates = self._nop
+        self._next = updates
         self._loop.call_soon_threadsafe(self._wake.set)
 
     def check(self) -> None:
@@ -151,15 +151,15 @@ class UdpTransport:
         while True:
             await self._wake.wait()
             self._wake.clear()
-            told, self._next = self._next, ()
+            updates, self._next = self._next, ()
             try:
-                await self._send(told)
+                await self._send(updates)
             except Exception as error:
                 self._count_failure(error)
 
-    async def _send(self, told: Sequence[Due]) -> None:
+    async def _send(self, updates: Sequence[Due]) -> None:
         silences, before = self._silences, self._sent
-        for frames, due in told:
+        for frames, due in updates:
             at = self._api.ExecAt.Immediate if due is None else _at(self._api, due)
             for frame in frames:
                 if silences != self._silences:
