@@ -36,6 +36,7 @@ def examples(
 
     from pacinian_lab.examples import run, tables
     from pacinian_lab.examples.examples import make_examples
+    from pacinian_lab.examples.score import score
     from pacinian_lab.solvers import peers as environments
 
     root = Path(peers) if peers else environments.folder()
@@ -52,7 +53,11 @@ def examples(
             worker.close()
     if as_json:
         versions = {name: at for worker in workers for name, at in worker.versions.items()}
-        plain = [{**row._asdict(), "score": vars(row.score)} for row in rows]
+        made = {example.name: example for example in todo}
+        plain = [
+            {**row._asdict(), "gains": None, **vars(score(made[row.example], row.gains))}
+            for row in rows
+        ]
         click.echo(json.dumps({"versions": versions, "rows": plain}))
     elif markdown:
         click.echo(tables.write_markdown(rows, todo))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from pacinian_lab.examples.score import score
 from pacinian_lab.solvers.tables import plain_table, short
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def write_markdown(rows: Sequence[Row], examples: Sequence[Example]) -> str:
 def _cells(rows: Sequence[Row], example: Example) -> list[list[str]]:
     found: list[list[str]] = []
     for row in (row for row in rows if row.example == example.name):
-        made, alone = row.score, example.points.shape[:2] == (1, 1)
+        made, alone = score(example, row.gains), example.points.shape[:2] == (1, 1)
         found.append(
             [
                 row.way,

@@ -59,6 +59,8 @@ def test_our_own_worker_makes_examples_within_their_amplitudes() -> None:
     finally:
         worker.close()
     assert [row.example for row in rows] == ["foci", "circle"]
-    assert all(row.score.error < 0.01 and row.score.offset < 5e-4 and row.p50 > 0 for row in rows)
+    for example, row in zip(todo, rows, strict=True):
+        found = score(example, row.gains)
+        assert (found.error < 0.01, found.offset < 5e-4, row.p50 > 0.0) == (True,) * 3
     assert len(tables.tabulate(rows, todo)) == 2
     assert "two foci of 2500 Pa" in tables.write_markdown(rows, todo)
