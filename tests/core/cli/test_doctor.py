@@ -140,4 +140,4 @@ def test_a_look_that_fails_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_pat
     code, found = told("--connection", str(tmp_path / "none"))
     assert code == 1
     assert "odd machine" in found["processor"]["text"]
-    assert "odd machine" in found["loopback"]["told"]
+    assert "odd machine" in found["loopback"]["text"]
