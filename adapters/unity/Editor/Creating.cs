@@ -1,4 +1,5 @@
 using System;
+using Pacinian.Wire;
 using UnityEditor;
 using UnityEngine;
 
@@ -7,6 +8,9 @@ namespace Pacinian.Haptics.Editing
     /// <summary>GameObject > Pacinian.</summary>
     internal static class Creating
     {
+        private const string Tracker = "Pacinian.Haptics.XRHandProvider, Pacinian.Haptics.XRHands";
+        private const float Apart = 0.08f, High = 0.215f; // [m] of an open hand's palm: from the array's middle, above it
+
         [MenuItem("GameObject/Pacinian/Array", false, 10)]
         internal static void Array(MenuCommand command)
         {
@@ -26,6 +30,43 @@ namespace Pacinian.Haptics.Editing
         {
             GameObject ball = Made(command, "Haptic Ball", typeof(SphereCollider), typeof(HapticVolume));
             ball.GetComponent<SphereCollider>().radius = 0.03f;
+        }
+
+        /// <summary>Both hands, by XR Hands if it is installed, in the frame of the camera's parent: the XR Origin's offset.</summary>
+        [MenuItem("GameObject/Pacinian/Hands", false, 13)]
+        internal static void Hands(MenuCommand command)
+        {
+            Type tracker = Type.GetType(Tracker);
+            Hands(command, tracker);
+            if (tracker == null)
+            {
+                Debug.LogWarning(
+                    "Pacinian: these hands are open, and stand where they are. For tracked ones install XR Hands "
+                    + "(com.unity.xr.hands) by the Package Manager, then use GameObject > Pacinian > Hands again");
+            }
+        }
+
+        /// <summary>tracker: a HandProvider; null: open hands, above the object on which the menu was opened, as the array.</summary>
+        internal static void Hands(MenuCommand command, Type tracker)
+        {
+            GameObject hands = Made(command, "Haptic Hands");
+            Transform origin = Camera.main == null ? null : Camera.main.transform.parent;
+            foreach (HandFrameSide side in new[] { HandFrameSide.Left, HandFrameSide.Right })
+            {
+                GameObject made = new GameObject(side.ToString(), typeof(HapticHand));
+                made.transform.SetParent(hands.transform, false);
+                HapticHand hand = made.GetComponent<HapticHand>();
+                hand.Side = side;
+                if (tracker != null)
+                {
+                    HandProvider provider = (HandProvider)made.AddComponent(tracker);
+                    provider.Follow(side == HandFrameSide.Left, origin);
+                    hand.Provider = provider;
+                    continue;
+                }
+                hand.Source = HapticHandSource.Open;
+                made.transform.localPosition = new Vector3(side == HandFrameSide.Left ? -Apart : Apart, High, 0f);
+            }
         }
 
         [MenuItem("GameObject/Pacinian/Hand (without a tracker)", false, 13)]

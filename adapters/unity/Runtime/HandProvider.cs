@@ -13,5 +13,13 @@ namespace Pacinian.Haptics
         /// <param name="radii">26 radii [m], to be written; all 0 where they are not known.</param>
         /// <returns>False: the hand is not tracked.</returns>
         public abstract bool TryGet(Vector3[] positions, float[] radii);
+
+        /// <summary>
+        /// Whether it is the left hand, and in whose frame the tracker tells it; null: the world's. For those that are made by
+        /// GameObject > Pacinian > Hands.
+        /// </summary>
+        public virtual void Follow(bool left, Transform origin)
+        {
+        }
     }
 }

@@ -20,6 +20,12 @@ namespace UnityEngine
 
         public Transform transform { get; private set; }
 
+        /// <summary>Only MainCamera means something here.</summary>
+        public string tag
+        {
+            set { Camera.main = value == "MainCamera" ? GetComponent<Camera>() : Camera.main; }
+        }
+
         public bool activeSelf
         {
             get { return _active; }
@@ -76,6 +82,17 @@ namespace UnityEngine
                     results.Add((T)(object)component);
                 }
             }
+        }
+
+        public T[] GetComponentsInChildren<T>()
+        {
+            List<T> found = new List<T>();
+            GetComponents(found);
+            foreach (Transform child in transform.Children)
+            {
+                found.AddRange(child.gameObject.GetComponentsInChildren<T>());
+            }
+            return found.ToArray();
         }
 
         internal void Remove(Component component)

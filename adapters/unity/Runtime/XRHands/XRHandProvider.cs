@@ -41,6 +41,13 @@ namespace Pacinian.Haptics
             return hand.isTracked;
         }
 
+        /// <inheritdoc/>
+        public override void Follow(bool left, Transform origin)
+        {
+            this.left = left;
+            this.origin = origin;
+        }
+
         /// <summary>OpenXR begins with the palm, the package with the wrist; the rest is in the same order.</summary>
         private static XRHandJointID Id(int index)
         {

@@ -39,6 +39,48 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
+        public void HandsComeInOneStepWithATrackerOrWithout()
+        {
+            GameObject offset = new GameObject("camera offset");
+            GameObject camera = new GameObject("camera", typeof(Camera));
+            camera.tag = "MainCamera";
+            camera.transform.SetParent(offset.transform, false);
+            Creating.Hands(new MenuCommand(null), typeof(Follower));
+            foreach (HapticHand hand in Made().GetComponentsInChildren<HapticHand>())
+            {
+                Follower provider = hand.GetComponent<Follower>();
+                Assert.IsTrue(hand.Source == HapticHandSource.Tracker && hand.Provider == provider);
+                Assert.IsTrue(provider.Side == hand.Side && provider.Origin == offset.transform);
+                Assert.AreEqual(hand.Side.ToString(), hand.name);
+            }
+            UnityEngine.Object.DestroyImmediate(Made());
+            Creating.Hands(new MenuCommand(null), null);
+            HapticHand[] open = Made().GetComponentsInChildren<HapticHand>();
+            Assert.AreEqual(2, open.Length);
+            Assert.IsTrue(open[0].Source == HapticHandSource.Open && open[0].transform.position.x < open[1].transform.position.x);
+            UnityEngine.Object.DestroyImmediate(Made());
+            UnityEngine.Object.DestroyImmediate(offset);
+        }
+
+        private sealed class Follower : HandProvider
+        {
+            public Wire.HandFrameSide Side { get; private set; }
+
+            public Transform Origin { get; private set; }
+
+            public override bool TryGet(Vector3[] positions, float[] radii)
+            {
+                return false;
+            }
+
+            public override void Follow(bool left, Transform origin)
+            {
+                Side = left ? Wire.HandFrameSide.Left : Wire.HandFrameSide.Right;
+                Origin = origin;
+            }
+        }
+
+        [Test]
         public void ADropDownHasTheServersNamesAndTheOneThatIsChosen()
         {
             Wire.Abilities told = new Wire.Abilities();
