@@ -14,6 +14,7 @@ from pacinian.cli.devices import devices
 from pacinian.cli.doctor import doctor
 from pacinian.cli.engines import unity, unreal
 from pacinian.cli.keys import keys
+from pacinian.cli.new import new
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
 from pacinian.cli.replay import replay
@@ -49,7 +50,7 @@ COMMANDS: dict[CommandGroup, tuple[click.Command, ...]] = {
     "start": (demo, doctor, unity, unreal),
     "run": (serve, stop, render, replay, keys),
     "inspect": (status, watch, view, devices, plugins),
-    "develop": (schema, wire),
+    "develop": (new, schema, wire),
 }
 """The commands of the core."""
 
