@@ -35,7 +35,7 @@ def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) ->
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
     )
     if not fits:
-        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        wanted = ", ".join("any" if n is None else str(n) for n in shape) + "," * (len(shape) == 1)
         raise ArgumentError(name, f"must have shape ({wanted}), not {array.shape}")
     if not np.isfinite(array).all():
         raise ArgumentError(name, "must be finite, without NaN or infinity")

@@ -166,8 +166,9 @@ class Solution(SolutionValues):
     def to_xarray(self) -> xr.Dataset:
         """Return an xarray dataset with the dimensions `point` and `transducer`.
 
-        Its variables are the columns of `to_dataframe`, and gain and gain_phase [rad] of each transducer, each with its
-        unit. All are real, so that it can be written as netCDF. Raises MissingExtra: `pip install "pacinian[tables]"`.
+        Its variables are the columns of `to_dataframe`, and gain_amplitude and gain_phase [rad] of each transducer,
+        each with its unit. All are real, so that it can be written as netCDF. Raises MissingExtra:
+        `pip install "pacinian[tables]"`.
         """
         from pacinian.solving.solution_tables import to_xarray
 

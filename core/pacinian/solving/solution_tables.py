@@ -25,7 +25,7 @@ UNITS = {
     "phase": "rad",
     "radiation_pressure": "Pa",
     "region": "1",
-    "gain": "1",
+    "gain_amplitude": "1",
     "gain_phase": "rad",
 }
 """Unit of each variable, by name."""
@@ -35,7 +35,7 @@ MEANINGS = {
     "phase": "achieved phase of the sound pressure",
     "radiation_pressure": "achieved radiation pressure on skin",
     "region": "region of the point; -1: isolated, -2: beside the regions",
-    "gain": "amplitude of the transducer, 1 at full drive",
+    "gain_amplitude": "amplitude of the transducer, 1 at full drive",
     "gain_phase": "phase of the transducer",
 }
 
@@ -63,7 +63,7 @@ def to_xarray(solution: SolutionValues) -> xr.Dataset:
     variables: dict[str, Any] = {
         name: ("point", columns[name], _describe(name)) for name in columns if name not in "xyz"
     }
-    variables["gain"] = "transducer", np.abs(g), _describe("gain")
+    variables["gain_amplitude"] = "transducer", np.abs(g), _describe("gain_amplitude")
     variables["gain_phase"] = "transducer", np.angle(g), _describe("gain_phase")
     places: dict[str, Any] = {name: ("point", columns[name], {"units": "m"}) for name in "xyz"}
     for name, along in zip("xyz", r.T, strict=True):

@@ -153,7 +153,7 @@ def test_a_dataset_has_points_and_transducers_with_units(
     xr = pytest.importorskip("xarray")
     data = solution.to_xarray()
     assert dict(data.sizes) == {"point": 2, "transducer": len(ARRAY)}
-    g = data["gain"] * np.exp(1j * data["gain_phase"])
+    g = data["gain_amplitude"] * np.exp(1j * data["gain_phase"])
     assert g.to_numpy() == pytest.approx(solution.gains, rel=1e-5)
     assert data["transducer_x"].to_numpy() == pytest.approx(ARRAY.positions[:, 0])
     assert all(data[name].attrs["units"] for name in data.variables)
