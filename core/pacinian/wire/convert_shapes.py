@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from msgspec.structs import astuple
+from msgspec.structs import asdict
 
 from pacinian.acoustics import pose as scene_pose
 from pacinian.errors import WireError
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Singles
 
-SAME_FIELDS: dict[type, type] = {  # classes with the same fields in the same order
+SAME_FIELDS: dict[type, type] = {  # classes whose fields have the same names
     shapes.Rectangle: box_disc_rectangle.Rectangle,
     shapes.Disc: box_disc_rectangle.Disc,
     shapes.Box: box_disc_rectangle.Box,
@@ -52,14 +52,14 @@ def radians_to_degrees(angle: float) -> float:
 def shape_to_scene(shape: Any) -> Any:
     """Convert a wire shape or curve to one of `pacinian.scene`. Raises ArgumentError, WireError."""
     kind = SAME_FIELDS.get(type(shape))
-    return kind(*astuple(shape)) if kind else TO_SCENE[type(shape)](shape)
+    return kind(**asdict(shape)) if kind else TO_SCENE[type(shape)](shape)
 
 
 def shape_to_wire(shape: Any) -> Any:
     """Convert a shape or curve of `pacinian.scene` to a wire one. Reads its file. Raises ArgumentError, WireError."""
     kind = SAME_FIELDS_BACK.get(type(shape))
     if kind:
-        return kind(*astuple(shape))
+        return kind(**asdict(shape))
     if (convert := TO_WIRE.get(type(shape))) is None:
         raise WireError(f"a {type(shape).__name__} cannot be sent: give a Mesh or Voxels")
     return convert(shape)

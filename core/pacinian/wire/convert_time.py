@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.msgpack import Decoder
-from msgspec.structs import astuple
+from msgspec.structs import asdict
 
 from pacinian.errors import WireError
 from pacinian.scene.modulation import envelope as scene_envelope
@@ -24,7 +24,7 @@ from pacinian.wire.convert_shapes import (
 from pacinian.wire.error_path import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
 
-ENVELOPES: dict[type, type] = {  # classes with the same fields in the same order
+ENVELOPES: dict[type, type] = {  # classes whose fields have the same names
     time.Constant: scene_envelope.Constant,
     time.Sine: scene_envelope.Sine,
     time.Square: scene_envelope.Square,
@@ -79,7 +79,7 @@ def _envelope_to_scene(envelope: Any) -> Any:
     if isinstance(envelope, time.Wave):
         samples: Any = unpack(envelope.samples, 1)[:, 0]
         return scene_envelope.Wave("", samples, envelope.rate, envelope.loop, envelope.mode)
-    return ENVELOPES[type(envelope)](*astuple(envelope))
+    return ENVELOPES[type(envelope)](**asdict(envelope))
 
 
 def _envelope_to_wire(envelope: Any) -> Any:
@@ -89,7 +89,7 @@ def _envelope_to_wire(envelope: Any) -> Any:
         return _wave_to_wire(envelope)
     if (kind := ENVELOPES_BACK.get(type(envelope))) is None:
         raise WireError("a function cannot be sent: give a Wave with its samples")
-    return kind(*astuple(envelope))
+    return kind(**asdict(envelope))
 
 
 def _wave_to_wire(wave: scene_envelope.Wave) -> time.Wave:
@@ -114,7 +114,7 @@ def _technique_to_scene(technique: Any) -> Any:
     if isinstance(technique, time.LM):
         angle = degrees_to_radians(technique.angle)
         return scene_technique.LM(technique.frequency, technique.amplitude, angle)
-    return TECHNIQUES[type(technique)](*astuple(technique))
+    return TECHNIQUES[type(technique)](**asdict(technique))
 
 
 def _technique_to_wire(technique: Any) -> Any:
@@ -126,7 +126,7 @@ def _technique_to_wire(technique: Any) -> Any:
         return time.LM(technique.frequency, technique.amplitude, angle)
     if (kind := TECHNIQUES_BACK.get(type(technique))) is None:
         raise WireError(f"is no technique: {technique!r}")
-    return kind(*astuple(technique))
+    return kind(**asdict(technique))
 
 
 def _along(along: object, convert: Callable[[Any], Any]) -> object:
