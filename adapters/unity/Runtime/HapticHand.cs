@@ -6,7 +6,7 @@ namespace Pacinian.Haptics
 {
     /// <summary>A hand, of 26 joints in OpenXR's order. From the first on only hands feel the scene.</summary>
     [AddComponentMenu("Pacinian/Haptic Hand")]
-    public sealed class HapticHand : MonoBehaviour
+    public sealed partial class HapticHand : MonoBehaviour
     {
         /// <summary>How many joints OpenXR has.</summary>
         public const int Count = 26;
