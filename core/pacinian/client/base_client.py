@@ -8,24 +8,24 @@ import threading
 import time
 import warnings
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from pacinian.checks import check_number
 from pacinian.client.connection_file import resolve_connection
 from pacinian.client.server_session import ServerSession
+from pacinian.closing import Closing
 from pacinian.errors import ConnectionLost, ServerError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
-    from types import TracebackType
 
     from pacinian.client.timing import Trips
     from pacinian.errors import Refused
     from pacinian.wire.connection import Connection
 
 
-class BaseClient:
+class BaseClient(Closing):
     """Base of `Client`, with the same arguments. A context manager. Belongs to the thread that makes it."""
 
     def __init__(
@@ -113,17 +113,6 @@ class BaseClient:
             f"not connected: {live.lost}" if live.lost else "armed" if self.armed else "not armed"
         )
         return f"<Client {self._hello['client']!r} of {self.server}, scene {self.scene!r}, {what}>"
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a Client cannot be pickled: make one in each process")

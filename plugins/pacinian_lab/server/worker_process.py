@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import msgspec
 
+from pacinian.closing import Closing
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import IO, Self
+    from typing import IO
 
     from msgspec import Struct
 
@@ -28,7 +28,7 @@ class WorkerError(PacinianError):
     """A process of the benchmark crashed or hung."""
 
 
-class WorkerProcess:
+class WorkerProcess(Closing):
     """Runs `python -m pacinian_lab.server.<module>`. As a context manager, ends the process on exit."""
 
     def __init__(self, module: str) -> None:
@@ -75,17 +75,6 @@ class WorkerProcess:
         for stream in (self.process.stdin, self.process.stdout):
             if stream is not None:
                 stream.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def read_order(kind: Any) -> Any:

@@ -7,6 +7,7 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from pacinian.closing import Closing
 from pacinian.errors import ServerError
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class LockHeld(ServerError):
         self.pid = pid
 
 
-class FileLock:
+class FileLock(Closing):
     """An exclusive lock on a file, held until `close` or the end of this process. A context manager.
 
     The file is readable by this user only, holds the process id, and is removed at the end. Raises LockHeld;
@@ -85,12 +86,6 @@ class FileLock:
         if os.name != "posix":  # Windows does not remove an open file
             with suppress(OSError):
                 self.path.unlink()
-
-    def __enter__(self) -> FileLock:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _open(path: Path) -> int:

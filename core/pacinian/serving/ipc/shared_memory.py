@@ -18,12 +18,12 @@ import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+from pacinian.closing import Closing
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.file_lock import FileLock
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
-    from types import TracebackType
 
     from pacinian.serving.ipc.wake_pipe import WakePipe
 
@@ -82,7 +82,7 @@ def _is_ours(path: Path) -> bool:
     return os.name != "posix" or (status.st_uid == os.getuid() and not stat.S_ISLNK(status.st_mode))
 
 
-class SharedRegister:
+class SharedRegister(Closing):
     """A value of at most `capacity` [bytes]. A context manager. One process calls `create`, the others `attach`.
 
     If a writer is killed in the middle of a value, readers keep the value before. A new writer that attaches continues
@@ -166,17 +166,6 @@ class SharedRegister:
         self._map.close()
         for pipe in self._wakes:
             pipe.close()
-
-    def __enter__(self) -> SharedRegister:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _size(room: int) -> int:

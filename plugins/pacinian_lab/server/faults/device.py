@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 import pacinian as pc
+from pacinian.closing import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from types import TracebackType
 
     from numpy.typing import NDArray
 
@@ -28,7 +28,7 @@ MAX_EVENTS = 1 << 20  # capacity in events; the newest are kept
 HEAD = 8  # [bytes] number of events
 
 
-class Log:
+class Log(Closing):
     """Log of when a device sounded: each frame that sounds, and each end of sound. A context manager."""
 
     def __init__(self, path: Path) -> None:
@@ -63,17 +63,6 @@ class Log:
     def close(self) -> None:
         """Unmap the file."""
         self._map.close()
-
-    def __enter__(self) -> Log:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _places(first: int, count: int) -> Iterable[int]:

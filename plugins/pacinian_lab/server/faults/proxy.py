@@ -5,15 +5,13 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from types import TracebackType
+from pacinian.closing import Closing
 
 CHUNK = 1 << 16  # [bytes]
 
 
-class Proxy:
+class Proxy(Closing):
     """Forwards bytes to a `tcp://host:port`; a context manager. address: where the proxy listens."""
 
     def __init__(self, to: str) -> None:
@@ -53,14 +51,3 @@ class Proxy:
             with contextlib.suppress(OSError):
                 each.shutdown(socket.SHUT_RDWR)
             each.close()
-
-    def __enter__(self) -> Proxy:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -10,13 +10,13 @@ import msgspec
 import zmq
 from msgspec.structs import asdict
 
+from pacinian.closing import Closing
 from pacinian.wire.connection import Connection
 from pacinian.wire.protocol import MAJOR, MINOR
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
-    from types import TracebackType
 
 Message = dict[str, Any]
 USER = b"pacinian"
@@ -27,7 +27,7 @@ class Silent(TimeoutError):
     """No answer arrived in time."""
 
 
-class Peer:
+class Peer(Closing):
     """A client connected to the server of a connection file; a context manager.
 
     hide: replaces fields of the file, such as the token or an address. clock: the client's clock [s]. beats: use
@@ -127,17 +127,6 @@ class Peer:
         self.control.close()
         self.command.close()
         self.context.term()
-
-    def __enter__(self) -> Peer:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def prepare(socket: zmq.Socket[bytes], file: dict[str, Any], *, beats: bool = True) -> None:

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from pacinian.closing import Closing
 from pacinian_lab.server.faults.device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.raw_client import Peer, Silent
 from pacinian_lab.server.faults.solvers import STUCK
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
 
     from numpy.typing import NDArray
 
@@ -46,7 +46,7 @@ class Times(NamedTuple):
     note: str = ""
 
 
-class Stage:
+class Stage(Closing):
     """Runs a game and an onlooker on a running server; a context manager."""
 
     def __init__(self, server: Server) -> None:
@@ -199,17 +199,6 @@ class Stage:
         self.leave()
         for name in (BLOCKED, UNPLUGGED, STUCK):
             (self.server.folder / name).unlink(missing_ok=True)
-
-    def __enter__(self) -> Stage:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def until(found: Callable[[], T], wait: float = WAIT) -> T:
