@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Capability, Frame
+    from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.report import StageTimer
     from pacinian.rendering.slew_limiter import Smoothing
@@ -212,19 +213,23 @@ class Pipeline:
     def deviations(self) -> Reasons:
         """What the last frame leaves out or changes, by object and reason."""
         player, account = self.player, self._played.account
-        solved = player.solved
-        reasons = [
-            reason
-            for reason, holds in (
-                (INTERPOLATED, self._interpolated),
-                (OUT_OF_TIME, any(one.in_part for one in solved)),
-                (AVERAGED, any(one.averaged for one in solved)),
-                (SLEW_LIMITED, player.held_back),
-                (FEWER_FRAMES, player.cycle.hurried),
-            )
-            if holds
-        ]
-        weakened = [one for one in solved if one.weakened]
+        weakened: list[CachedSolution] = []
+        in_part = averaged = False
+        for one in player.solved:
+            in_part, averaged = in_part or one.in_part, averaged or one.averaged
+            if one.weakened:
+                weakened.append(one)
+        reasons: list[str] = []
+        if self.turns.taking and self._moves:
+            reasons.append(INTERPOLATED)
+        if in_part:
+            reasons.append(OUT_OF_TIME)
+        if averaged:
+            reasons.append(AVERAGED)
+        if player.held_back:
+            reasons.append(SLEW_LIMITED)
+        if player.cycle.hurried:
+            reasons.append(FEWER_FRAMES)
         if account.clean and not reasons and not weakened:
             return NOTHING
         key = account, *reasons, *weakened
@@ -239,12 +244,10 @@ class Pipeline:
         return self._described[1]
 
     @property
-    def _interpolated(self) -> bool:
-        """Whether the last frame lies between two solutions because ticks alternate."""
+    def _moves(self) -> bool:
+        """Whether, while ticks alternate, the last frame lies between the solutions for different samples."""
         shown = self._played.samples
-        return self.turns.taking and (
-            self._sampled.samples is not shown or self._before.samples is not shown
-        )
+        return self._sampled.samples is not shown or self._before.samples is not shown
 
     def same(self, frame: Frame) -> bool:
         """Return whether a frame repeats the one before."""
@@ -291,7 +294,10 @@ class Pipeline:
 
     def _note_unreachable(self, account: Account) -> None:
         """Note the samples that no sound can reach."""
-        far, on = self.player.reach.find_unreachable(account.samples.positions)
+        unreachable = self.player.reach.find_unreachable(account.samples.positions)
+        if unreachable is None:
+            return
+        far, on = unreachable
         for reason, found in (FAR, far), (ON_TRANSDUCER, on):
             if found.any():
                 account.drop(reason, found)

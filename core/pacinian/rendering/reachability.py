@@ -44,17 +44,22 @@ class ReachabilityFilter:
 
         skipped: counts the other points, by reason.
         """
-        far, on = self.find_unreachable(q)
+        if (unreachable := self.find_unreachable(q)) is None:
+            return np.ones(len(q), dtype=np.bool_)
+        far, on = unreachable
         for reason, found in ("samples out of reach", far), ("samples on a transducer", on):
             if found.any():
                 skipped[reason] += int(found.sum())
         return ~(far | on)
 
-    def find_unreachable(self, q: Floats) -> tuple[Flags, Flags]:
-        """Return which points of q, (M, 3) [m], are too far away, (M,), and which lie on a transducer, (M,)."""
-        far, on = np.zeros((2, len(q)), dtype=np.bool_)
+    def find_unreachable(self, q: Floats) -> tuple[Flags, Flags] | None:
+        """Return which points of q, (M, 3) [m], are too far away, (M,), and which lie on a transducer, (M,).
+
+        Returns None if all are clearly reachable.
+        """
         if not kernels.locate(q, self._propagator.origin, self._extent, MAX_LENGTH / 2.0):
-            return far, on
+            return None
+        far, on = np.zeros((2, len(q)), dtype=np.bool_)
         d = np.abs(q - self._propagator.origin)
         if d.max() > MAX_LENGTH / 2.0:
             far = np.asarray((d * d).sum(axis=1) > MAX_LENGTH * MAX_LENGTH)

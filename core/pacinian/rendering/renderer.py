@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.budget_controller import BudgetController
+    from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
@@ -136,6 +137,7 @@ class Renderer:
         self._opened = False
         self._missed = 0  # ticks skipped just before the present one
         self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent
+        self._silent: Reasons = NOTHING  # deviations of ticks without a frame, since the last reset
 
     def __repr__(self) -> str:
         report, fault = self.report, self.halted
@@ -338,7 +340,8 @@ class Renderer:
             late, deviations = outcome.late, outcome.deviations
         else:
             late = end > due + self.period
-            deviations = mark(NOTHING, sorted(self._labels), HALTED)
+            self._silent = self._silent or mark(NOTHING, sorted(self._labels), HALTED)
+            deviations = self._silent
         self.report.tick(end - begin, late, due - self.start, deviations)
 
     @property
@@ -378,7 +381,7 @@ class Renderer:
 
     def reset(self) -> None:
         """Clear a fault and all state, so that the next tick starts from silence."""
-        self._emitter.halted = None
+        self._emitter.halted, self._silent = None, NOTHING
         self.tape.take()
         self._pipeline.reset()
         if self.recorder is not None:

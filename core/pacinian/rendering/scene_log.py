@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import Field, asdict, astuple, dataclass, fields, is_dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
@@ -46,8 +46,7 @@ class TickInput:
     limits: Limits
 
 
-@dataclass(frozen=True, eq=False)
-class TickOutcome:
+class TickOutcome(NamedTuple):
     """What became of one tick.
 
     sent: clock reading after the frame was sent [s]. late: whether that was after the next tick was due. account: what

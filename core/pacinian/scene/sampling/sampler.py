@@ -171,9 +171,10 @@ class Sampler:
         """Return the target samples at time t [s], before the ramps."""
         account = self.account = Account(scene.objects)
         account.samples = self._make_samples(scene, t, account)
-        for reason, skipped in COUNTED.items():
-            if count := account.total(reason):
-                self.skipped[skipped] += count
+        if not account.clean:
+            for reason, skipped in COUNTED.items():
+                if count := account.total(reason):
+                    self.skipped[skipped] += count
         return account.samples
 
     def _make_samples(self, scene: Scene, t: float, account: Account) -> Samples:
