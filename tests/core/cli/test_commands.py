@@ -406,7 +406,7 @@ def sections(text: str) -> dict[str, list[str]]:
 
 def test_help_lists_the_commands_in_groups() -> None:
     found = sections(run("--help").stdout)
-    assert found["start"] == ["demo", "doctor"]
+    assert found["start"] == ["demo", "doctor", "unity", "unreal"]
     assert {"serve", "render"} <= set(found["run"])
     assert {"status", "watch", "view"} <= set(found["inspect"])
     assert {"bench", "soak"} <= set(found["develop"])  # those of the laboratory
