@@ -39,10 +39,10 @@ class ChangeBatcher:
         self._renderer: int | None = None
         self._waits = False
 
-    def feel(self, room: SharedScene) -> None:
+    def render(self, scene: SharedScene) -> None:
         """Render this scene from now on."""
-        if room is not self.scene:
-            self.scene = room
+        if scene is not self.scene:
+            self.scene = scene
             self._begin()
 
     def acknowledge(self, taken: ChangesAck) -> None:
@@ -67,13 +67,13 @@ class ChangeBatcher:
 
     def next(self) -> Changes | None:
         """Return the next batch, which the caller must publish; None if the last was not taken or nothing is new."""
-        room = self.scene
-        if self._waits or room is None or not len(room.pending):
+        scene = self.scene
+        if self._waits or scene is None or not len(scene.pending):
             return None
         batch = Batch()
-        _first(room, batch)
-        _is_light(room, batch)
-        self._puts(room, batch)
+        _add_scene_settings(scene, batch)
+        _add_light_changes(scene, batch)
+        self._add_puts(scene, batch)
         if not batch.changes:
             return None
         self._number += 1
@@ -84,38 +84,38 @@ class ChangeBatcher:
         if self.scene is not None:
             self.scene.pending.all(list(self.scene.objects))
 
-    def _puts(self, room: SharedScene, batch: Batch) -> None:
-        news, fresh = room.pending, 0
-        for name in list(news.puts):
-            thing = room.objects[name]
+    def _add_puts(self, scene: SharedScene, batch: Batch) -> None:
+        pending, fresh = scene.pending, 0
+        for name in list(pending.puts):
+            stored = scene.objects[name]
             if batch.objects >= MAX_BATCH_OBJECTS:
                 return
-            if thing.heavy:
+            if stored.heavy:
                 continue  # it is still being converted
-            if thing.item is not None:
+            if stored.item is not None:
                 fresh += 1
                 if fresh > AT_ONCE:
                     return
-                if not self._pack(room, thing):
+                if not self._pack(scene, stored):
                     continue
-            if not batch.fits(len(thing.packed)):
+            if not batch.fits(len(stored.packed)):
                 return
-            if news.puts.pop(name):
+            if pending.puts.pop(name):
                 batch.changes.append(RemoveObject(name))
-            batch.changes.append(PutObject(name, thing.packed, thing.default))
-            news.known.add(name)
-            if (move := thing.move()) is not None:
+            batch.changes.append(PutObject(name, stored.packed, stored.default))
+            pending.known.add(name)
+            if (move := stored.move()) is not None:
                 batch.changes.append(move)
-            if thing.wrapped and batch.fits(len(thing.wrapped)):
-                batch.changes.append(SetEnvelope(name, thing.wrapped))
-            elif thing.wrapped:
-                news.new(name, WRAPPED)
+            if stored.wrapped and batch.fits(len(stored.wrapped)):
+                batch.changes.append(SetEnvelope(name, stored.wrapped))
+            elif stored.wrapped:
+                pending.new(name, WRAPPED)
             batch.objects += 1
 
-    def _pack(self, room: SharedScene, thing: StoredObject) -> bool:
-        error = room.pack(thing)
+    def _pack(self, scene: SharedScene, stored: StoredObject) -> bool:
+        error = scene.pack(stored)
         if error is not None:
-            self.errors.append((thing.owner, error))
+            self.errors.append((stored.owner, error))
         return error is None
 
 
@@ -135,30 +135,30 @@ class Batch:
         return True
 
 
-def _first(room: SharedScene, batch: Batch) -> None:
-    news = room.pending
-    if news.begin:
-        batch.changes.append(ResetScene(room.number))
-    if news.quiet:
-        batch.changes.append(room.all_quiet())
-    if news.hands:
-        batch.changes.append(room.all_hands())
-    news.begin = news.quiet = news.hands = False
+def _add_scene_settings(scene: SharedScene, batch: Batch) -> None:
+    pending = scene.pending
+    if pending.begin:
+        batch.changes.append(ResetScene(scene.number))
+    if pending.quiet:
+        batch.changes.append(scene.all_quiet())
+    if pending.hands:
+        batch.changes.append(scene.all_hands())
+    pending.begin = pending.quiet = pending.hands = False
 
 
-def _is_light(room: SharedScene, batch: Batch) -> None:
-    news = room.pending
-    for name in list(islice(news.light, LIGHT if news.puts else MAX_BATCH_OBJECTS)):
-        what, thing = news.light[name], room.objects.get(name)
-        if thing is None:
-            news.known.discard(name)
+def _add_light_changes(scene: SharedScene, batch: Batch) -> None:
+    pending = scene.pending
+    for name in list(islice(pending.light, LIGHT if pending.puts else MAX_BATCH_OBJECTS)):
+        what, stored = pending.light[name], scene.objects.get(name)
+        if stored is None:
+            pending.known.discard(name)
             batch.changes.append(RemoveObject(name))
         else:
             if what & WRAPPED:
-                if not batch.fits(len(thing.wrapped)):
+                if not batch.fits(len(stored.wrapped)):
                     return
-                batch.changes.append(SetEnvelope(name, thing.wrapped))
-            if what & MOVED and (move := thing.move()) is not None:
+                batch.changes.append(SetEnvelope(name, stored.wrapped))
+            if what & MOVED and (move := stored.move()) is not None:
                 batch.changes.append(move)
-        del news.light[name]
+        del pending.light[name]
         batch.objects += 1

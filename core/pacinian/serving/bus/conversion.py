@@ -33,11 +33,11 @@ class Job(ABC):
 
     def trim(self) -> bool:
         """Drop the objects that are gone or have something newer; return whether any are left."""
-        self.objects = [thing for thing in self.objects if self.is_awaited(thing)]
+        self.objects = [stored for stored in self.objects if self.is_awaited(stored)]
         return bool(self.objects)
 
     @abstractmethod
-    def is_awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, stored: StoredObject) -> bool:
         """Whether this job is still the newest for the object."""
 
     @abstractmethod
@@ -45,7 +45,7 @@ class Job(ABC):
         """Convert for the objects that still wait. most: maximum radiation pressure [Pa]. Raises WireError."""
 
     @abstractmethod
-    def take(self, thing: StoredObject, packed: bytes) -> None:
+    def take(self, stored: StoredObject, packed: bytes) -> None:
         """Store the result for an object that still waits."""
 
     @abstractmethod
@@ -62,9 +62,9 @@ class ObjectConversion(Job):
         super().__init__(objects, client, id)
         self._drop = drop
 
-    def is_awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, stored: StoredObject) -> bool:
         """Whether the object is in the scene and not converted yet."""
-        return thing.item is not None
+        return stored.item is not None
 
     def work(self, most: float) -> Converted:
         """Convert the objects that are still in the scene. Raises WireError."""
@@ -73,9 +73,9 @@ class ObjectConversion(Job):
             (t, encode_object(t.name, item, t.seen, most)) for t, item in items if item is not None
         ]
 
-    def take(self, thing: StoredObject, packed: bytes) -> None:
+    def take(self, stored: StoredObject, packed: bytes) -> None:
         """Store the encoded object, which can be sent now."""
-        thing.accept(packed)
+        stored.accept(packed)
 
     def fail(self) -> None:
         """Remove all objects of the command."""
@@ -92,25 +92,25 @@ class EnvelopeConversion(Job):
         self._envelope: Envelope = envelope
         self._changed = changed
 
-    def is_awaited(self, thing: StoredObject) -> bool:
+    def is_awaited(self, stored: StoredObject) -> bool:
         """Whether no newer envelope has arrived."""
-        return thing.wraps is self
+        return stored.wraps is self
 
     def work(self, most: float) -> Converted:
         """Convert the envelope. Raises WireError."""
         packed = msgspec.msgpack.encode(envelope_to_scene(self._envelope))
-        return [(thing, packed) for thing in self.objects]
+        return [(stored, packed) for stored in self.objects]
 
-    def take(self, thing: StoredObject, packed: bytes) -> None:
+    def take(self, stored: StoredObject, packed: bytes) -> None:
         """Set the new envelope."""
-        thing.wrap(packed)
-        self._changed(thing.name)
+        stored.wrap(packed)
+        self._changed(stored.name)
 
     def fail(self) -> None:
         """Keep the old envelopes."""
-        for thing in self.objects:
-            if self.is_awaited(thing):
-                thing.wrap(thing.wrapped)
+        for stored in self.objects:
+            if self.is_awaited(stored):
+                stored.wrap(stored.wrapped)
 
 
 class Converter:
@@ -154,9 +154,9 @@ class Converter:
     def _end(self, job: Job, future: Future[Converted] | None) -> None:
         """Finish a job that is converted or superseded."""
         try:
-            for thing, packed in future.result() if future is not None else ():
-                if job.is_awaited(thing):
-                    job.take(thing, packed)
+            for stored, packed in future.result() if future is not None else ():
+                if job.is_awaited(stored):
+                    job.take(stored, packed)
         except Exception as error:  # whatever a conversion raises, the bus must go on
             job.fail()
             wrong = error if isinstance(error, WireError) else WireError(describe_error(error), "$")

@@ -77,7 +77,7 @@ class CommandDispatcher:
         for key in here.keys() - self.clients.keys():
             self._join(here[key])
         if sessions.owned in self.scenes:
-            self.batcher.feel(self.scenes[sessions.owned])
+            self.batcher.render(self.scenes[sessions.owned])
 
     def messages(self, messages: list[Message]) -> None:
         """Handle messages of authenticated connections, in order of arrival."""
@@ -126,13 +126,13 @@ class CommandDispatcher:
     @property
     def due(self) -> float:
         """When the next object may expire [s]; infinite if none will."""
-        return min((room.due for room in self.scenes.values()), default=math.inf)
+        return min((scene.due for scene in self.scenes.values()), default=math.inf)
 
     def round(self, now: float) -> None:
         """Do the timed work, and report errors found while batching."""
-        for room in self.scenes.values():
+        for scene in self.scenes.values():
             with self.catch_faults("expiry"):
-                room.expire(now)
+                scene.expire(now)
         errors = self.batcher.errors[:]
         self.batcher.errors.clear()
         for client, error in errors:
@@ -171,18 +171,20 @@ class CommandDispatcher:
     def _join(self, info: SessionInfo) -> None:
         self._numbers += 1
         client = self.clients[info.key] = Client(info, self._numbers)
-        room = self.scenes.get(info.scene)
-        if room is None:
-            room = self.scenes[info.scene] = SharedScene(self._settings, self.converter, info.scene)
-        room.clients.add(client)
+        scene = self.scenes.get(info.scene)
+        if scene is None:
+            scene = self.scenes[info.scene] = SharedScene(
+                self._settings, self.converter, info.scene
+            )
+        scene.clients.add(client)
 
     def _leave(self, client: Client) -> None:
-        room = self.scenes[client.info.scene]
-        room.clear(client)
-        room.clients.discard(client)
+        scene = self.scenes[client.info.scene]
+        scene.clear(client)
+        scene.clients.discard(client)
         self.queries.forget(client)
-        if not room.clients:
-            self._superseded += room.pending.superseded
+        if not scene.clients:
+            self._superseded += scene.pending.superseded
             del self.scenes[client.info.scene]
 
     def _do(self, client: Client, command: AnyCommand, now: float, size: int) -> Reply | None:
@@ -194,8 +196,8 @@ class CommandDispatcher:
                 return self.queries.ask(client, command, self._emitted())
             if isinstance(command, Show):
                 return make_snapshot(self.batcher.scene, command)
-            room = self.scenes[client.info.scene]
-            if not room.do(client, command, now - client.age, now, size):
+            scene = self.scenes[client.info.scene]
+            if not scene.do(client, command, now - client.age, now, size):
                 return None
         except CommandRejected as refusal:
             message = f"{refusal}"[:1000]

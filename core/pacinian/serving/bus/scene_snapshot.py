@@ -25,36 +25,36 @@ HEAD, NAMED = 512, 4
 _encoder = Encoder()
 
 
-def make_snapshot(room: SharedScene | None, asked: Show) -> Shown:
+def make_snapshot(scene: SharedScene | None, asked: Show) -> Shown:
     """Return the new objects of a scene, and all poses. Raises WireError."""
     if not asked.id:
         raise WireError("must not be 0, because a snapshot needs an answer", "$.id")
-    if room is None:
+    if scene is None:
         return Shown(id=asked.id, scene="", version=0, names=(), poses=b"", objects={})
-    since = asked.since if asked.scene == room.name else 0
-    things = list(islice(room.objects.values(), MAX_SHOWN))
-    names = tuple(thing.name for thing in things)
-    poses = b"".join([thing.pose() for thing in things])
+    since = asked.since if asked.scene == scene.name else 0
+    stored_objects = list(islice(scene.objects.values(), MAX_SHOWN))
+    names = tuple(stored.name for stored in stored_objects)
+    poses = b"".join([stored.pose() for stored in stored_objects])
     taken = HEAD + len(poses) + sum(NAMED + len(name.encode()) for name in names)
-    new = sorted((t for t in things if t.number > since), key=lambda t: t.number)
+    new = sorted((t for t in stored_objects if t.number > since), key=lambda t: t.number)
     objects, version = _objects(new, MAX_REPLY_BYTES - taken)
     return Shown(
-        id=asked.id, scene=room.name, version=max(since, version), names=names, poses=poses,
+        id=asked.id, scene=scene.name, version=max(since, version), names=names, poses=poses,
         objects=objects,
     )  # fmt: skip
 
 
-def _objects(things: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
+def _objects(stored_objects: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
     """Encode as many objects as fit in `most` [bytes]; return them, and the number of the last."""
     made: dict[str, Raw] = {}
     size, version = 0, 0
-    for thing in things:
-        data = _encoder.encode(thing.sent)
-        more = len(data) + len(thing.name.encode()) + 2 * NAMED
+    for stored in stored_objects:
+        data = _encoder.encode(stored.sent)
+        more = len(data) + len(stored.name.encode()) + 2 * NAMED
         if made and size + more > min(FULL, most):
             break
         if more <= most:
-            made[thing.name] = Raw(data)
+            made[stored.name] = Raw(data)
             size += more
-        version = thing.number
+        version = stored.number
     return cast("dict[str, Object]", made), version

@@ -92,7 +92,7 @@ class SharedScene:
 
     def clear(self, client: Client) -> None:
         """Remove all objects, hands and quiet zones of a client."""
-        self._remove([thing.name for thing in self.objects.values() if thing.owner is client])
+        self._remove([stored.name for stored in self.objects.values() if stored.owner is client])
         if self.hands.pop(client, None) is not None:
             self.pending.hand()
         if self.zones.pop(client, None) is not None:
@@ -107,24 +107,24 @@ class SharedScene:
         """Remove the objects that have expired."""
         while self._ends and self._ends[0][0] <= now:
             _, name = heappop(self._ends)
-            thing = self.objects.get(name)
-            if thing is not None and thing.until is not None and thing.until <= now:
+            stored = self.objects.get(name)
+            if stored is not None and stored.until is not None and stored.until <= now:
                 self._remove([name])
 
-    def has(self, thing: StoredObject) -> bool:
+    def has(self, stored: StoredObject) -> bool:
         """Whether the object is still in the scene."""
-        return self.objects.get(thing.name) is thing
+        return self.objects.get(stored.name) is stored
 
-    def drop(self, things: list[StoredObject]) -> None:
+    def drop(self, stored_objects: list[StoredObject]) -> None:
         """Remove those of the objects that are still in the scene."""
-        self._remove([thing.name for thing in things if self.has(thing)])
+        self._remove([stored.name for stored in stored_objects if self.has(stored)])
 
-    def pack(self, thing: StoredObject) -> Error | None:
+    def pack(self, stored: StoredObject) -> Error | None:
         """Encode an object. If it is invalid, remove it and return the error for its client."""
         try:
-            thing.pack(self._settings.safety.pressure)
+            stored.pack(self._settings.safety.pressure)
         except WireError as error:
-            self._remove([thing.name])
+            self._remove([stored.name])
             return make_error_reply(error)
         return None
 
@@ -140,22 +140,24 @@ class SharedScene:
 
     def _put(self, client: Client, command: Put, seen: float, size: int) -> bool:
         most = self._settings.safety.pressure
-        things = [StoredObject(name, item, client, seen) for name, item in command.objects.items()]
-        rest = max(0, size - sum(thing.size for thing in things))
-        for thing in things:
-            thing.size += rest // len(things)
-            thing.slow |= bool(command.id) and len(things) > AT_ONCE
-        self._make_room(client, things)
-        for thing in things:
-            item = thing.item
+        stored_objects = [
+            StoredObject(name, item, client, seen) for name, item in command.objects.items()
+        ]
+        rest = max(0, size - sum(stored.size for stored in stored_objects))
+        for stored in stored_objects:
+            stored.size += rest // len(stored_objects)
+            stored.slow |= bool(command.id) and len(stored_objects) > AT_ONCE
+        self._make_room(client, stored_objects)
+        for stored in stored_objects:
+            item = stored.item
             if item is not None and (item.radiation_pressure or 0.0) > most:
-                raise reject_strength(thing.name, item, item.radiation_pressure or 0.0, most)
-        heavy = [thing for thing in things if thing.heavy]
-        for thing in things if command.id else ():
-            if not thing.heavy:
-                thing.pack(most)
-        for thing in things:
-            self._place(thing)
+                raise reject_strength(stored.name, item, item.radiation_pressure or 0.0, most)
+        heavy = [stored for stored in stored_objects if stored.heavy]
+        for stored in stored_objects if command.id else ():
+            if not stored.heavy:
+                stored.pack(most)
+        for stored in stored_objects:
+            self._place(stored)
         if heavy:
             self._converter.ask(ObjectConversion(heavy, client, command.id, self.drop))
         if len(self._ends) > 2 * len(self.objects) + 64:  # most entries are of replaced objects
@@ -163,43 +165,43 @@ class SharedScene:
             heapify(self._ends)
         return not heavy
 
-    def _make_room(self, client: Client, things: list[StoredObject]) -> None:
+    def _make_room(self, client: Client, stored_objects: list[StoredObject]) -> None:
         limits = self._settings.clients
-        old = [old for thing in things if (old := self.objects.get(thing.name))]
-        own = [thing for thing in old if thing.owner is client]
+        old = [old for stored in stored_objects if (old := self.objects.get(stored.name))]
+        own = [stored for stored in old if stored.owner is client]
         for have, most, whose in (
             (client.objects - len(own), limits.per_client, "of one client"),
             (len(self.objects) - len(old), limits.objects, "of one scene"),
         ):
-            if have + len(things) > most:
+            if have + len(stored_objects) > most:
                 raise CommandRejected("limit", f"would be more than {most} {whose}", "$.objects")
-        held = client.bytes + sum(t.size for t in things) - sum(t.size for t in own)
+        held = client.bytes + sum(t.size for t in stored_objects) - sum(t.size for t in own)
         if held > MAX_CLIENT_BYTES:
             raise reject_full("$.objects")
 
-    def _place(self, thing: StoredObject) -> None:
-        old = self.objects.get(thing.name)
+    def _place(self, stored: StoredObject) -> None:
+        old = self.objects.get(stored.name)
         if old is not None:
             _count(old, -1)
             old.leave()
-        _count(thing, 1)
-        self.objects[thing.name] = thing
-        if thing.until is not None:
-            heappush(self._ends, (thing.until, thing.name))
-        self.pending.put(thing.name, there=old is not None)
+        _count(stored, 1)
+        self.objects[stored.name] = stored
+        if stored.until is not None:
+            heappush(self._ends, (stored.until, stored.name))
+        self.pending.put(stored.name, there=old is not None)
 
     def _move(self, command: Move, seen: float) -> None:
         check_poses(command)
         poses, velocities = command.poses, command.velocities
-        for i, thing in self._those(command.names):
+        for i, stored in self._those(command.names):
             pose, velocity = poses[28 * i : 28 * i + 28], velocities[24 * i : 24 * i + 24]
-            thing.moved = pose, velocity, seen
-            self.pending.new(thing.name, MOVED)
+            stored.moved = pose, velocity, seen
+            self.pending.new(stored.name, MOVED)
         self._all_there(command.names)
 
     def _wrap(self, client: Client, command: Envelopes) -> bool:
-        things, size = (
-            [thing for _, thing in self._those(command.names)],
+        stored_objects, size = (
+            [stored for _, stored in self._those(command.names)],
             count_bulk_bytes(command.envelope),
         )
         heavy, envelope = size > HEAVY_BYTES, b""
@@ -207,20 +209,24 @@ class SharedScene:
             envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
             size = len(envelope)
         more: Counter[Client] = Counter()
-        for thing in things:
-            more[thing.owner] += size - (thing.waits if heavy else len(thing.wrapped) + thing.waits)
+        for stored in stored_objects:
+            more[stored.owner] += size - (
+                stored.waits if heavy else len(stored.wrapped) + stored.waits
+            )
         if any(owner.bytes + bytes_ > MAX_CLIENT_BYTES for owner, bytes_ in more.items()):
             raise reject_full("$.names")
         if heavy:
-            ident = command.id if len(things) == len(command.names) else 0
-            job = EnvelopeConversion(things, client, ident, command.envelope, self._note_envelope)
-            for thing in things:
-                thing.wrap(thing.wrapped, job, size)
+            ident = command.id if len(stored_objects) == len(command.names) else 0
+            job = EnvelopeConversion(
+                stored_objects, client, ident, command.envelope, self._note_envelope
+            )
+            for stored in stored_objects:
+                stored.wrap(stored.wrapped, job, size)
             self._converter.ask(job)
         else:
-            for thing in things:
-                thing.wrap(envelope)
-                self._note_envelope(thing.name)
+            for stored in stored_objects:
+                stored.wrap(envelope)
+                self._note_envelope(stored.name)
         self._all_there(command.names)
         return not heavy
 
@@ -229,9 +235,9 @@ class SharedScene:
 
     def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):
-            thing = self.objects.get(name)
-            if thing is not None:
-                yield i, thing
+            stored = self.objects.get(name)
+            if stored is not None:
+                yield i, stored
 
     def _all_there(self, names: tuple[str, ...]) -> None:
         for i, name in enumerate(names):
@@ -241,10 +247,10 @@ class SharedScene:
 
     def _remove(self, names: Iterable[str]) -> None:
         for name in names:
-            thing = self.objects.pop(name, None)
-            if thing is not None:
-                _count(thing, -1)
-                thing.leave()
+            stored = self.objects.pop(name, None)
+            if stored is not None:
+                _count(stored, -1)
+                stored.leave()
                 self.pending.note_removed(name)
 
     def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
@@ -262,7 +268,7 @@ def reject_full(path: str) -> CommandRejected:
     )
 
 
-def _count(thing: StoredObject, by: int) -> None:
-    thing.placed = by > 0
-    thing.owner.objects += by
-    thing.owner.bytes += by * thing.size
+def _count(stored: StoredObject, by: int) -> None:
+    stored.placed = by > 0
+    stored.owner.objects += by
+    stored.owner.bytes += by * stored.size

@@ -81,7 +81,7 @@ def done(room: SharedScene, who: Any, made: Any, size: int = 100) -> None:
 
 def felt(room: SharedScene, run: int = 7) -> ChangeBatcher:
     outbox = ChangeBatcher(run)
-    outbox.feel(room)
+    outbox.render(room)
     return outbox
 
 
@@ -272,12 +272,12 @@ def test_another_renderer_and_another_scene_begin_anew() -> None:
     outbox.acknowledge(renderer.last)
     renderer.drain(outbox)
     assert list(renderer.scene) == ["o0", "late"]
-    outbox.feel(rooms[1])
+    outbox.render(rooms[1])
     renderer.drain(outbox)
     assert list(renderer.scene) == ["o1"]
-    outbox.feel(rooms[1])
+    outbox.render(rooms[1])
     assert outbox.next() is None
-    outbox.feel(rooms[0])
+    outbox.render(rooms[0])
     renderer.drain(outbox)
     assert list(renderer.scene) == ["o0", "late"]
 

@@ -85,7 +85,7 @@ def test_those_that_are_superseded_are_not_converted_and_take_no_memory() -> Non
 def test_one_that_is_removed_while_it_is_converted_stays_removed() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
     outbox = ChangeBatcher(7)
-    outbox.feel(room)
+    outbox.render(room)
     do(room, who, put({"a": mesh()}))
     thing = room.objects["a"]
     do(room, who, remove("a"))
@@ -102,7 +102,7 @@ def test_small_shapes_that_take_long_are_known() -> None:
     do(room, who, put({"u": objects.Volume(force=0.1, shape=solids)}))
     assert room.objects["u"].heavy
     outbox = ChangeBatcher(7)
-    outbox.feel(room)
+    outbox.render(room)
     batch = outbox.next()
     assert batch is not None
     assert not any(isinstance(c, PutObject) for c in batch.changes)
@@ -173,7 +173,7 @@ def wave_of(names: tuple[str, ...], samples: int, ident: int = 0) -> Envelopes:
 def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
     outbox = ChangeBatcher(7)
-    outbox.feel(room)
+    outbox.render(room)
     do(room, who, put({"a": point(), "b": point()}))
     for k in range(1, 21):
         assert not do(room, who, wave_of(("a", "b"), 20_000 + k, k))
