@@ -38,13 +38,14 @@ def present(technique: Technique, samples: Samples, t: float, frame: Floats = WO
     if cached is None:
         while len(_cache) >= MAX_CACHED:
             del _cache[next(iter(_cache))]
-        make = _move_focus if isinstance(technique, STM) else _swing
-        motion = functools.lru_cache(PLACES)(make(technique, samples, frame))
-        cached = _cache[key] = (
-            samples,
-            technique,
-            motion,
-        )  # holds all, so that their ids stay unique
+        move = (
+            _move_focus(technique, samples, frame)
+            if isinstance(technique, STM)
+            else _swing(technique, samples, frame)
+        )
+        motion = functools.lru_cache(PLACES)(move)
+        # holds all, so that their ids stay unique
+        cached = _cache[key] = (samples, technique, motion)
     return cached[2](step)
 
 
