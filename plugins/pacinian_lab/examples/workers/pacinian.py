@@ -55,6 +55,9 @@ def make(solver: str, threads: int, quiet: str = "") -> Callable[[dict[str, Any]
                 return pc.solve(array, points[0], amplitude, **asked).gains[None]
             return pc.solve_many(array, points, amplitude, workers=threads, **asked).gains
 
-        return solve, lambda gains: (gains, points)
+        def read(gains: Any) -> Any:
+            return gains, points
+
+        return solve, read
 
     return prepare
