@@ -34,11 +34,14 @@ def scatter_points(
 def compute_asked(
     array: Array, points: Floats, level: float, shares: ArrayLike = 1.0, medium: Air | None = None
 ) -> Floats:
-    """Return amplitudes [Pa], (M,), in proportion to `shares`, with a 2-norm of `level` times a focus's reach."""
+    """Return amplitudes [Pa], (M,), in proportion to `shares`, with a 2-norm of `level` times a focus's reach.
+
+    medium: the air; default `Air()`.
+    """
     if not len(points):
         return np.zeros(0)
     t = np.broadcast_to(np.asarray(shares, dtype=np.float64), (len(points),))
-    reach = np.abs(matrix(array, points, medium)).sum(axis=1).mean()
+    reach = np.abs(matrix(array, points, medium or Air())).sum(axis=1).mean()
     return np.asarray(t / np.linalg.norm(t) * level * reach)
 
 

@@ -96,7 +96,7 @@ def test_a_directivity_that_is_a_function_is_refused_before_anything_is_written(
 ) -> None:
     kind = pc.Transducer(directivity=lambda c: np.maximum(c, 0.0))
     solution = solve(array=pc.Array(ARRAY.positions, transducer=kind))
-    with pytest.raises(pc.ArgumentError, match="DirectivityTable.sample"):
+    with pytest.raises(pc.ArgumentError, match=r"DirectivityTable\.sample"):
         solution.save(tmp_path / "it")
     assert not (tmp_path / "it").exists()
 
