@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
+from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, make_capsules
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.sampler import find_vibration
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 BONE_POINTS = 5  # places on each bone at which the distance to an object is computed
+MAX_MEASURED = 8  # objects whose distance is computed: those nearest by their bounding spheres
 UNSEEN = "the touched skin faces away from the array, or hardly touches: turn the palm to the array, or press deeper"
 
 
@@ -35,12 +36,13 @@ class Nearest(NamedTuple):
 
 def find_touches(samples: Samples, hands: Sequence[Hand]) -> tuple[TouchState, ...]:
     """Return which of the hands feel which objects, from the samples on their skin. Lost hands feel nothing."""
-    skins = [(hand, make_capsules(hand)) for hand in hands if not hand.lost]
-    if not skins or not len(samples):
+    seen = [hand for hand in hands if not hand.lost]
+    if not seen or not len(samples):
         return ()
-    P = samples.radiation_pressure
-    away = [distance_to_skin(capsules, samples.positions) for _, capsules in skins]
-    nearest = np.argmin(away, axis=0) if len(skins) > 1 else np.zeros(len(samples), dtype=np.intp)
+    P, nearest = samples.radiation_pressure, np.zeros(len(samples), dtype=np.intp)
+    if len(seen) > 1:
+        away = [distance_to_skin(make_capsules(hand), samples.positions) for hand in seen]
+        nearest = np.argmin(away, axis=0)
     felt = P > 0.0
     pairs = sorted({*zip(nearest[felt].tolist(), samples.objects[felt].tolist(), strict=True)})
     touches: list[TouchState] = []
@@ -50,7 +52,7 @@ def find_touches(samples: Samples, hands: Sequence[Hand]) -> tuple[TouchState, .
         touches.append(
             TouchState(
                 object=samples.items[item].name,
-                hand=skins[hand][0].name.rpartition("@")[0],  # without the client's number
+                hand=seen[hand].name.rpartition("@")[0],  # without the client's number
                 position=(x, y, z),
                 pressure=float(P[here].max()),
                 strength=min(1.0, float((P[here] / samples.most[here]).max())),
@@ -79,35 +81,37 @@ def explain_contact(hands: Iterable[Hand], objects: Iterable[Object]) -> Silence
 
 def find_nearest(hands: Iterable[Hand], objects: Iterable[Object]) -> Nearest | None:
     """Return the object nearest to any hand; None without hands that are seen, or without objects."""
-    axes = [_sample_bones(hand) for hand in hands if not hand.lost]
-    if not axes:
+    bones = [make_capsules(hand) for hand in hands if not hand.lost]
+    capsules, items = np.concatenate([np.empty((0, 8)), *bones]), list(objects)
+    if not len(capsules) or not items:
         return None
-    points, radii = map(np.concatenate, zip(*axes, strict=True))
+    points, radii = _sample_bones(capsules)
+    bounds = _bound_gaps(items, capsules)
     nearest: Nearest | None = None
-    for bound, item in sorted(
-        ((_bound_gap(item, points, radii), item) for item in objects), key=lambda pair: pair[0]
-    ):
-        if nearest is not None and bound >= nearest.gap:
+    for i in np.argsort(bounds)[:MAX_MEASURED].tolist():
+        if nearest is not None and bounds[i] >= nearest.gap:
             break
-        if (gap := _measure_gap(item, points, radii)) < (nearest.gap if nearest else math.inf):
-            nearest = Nearest(item, gap)
+        if (gap := _measure_gap(items[i], points, radii)) < (nearest.gap if nearest else math.inf):
+            nearest = Nearest(items[i], gap)
     return nearest
 
 
-def _sample_bones(hand: Hand) -> tuple[Floats, Floats]:
-    """Return points on the axes of a hand's bones, (P, 3) [m], and the radius of the flesh at each, (P,) [m]."""
-    ends = make_capsules(hand)
+def _sample_bones(capsules: Floats) -> tuple[Floats, Floats]:
+    """Return points on the axes of capsules (C, 8), (P, 3) [m], and the radius of the flesh at each, (P,) [m]."""
     along = np.linspace(0.0, 1.0, BONE_POINTS)[:, None, None]
-    first, last, radii = ends[:, :3], ends[:, 3:6], ends[:, 6:]
+    first, last, radii = capsules[:, :3], capsules[:, 3:6], capsules[:, 6:]
     points = (1.0 - along) * first + along * last
     around = (1.0 - along[..., 0]) * radii[:, 0] + along[..., 0] * radii[:, 1]
     return points.reshape(-1, 3), around.ravel()
 
 
-def _bound_gap(item: Object, points: Floats, radii: Floats) -> float:
-    """Return a lower bound of the gap between skin and object, from its bounding sphere [m]."""
-    away = np.sqrt(((points - np.array(item.pose.position)) ** 2).sum(axis=1)) - radii
-    return float(away.min(initial=math.inf)) - item.bounding_radius
+def _bound_gaps(items: Sequence[Object], capsules: Floats) -> Floats:
+    """Return lower bounds of the gaps between skin and each of K objects, from bounding spheres, (K,) [m]."""
+    spheres = find_bounds(capsules)
+    bones, c = spheres[:, :3], np.array([item.pose.position for item in items])
+    squares = (c**2).sum(axis=1)[:, None] + (bones**2).sum(axis=1) - 2.0 * c @ bones.T
+    away = np.sqrt(np.maximum(squares, 0.0)) - spheres[:, 3]
+    return np.asarray(away.min(axis=1) - np.array([item.bounding_radius for item in items]))
 
 
 def _measure_gap(item: Object, points: Floats, radii: Floats) -> float:
