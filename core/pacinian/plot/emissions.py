@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.air import Air
 from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.rendering.recording import Recording
@@ -17,6 +16,7 @@ from pacinian.rendering.renderer import Renderer
 from pacinian.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.types import Gains
 
@@ -136,11 +136,7 @@ def _of_recording(recording: Recording, start: float, duration: float | None) ->
             break
     if math.isnan(begin):
         raise RecordingError(recording.path, "has no tick")
-    try:
-        medium = Air(**recording.settings["medium"])
-    except Exception as error:  # damaged settings can raise anything
-        raise RecordingError(recording.path, f"has a damaged medium: {error}") from error
-    return rows.finish(recording.array, medium, start)
+    return rows.finish(recording.array, recording.medium, start)
 
 
 def _of_renderer(renderer: Renderer, start: float, duration: float | None) -> Emission:

@@ -16,7 +16,9 @@ from typing import IO, TYPE_CHECKING, Any
 import msgpack
 import numpy as np
 
+from pacinian.acoustics.air import Air
 from pacinian.acoustics.array_record import from_map, to_map
+from pacinian.checks import check_number
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
@@ -173,13 +175,16 @@ class Recording:
             self.normals: Floats = np.frombuffer(header["normals"], "<f8").reshape(-1, 3)
             self.capability = Capability(header["phases"], header["amplitudes"], header["rate"])
             self.settings: dict[str, Any] = dict(header["settings"])
+            self.tick_rate = check_number("rate", self.settings["rate"], low=0.9, high=1.1e5)
+            """Ticks per second when recorded [Hz]."""
+            self.medium = Air(**self.settings["medium"])
             self.environment = {str(k): str(v) for k, v in header["made"].items()}
             """Versions of Pacinian and of what computes for it, the variant of its kernels, and the processor."""
             if len(self.normals) != len(self.positions) or not len(self.positions):
                 raise ValueError("positions and normals do not fit")
             if not (np.isfinite(self.positions).all() and np.isfinite(self.normals).all()):
                 raise ValueError("positions and normals are not finite")
-        except (KeyError, ValueError, TypeError) as error:
+        except (KeyError, ValueError, TypeError, AttributeError) as error:
             raise RecordingError(self.path, f"has a damaged header: {error}") from error
 
     @cached_property

@@ -13,7 +13,6 @@ import msgspec
 import numpy as np
 from msgspec import Raw
 
-from pacinian.acoustics.air import Air
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
 from pacinian.serving.render import status
@@ -42,7 +41,7 @@ def convert_recording(
 ) -> Iterator[tuple[float, str, bytes]]:
     """Yield time [s], kind and message. samples: include them, by rendering again. Raises RecordingError."""
     yield 0.0, "array", encode_message(_array(recording))
-    stage, begin, due, past = Stage(), None, 0.0, TickStats(1.0 / recording.settings["rate"])
+    stage, begin, due, past = Stage(), None, 0.0, TickStats(1.0 / recording.tick_rate)
     numbers = itertools.count()
     made = (
         iterate_rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
@@ -99,9 +98,10 @@ def _iterate_objects(scene: Scene) -> Iterator[tuple[str, Object]]:
 
 
 def _array(recording: Recording) -> ArrayMessage:
-    settings, can = recording.settings, recording.capability
+    settings, can, medium = recording.settings, recording.capability, recording.medium
+    _ = recording.array  # raises RecordingError if the transducers are damaged
     kind: dict[str, Any] = settings["transducer"]
-    medium, directivity = Air(**settings["medium"]), kind["directivity"]
+    directivity = kind["directivity"]
     sound = None
     if isinstance(directivity, str):  # others have no name on the wire
         response = settings.get("response") or b""
@@ -125,7 +125,7 @@ def _array(recording: Recording) -> ArrayMessage:
         phases=can.phases,
         amplitudes=len(can.sizes),
         device_rate=can.rate,
-        rate=settings["rate"],
+        rate=recording.tick_rate,
         limits={},
         solvers=(),
         backends=(Plugin(name="recorded"),),
@@ -162,7 +162,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
         if asked is None
         else tuple(name for name, _ in _iterate_objects(asked.scene)),
         "hands": b"".join(hands),
-        "rate": recording.settings["rate"],
+        "rate": recording.tick_rate,
     }
     if renderer is not None:
         told |= status.make_status(renderer, tick.time) | {"tick_counts": b""}

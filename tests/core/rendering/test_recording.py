@@ -262,6 +262,21 @@ def test_amplitudes_that_no_device_has_are_a_damaged_header(tmp_path: Path, bad:
         changed(tmp_path / "run.pac", lambda header: header.update(amplitudes=bad))
 
 
+@pytest.mark.parametrize(
+    "bad",
+    [
+        *({"rate": rate} for rate in (0.0, math.nan, 1e308, {"a": 1}, None)),
+        *({"medium": medium} for medium in ({"speed_of_sound": -1.0}, {"x": 1}, 5.0, None)),
+    ],
+)
+def test_a_header_of_other_types_is_damaged(tmp_path: Path, bad: dict[str, Any]) -> None:
+    record(tmp_path / "run.pac", ticks=1)
+    with pytest.raises(pc.RecordingError, match="damaged header"):
+        changed(tmp_path / "run.pac", lambda header: header["settings"].update(bad))
+    with pytest.raises(pc.RecordingError, match="damaged header"):
+        changed(tmp_path / "run.pac", lambda header: header.update(made=[bad]))
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[pc.Frame]]:
     """A recording of many kinds of things, and what was sent."""
