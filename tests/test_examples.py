@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import pacinian as pc
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
 
@@ -24,6 +25,7 @@ SAYS = {
     "custom_solver": "superposition",
     "temperature": "degrees wrong",
     "how_sure": "Pa at the focus",
+    "gorkov": "times its weight",
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
@@ -45,6 +47,23 @@ def test_it_says_and_draws(
     assert SAYS[name] in capsys.readouterr().out
     drawn, shown = coarse(picture), coarse(ROOT / f"docs/pictures/example-{name}.png")
     assert np.abs(drawn - shown).mean() < 0.04 * np.ptp(shown)
+
+
+def test_the_force_on_a_bead_in_a_standing_wave_is_that_of_the_closed_form(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """F = 4 pi k a^3 E (f1 / 3 + f2 / 2) sin(2 k z), H. Bruus, Lab Chip 12, 1014 (2012), equation 8."""
+    monkeypatch.setattr("sys.argv", ["gorkov", str(tmp_path / "it.png")])
+    gorkov = runpy.run_path(str(ROOT / "examples/gorkov.py"))
+    array, air, z = pc.Array([[0, 0, -4.0], [0, 0, 4.0]]), pc.Air(), np.linspace(-2e-3, 2e-3, 9)
+    places = np.stack([0.0 * z, 0.0 * z, z], axis=1)
+    k, rho, c, a = air.wavenumber(40_000.0), air.density, air.speed_of_sound, gorkov["RADIUS"]
+    heavy, stiff = gorkov["DENSITY"] / rho, gorkov["DENSITY"] * gorkov["SPEED"] ** 2 / (rho * c**2)
+    contrast = (1.0 - 1.0 / stiff) / 3.0 + (heavy - 1.0) / (2.0 * heavy + 1.0)
+    E = (2.0 * array.transducer.pressure / 4.0) ** 2 / (4.0 * rho * c**2)
+    exact = 4.0 * np.pi * k * a**3 * E * contrast * np.sin(2.0 * k * z)
+    found = gorkov["force"](array, np.ones(2), places, air)[:, 2]
+    np.testing.assert_allclose(found, exact, atol=1e-3 * np.abs(exact).max())
 
 
 def coarse(picture: Path) -> np.ndarray[Any, Any]:
