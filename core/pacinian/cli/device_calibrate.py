@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
 VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
+MAX_POSE_ERRORS = 2.5  # pose, in standard errors, above which these are too small
+ROUNDING = 1e-6  # of a pose that is known [m], [rad]
 MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
@@ -110,7 +112,11 @@ def calibrate(
     }
     write_calibration(out, measured)
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
-    findings = [*_findings(fit, scan, names), _judge_strength(fit, scan, device, sensitivity_error)]
+    known = np.r_[[shift_error] * 3, [turn_error] * 3]
+    findings = [
+        *_findings(fit, scan, names, known),
+        _judge_strength(fit, scan, device, sensitivity_error),
+    ]
     if as_json:
         told = {
             "out": str(out),
@@ -151,8 +157,8 @@ def _judge_strength(
     return Finding("strength", "ok", f"{told} (described: {described:g})", fix)
 
 
-def _findings(fit: ScanFit, scan: Scan, names: list[str]) -> list[Finding]:
-    """Return the findings of a fit. names: names of the transducers."""
+def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
+    """Return the findings of a fit. names: of the transducers. known: errors of the pose before, (6,) [m], [rad]."""
     from pacinian.acoustics.air import Air
 
     good = ~fit.dead & ~fit.unseen
@@ -180,12 +186,20 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str]) -> list[Finding]:
     if mean > VAGUE:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
+    if (np.abs(np.r_[fit.shift, fit.turn]) > MAX_POSE_ERRORS * known + ROUNDING).any():
+        fix = "give --shift-error and --turn-error as large as they may be; the gains and phases hold all the same"
+        found.append(Finding("pose", "warning", "off by more than its standard errors allow", fix))
     for text in fit.vague:
         what, _, fix = text.partition(": ")
         found.append(Finding("unknown", "warning", what, fix))
     places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
     for name, which, items, fix in (
-        ("positions that do not fit", fit.residuals > MISFIT, places, "measure there again"),
+        (
+            "positions that do not fit",
+            fit.doubtful | (fit.residuals > MISFIT),
+            places,
+            "leave their rows out, or measure there again: they may be a wavelength off",
+        ),
         ("dead", fit.dead, names, "they get strength 0 and are not driven: check their joints"),
         (
             "reversed",

@@ -19,7 +19,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.checks import check_near, check_number, check_numbers
-from pacinian.devices.scan_model import MIN_SUM, Prior, ScanModel, fit_model
+from pacinian.devices.scan_model import MIN_NOISE, MIN_SUM, Prior, ScanModel, fit_model
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
 MAX_POSE_MOVE = 3.0  # rms correction of the pose, in standard errors
 TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
 MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
+MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
 MIN_TOLD = (
@@ -69,7 +70,8 @@ class ScanFit:
         antiphase to most others, (N,).
     positions: corrected positions of the microphone [m], (M, 3), with position_errors [m], (M, 3). residuals:
         unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual: the
-        same for the whole scan. outliers: number of readings that lost most of their weight.
+        same for the whole scan. doubtful: the readings at a position fit half as well as those of the scan, (M,), as if
+        it were a wavelength off. outliers: number of readings that lost most of their weight.
     speed_of_sound: fitted or given speed [m/s]. speed_error: its error [m/s].
     pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
         its centre [m] and the turn about its centre as a rotation vector [rad], (3,) each. pose_errors: errors of both,
@@ -90,6 +92,7 @@ class ScanFit:
     position_errors: Floats
     residuals: Floats
     residual: float
+    doubtful: Flags
     outliers: int
     speed_of_sound: float
     speed_error: float
@@ -281,11 +284,16 @@ def _finish(model: ScanModel, size: float) -> ScanFit:
     covariance = K @ model.cov @ K.T
     covariance[8, 8] += shared
     places = np.einsum("mip,pq,miq->mi", model.D, model.cov, model.D, optimize=True)
+    misfits = np.array(
+        [
+            np.median(a[read]) if read.any() else 0.0
+            for a, read in zip(model.away, model.read, strict=True)
+        ]
+    )
+    typical = max(float(np.median(model.away[model.read])), MIN_NOISE)
     residuals = [
-        _compare(float(np.median(away[read])) / np.sqrt(np.log(4.0)), F[read])
-        if read.any()
-        else 0.0
-        for away, F, read in zip(model.away, model.F, model.read, strict=True)
+        _compare(float(misfit) / np.sqrt(np.log(4.0)), F[read])
+        for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
     errors = np.sqrt(np.diag(covariance))
     return ScanFit(
@@ -299,6 +307,7 @@ def _finish(model: ScanModel, size: float) -> ScanFit:
         position_errors=np.sqrt(places),
         residuals=np.array(residuals),
         residual=_residual(model),
+        doubtful=misfits > MAX_SPREAD * typical,
         outliers=int((model.read & (model.W < 0.1)).sum()),
         speed_of_sound=model.c,
         speed_error=float(errors[0]),

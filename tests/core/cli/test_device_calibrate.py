@@ -363,6 +363,16 @@ def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
     assert "twice" in run("calibrate", bench.file, scan, scan, "--out", bench.folder / "o.csv")[1]
 
 
+def test_a_pose_that_is_wrong_by_more_than_is_said_is_told(bench: Bench) -> None:
+    bench.q += [0.006, 0.0, 0.0]
+    told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")[1]
+    assert re.search("warning +pose: off by more.*\n.*--shift-error", told), told
+    wide = ("--shift-error", "0.006", "--turn-error", "0.01")
+    told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv", *wide)[1]
+    assert "warning  pose" not in told
+    assert re.search(r"shifted by [56]\.\d+ \+-", told), told
+
+
 def test_a_microphone_that_stands_still_is_told(bench: Bench) -> None:
     """Where it stands is unknown, and all that it reads fits some calibration."""
     q = bench.q[:1] + np.zeros((10, 1))

@@ -163,6 +163,7 @@ def test_a_position_that_is_wrong_is_corrected_and_one_that_is_nonsense_counts_l
     fit = fit_scan(AUTD, given, X)
     assert np.linalg.norm(fit.positions[4] - q[4]) < 1e-3
     assert np.flatnonzero(fit.residuals > 0.5).tolist() == [7]
+    assert np.flatnonzero(fit.doubtful).tolist() == [7]
     assert (focus(AUTD, truth, fit.responses) > 0.999).all()
 
 
@@ -337,7 +338,9 @@ def test_what_a_scan_does_not_tell_is_told() -> None:
         assert len(vague) == count
         assert told in vague[0]
     good = place(12, rng)
-    assert fit_scan(AUTD, good, disturb(simulate(AUTD, good), 0.03, rng)).vague == ()
+    fit = fit_scan(AUTD, good, disturb(simulate(AUTD, good), 0.03, rng))
+    assert not fit.vague
+    assert not fit.doubtful.any()
 
 
 def test_gaps_that_leave_fewer_readings_than_unknowns_are_refused() -> None:
