@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import pacinian as pc
 from pacinian.wire.codec import encode
 
 from . import jsons, tools
@@ -155,3 +156,22 @@ def test_calibration_against_singular_values(programs: Path, mirrored: bool) -> 
         assert made[8] == pytest.approx(distances.max(), abs=1e-7)
         compared += 1
     assert compared > 80
+
+
+def test_hands_are_those_of_python(programs: Path) -> None:
+    turns = Rotation.random(4, random_state=3).as_quat()
+    chance = np.random.default_rng(4)
+    lines: list[str] = []
+    hands: list[pc.Hand] = []
+    for side, turn, place in zip(
+        ("left", "right") * 2, turns, chance.normal(0.0, 0.05, (4, 3)), strict=True
+    ):
+        lines.append(f"open {side} {spelt(*place, *turn)}")
+        hands.append(pc.Hand.open(side, pc.Pose(tuple(place), tuple(turn))))
+        bones, widths = chance.normal(0.0, 0.05, (5, 4, 2, 3)), chance.uniform(0.01, 0.03, (5, 4))
+        rows = np.concatenate([bones.reshape(20, 6), widths.reshape(20, 1)], axis=1)
+        lines.append(f"leap {spelt(*rows.ravel(), *place)}")
+        hands.append(pc.Hand.leap(bones, widths, place, "right"))
+    for hand, told in zip(hands, numbers(programs / "space_answers", lines), strict=True):
+        assert told[:78] == pytest.approx(np.ravel(hand.joints), abs=1e-12)
+        assert told[78:] == pytest.approx(hand.radii, abs=1e-12)

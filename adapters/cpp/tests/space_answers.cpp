@@ -2,12 +2,15 @@
 //
 //     pose x y z qx qy qz qw vx vy vz wx wy wz     Unreal's pose and velocities, in the world
 //     back x y z qx qy qz qw                       the world's pose, in Unreal
+//     open side x y z qx qy qz qw                  joints and radii of an open hand
+//     leap 20 x (prev next width) wrist            the same of a hand as LeapC tells it
 //     calibrate count known... touched...          origin x y z qx qy qz qw, residual, worst; or `refused`
 
 #include <iostream>
 #include <sstream>
 
 #include "pacinian/space/calibration.h"
+#include "pacinian/space/hands.h"
 #include "pacinian/space/unreal.h"
 
 namespace {
@@ -43,6 +46,21 @@ int main() {
     } else if (what == "back") {
       in >> pose;
       std::cout << unreal::from_world(pose);
+    } else if (what == "open" || what == "leap") {
+      Hand hand;
+      if (what == "open") {
+        std::string side;
+        in >> side >> pose;
+        hand = open_hand(side == "left" ? wire::HandFrameSide::left : wire::HandFrameSide::right, pose);
+      } else {
+        std::array<std::array<LeapBone, 4>, 5> digits;
+        for (auto& digit : digits)
+          for (LeapBone& bone : digit) in >> bone.prev_joint >> bone.next_joint >> bone.width;
+        in >> velocity;
+        hand = leap_hand(digits, velocity);
+      }
+      for (const Vec3& joint : hand.joints) std::cout << joint;
+      for (const double radius : hand.radii) std::cout << radius << " ";
     } else {
       std::size_t count = 0;
       in >> count;

@@ -38,6 +38,14 @@ void UHapticHandComponent::SetJoints(const TArray<FVector>& Positions) {
 
 void UHapticHandComponent::SetRadii(const TArray<float>& NewRadii) { Radii = NewRadii; }
 
+void UHapticHandComponent::SetLeap(const TArray<FVector>& Bones, const TArray<float>& Widths, const FVector& Wrist) {
+  TArray<FVector> Made;
+  TArray<float> MadeRadii;
+  if (!Haptic::LeapHand(Bones, Widths, Wrist, Made, MadeRadii)) return SetLost();
+  SetJoints(Made);
+  SetRadii(MadeRadii);
+}
+
 void UHapticHandComponent::SetLost() { Joints.Reset(); }
 
 bool UHapticHandComponent::IsTracked() const { return Joints.Num() == Count; }

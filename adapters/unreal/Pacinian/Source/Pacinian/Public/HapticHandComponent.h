@@ -47,6 +47,12 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetRadii(const TArray<float>& NewRadii);
 
+  /** In place of Set Joints and Set Radii: a hand as Ultraleap tells it, in the level [cm]. Bones: both ends (prev and next
+   * joint) of the metacarpal, proximal, intermediate and distal bone of the five digits from the thumb on: 40. Widths: of the
+   * 20 bones. Wrist: the arm's next joint. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  void SetLeap(const TArray<FVector>& Bones, const TArray<float>& Widths, const FVector& Wrist);
+
   /** The tracker has lost the hand: it feels nothing. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetLost();
