@@ -66,7 +66,7 @@ def report() -> pc.Report:
 
 def recording(folder: Path) -> pc.Recording:
     recorder = pc.Recorder(folder / "a<b>.rec")
-    recorder.begin(ARRAY, pc.Capability(), {})
+    recorder.begin(ARRAY, pc.Capability(), {"rate": 1000.0, "medium": {}})
     recorder.close()
     return pc.Recording(folder / "a<b>.rec")
 
@@ -74,6 +74,7 @@ def recording(folder: Path) -> pc.Recording:
 STATE = State(
     sequence=4, time=1.0, output="silent", armed=False, owner="", scene="", solver=EVIL, backend="simulated",
     technique="", intensity=1.0, points=bytes(12), asked=bytes(4), hands=bytes(312),
+    cause="not armed", why=f"not armed: {EVIL}",
 )  # fmt: skip
 FULL: dict[str, tuple[Any, list[str], bool]] = {
     "array": (ARRAY, ["249 transducers", "40 kHz"], True),
@@ -82,7 +83,7 @@ FULL: dict[str, tuple[Any, list[str], bool]] = {
     "scene": (pc.Scene((BALL,), hands=(HAND, LOST)), [EVIL, "volume", "left (lost)"], True),
     "samples": (felt(pc.Scene((BALL,), hands=(HAND,))), ["samples", "mN"], True),
     "report": (report(), ["100 ticks", EVIL, "1 (1.0%)", "work saved 5 times"], True),
-    "state": (STATE, ["State 4", "silent", "not armed: call arm()", EVIL], False),
+    "state": (STATE, ["State 4", "silent", f"not armed: {EVIL}"], False),
     "plugins": (pc.Plugins(), ["lagrange", "simulated", "pacinian"], False),
     "no points": (pc.solve(ARRAY, np.empty((0, 3)), []), ["silent"], False),
     "no objects": (pc.Scene(), ["0 objects"], False),
