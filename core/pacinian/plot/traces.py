@@ -70,9 +70,9 @@ def convergence(
 ) -> Figure | Axes:
     """Plot the error against the iterations of one problem, solved from a cold start with more and more iterations.
 
-    solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines.
-    The rest as for `pacinian.solve`: points (M, 3) [m], amplitudes (M,) [Pa], phases [rad]. medium: the air. ax: to draw
-    into and return. Each solver defines its own iteration, so their costs differ. Raises ArgumentError, UnknownPlugin,
+    solvers: names or objects; default: all installed ones. Solvers without iterations are dashed lines. Each solver
+    defines its own iteration, so their costs differ. The rest as for `pacinian.solve`: points (M, 3) [m],
+    amplitudes (M,) [Pa], phases [rad], medium. ax: to draw into and return. Raises ArgumentError, UnknownPlugin,
     MissingExtra.
     """
     chosen = list(_all() if solvers is None else solvers)
