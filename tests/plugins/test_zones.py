@@ -114,7 +114,11 @@ def test_what_gains_of_that_kind_can_make_is_made(pressure: float) -> None:
 
 
 def test_several_zones_and_points_and_a_limit_of_power() -> None:
-    zones = EAR, pc.Zone((-0.1, 0.0, 0.25), 4.0), pc.Zone((0.0, 0.12, 0.3), 3.0, 0.01)
+    zones = (
+        EAR,
+        pc.Zone((-0.1, 0.0, 0.25), pressure=4.0),
+        pc.Zone((0.0, 0.12, 0.3), pressure=3.0, radius=0.01),
+    )
     limits = pc.Limits(gain=None, power=40.0, zones=zones)
     found = pc.solve(ARRAY, POINTS, [500.0] * 3, limits=limits)
     assert found.status is pc.Status.ok
@@ -144,7 +148,7 @@ def test_gains_that_are_louder_are_certified_as_such() -> None:
 
 
 def test_until_zones_are_prepared_there_is_silence() -> None:
-    zone = pc.Zone((0.11, 0.013, 0.27), 2.0, 0.0151)  # of no other test
+    zone = pc.Zone((0.11, 0.013, 0.27), pressure=2.0, radius=0.0151)  # of no other test
     session = pc.Session(ARRAY, AIR)
     first = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(zone,)), deadline=0.0)
     assert first.status is pc.Status.deadline
@@ -175,7 +179,10 @@ def test_what_is_all_in_a_zone_is_silent() -> None:
 
 @pytest.mark.parametrize("solver", ["lagrange", "pseudo-inverse"])
 def test_the_same_ten_thousand_times_as_strong_keeps_the_zone_too(solver: str) -> None:
-    session, zone = pc.Session(ARRAY, AIR, solver), pc.Zone(EAR.position, 0.05, EAR.radius)
+    session, zone = (
+        pc.Session(ARRAY, AIR, solver),
+        pc.Zone(EAR.position, pressure=0.05, radius=EAR.radius),
+    )
     for pressure in (0.1, 1000.0):
         found = session.solve(POINTS, [pressure] * 3, limits=pc.Limits(zones=(zone,)))
         assert loudest(ARRAY, zone, found.gains) < zone.pressure
@@ -183,7 +190,7 @@ def test_the_same_ten_thousand_times_as_strong_keeps_the_zone_too(solver: str) -
 
 def test_one_that_wants_others_does_not_take_them_from_another() -> None:
     """Each waits for its own zones; what has not begun is given up by who no longer wants it."""
-    zones = [pc.Zone((0.1, 0.01 * k, 0.3), 2.0, 0.0131) for k in range(3)]
+    zones = [pc.Zone((0.1, 0.01 * k, 0.3), pressure=2.0, radius=0.0131) for k in range(3)]
     sessions = [pc.Session(ARRAY, AIR) for _ in range(3)]
     for session in sessions:
         for zone in zones:
@@ -221,9 +228,9 @@ def test_what_is_no_zone_is_refused(bad: dict[str, Any], name: str) -> None:
 @pytest.mark.parametrize(
     "zone",
     [
-        pc.Zone((0.0, 0.0, 0.0), 1.0, 0.5),  # around the array
-        pc.Zone(tuple(ARRAY.positions[7].tolist()), 1.0),  # on a transducer
-        pc.Zone((300.0, 0.0, 0.0), 1.0, 0.1),  # in millimetres
+        pc.Zone((0.0, 0.0, 0.0), pressure=1.0, radius=0.5),  # around the array
+        pc.Zone(tuple(ARRAY.positions[7].tolist()), pressure=1.0),  # on a transducer
+        pc.Zone((300.0, 0.0, 0.0), pressure=1.0, radius=0.1),  # in millimetres
     ],
 )
 def test_zones_that_cannot_be_meant_are_refused(zone: pc.Zone) -> None:
@@ -247,7 +254,7 @@ def test_any_zone_stays_quiet(seed: int) -> None:
     rng = np.random.default_rng(seed)
     x, y, z = rng.uniform([-0.25, -0.25, 0.1], [0.25, 0.25, 0.5]).tolist()
     pressure, radius = 10.0 ** rng.uniform(-0.5, 1.5), rng.uniform(0.0, 0.03)
-    zone = pc.Zone((x, y, z), pressure, radius)
+    zone = pc.Zone((x, y, z), pressure=pressure, radius=radius)
     points = rng.uniform([-0.05, -0.05, 0.12], [0.05, 0.05, 0.25], (rng.integers(1, 9), 3))
     asked = np.full(len(points), 10.0 ** rng.uniform(1.0, 4.0))
     found = pc.solve(ARRAY, points, asked, limits=pc.Limits(zones=(zone,)))

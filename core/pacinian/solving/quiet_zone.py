@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,7 @@ class Zone:
     """
 
     position: tuple[float, float, float]
+    _: KW_ONLY
     pressure: float
     radius: float = 0.0
 

@@ -265,7 +265,7 @@ def _make_values(record: SolutionRecord) -> dict[str, Any]:
     )
     limits = Limits(
         gain=kept.gain, power=kept.power, quiet=quiet, exact=_unpack_optional(kept.exact, "ib"),
-        zones=tuple(Zone(zone.position, zone.pressure, zone.radius) for zone in kept.zones),
+        zones=tuple(Zone(zone.position, pressure=zone.pressure, radius=zone.radius) for zone in kept.zones),
     )  # fmt: skip
     limits.exact_mask(M)
     if record.status not in Status.__members__:

@@ -49,7 +49,7 @@ CASES: dict[str, Any] = {
         "limits": pc.Limits(power=20.0, quiet=([[0.0, 0.1, 0.1]], 1.0), exact=[0]),
     },
     "zones, no limit of a gain": lambda: {
-        "limits": pc.Limits(gain=None, power=5.0, zones=(pc.Zone((0.0, 0.2, 0.2), 0.5, 0.02),))
+        "limits": pc.Limits(gain=None, power=5.0, zones=(pc.Zone((0.0, 0.2, 0.2), pressure=0.5, radius=0.02),))
     },
     "double precision": lambda: {"precision": "double"},
     "silent": lambda: {"amplitudes": 0.0},

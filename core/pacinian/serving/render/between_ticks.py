@@ -89,7 +89,9 @@ class BetweenTicks:
         )
         zones = settings.safety.zones
         self.felt = SceneReplica(
-            settings.workspace, loader, tuple(Zone(z.position, z.pressure, z.radius) for z in zones)
+            settings.workspace,
+            loader,
+            tuple(Zone(z.position, pressure=z.pressure, radius=z.radius) for z in zones),
         )
         self._device.look()
         self._outputs = OutputSwitcher(

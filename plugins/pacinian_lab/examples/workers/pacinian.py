@@ -12,7 +12,7 @@ import pacinian as pc
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-QUIET = 50.0, 0.001  # pressure [Pa] and radius [m] of a quiet place
+QUIET, RADIUS = 50.0, 0.001  # pressure [Pa] and radius [m] of a quiet place
 CROSS = 0.001 * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])  # points in it [m]
 
 
@@ -43,9 +43,9 @@ def make(solver: str, threads: int, quiet: str = "") -> Callable[[dict[str, Any]
         array = pc.Array(given["positions"], given["normals"], transducer=kind)
         points, limits = np.array(given["points"]), pc.Limits()
         if quiet == "zone":
-            limits = pc.Limits(zones=(pc.Zone(given["quiet"], *QUIET),))
+            limits = pc.Limits(zones=(pc.Zone(given["quiet"], pressure=QUIET, radius=RADIUS),))
         elif quiet:
-            limits = pc.Limits(quiet=(given["quiet"] + CROSS, QUIET[0]))
+            limits = pc.Limits(quiet=(given["quiet"] + CROSS, QUIET))
         scale = "exact" if given["amplitude"] else "max"
         asked: dict[str, Any] = {"scale": scale, "limits": limits, "medium": air, "solver": solver}
         amplitude = given["amplitude"] or 1.0

@@ -214,7 +214,7 @@ def test_who_leaves_takes_along_what_it_put_last() -> None:
 
 
 def test_quiet_zones_of_clients_come_to_those_of_the_installation() -> None:
-    ours = Settings(safety=Safety(zones=(Zone((0.0, 0.1, 0.3), 5.0, 0.05),)))
+    ours = Settings(safety=Safety(zones=(Zone((0.0, 0.1, 0.3), pressure=5.0, radius=0.05),)))
     room, who = room_of(ours), client()
     do(room, who, quiet(Ball(position=(0.1, 0.0, 0.2), pressure=7.0)))
     always = (0.0, 0.1, 0.3), 5.0, 0.05

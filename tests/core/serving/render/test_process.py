@@ -396,7 +396,7 @@ def test_a_late_solver_makes_late_ticks_and_no_fault(make: Callable[..., Server]
     assert state["fault_count"] == 0
 
 
-ZONE = Zone((0.08, 0.0, 0.2), 1.0, 0.006)
+ZONE = Zone((0.08, 0.0, 0.2), pressure=1.0, radius=0.006)
 
 
 def zones(*given: Zone) -> SetQuiet:
@@ -451,7 +451,9 @@ def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept
     limits = server.loop.renderer.limits
     assert (limits.gain, limits.power) == (0.5, 30.0)
     assert server.sounds
-    server.change(zones(ZONE, Zone((0.0, 0.0, 0.0), 1.0, 0.5)))  # the array is in it
+    server.change(
+        zones(ZONE, Zone((0.0, 0.0, 0.0), pressure=1.0, radius=0.5))
+    )  # the array is in it
 
     def is_told() -> bool:
         server.tick()

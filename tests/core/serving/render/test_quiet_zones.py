@@ -10,11 +10,11 @@ from pacinian.serving.render.quiet_zones import MARGIN, ZonePlacement
 from ....waiting import eventually
 
 ARRAY, AIR = pc.autd(), pc.Air()
-FIXED = pc.Zone((0.1, 0.0, 0.25), 4.0, 0.005)
+FIXED = pc.Zone((0.1, 0.0, 0.25), pressure=4.0, radius=0.005)
 
 
 def head(x: float = 0.0, pressure: float = 5.0, radius: float = 0.004) -> pc.Zone:
-    return pc.Zone((x, 0.1, 0.3), pressure, radius)
+    return pc.Zone((x, 0.1, 0.3), pressure=pressure, radius=radius)
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_one_that_jumps_is_another_until_which_there_is_silence(
 
 
 def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: ZonePlacement) -> None:
-    around = pc.Zone((0.0, 0.0, 0.0), 1.0, 0.5)
+    around = pc.Zone((0.0, 0.0, 0.0), pressure=1.0, radius=0.5)
 
     def is_told() -> bool:
         assert not quieting.keeps((FIXED, around))
@@ -88,6 +88,6 @@ def test_where_there_is_no_room_to_move_in_a_zone_is_kept_where_it_is(
     quieting: ZonePlacement,
 ) -> None:
     x, y, z = (ARRAY.positions[0] - [0.0, 0.0, -0.012]).tolist()
-    zone = pc.Zone((x, y, z), 50.0, 0.002)  # the wider ball holds a transducer
+    zone = pc.Zone((x, y, z), pressure=50.0, radius=0.002)  # the wider ball holds a transducer
     eventually(lambda: quieting.keeps((FIXED, zone)))
     assert quieting.limits.zones[1] == zone

@@ -194,10 +194,13 @@ def test_hushed_keeps_the_hands_and_is_always_the_same() -> None:
 
 
 def test_quiet_zones() -> None:
-    scene = felt(zones=(pc.Zone((0.0, 0.0, 0.4), 1.0),))
+    scene = felt(zones=(pc.Zone((0.0, 0.0, 0.4), pressure=1.0),))
     assert len(scene.zones) == 1
     scene.apply([SetQuiet((((0.0, 1.0, 2.0), 5.0, 0.1), ((3.0, 4.0, 5.0), 6.0, 0.0)))])
-    assert scene.zones == (pc.Zone((0.0, 1.0, 2.0), 5.0, 0.1), pc.Zone((3.0, 4.0, 5.0), 6.0))
+    assert scene.zones == (
+        pc.Zone((0.0, 1.0, 2.0), pressure=5.0, radius=0.1),
+        pc.Zone((3.0, 4.0, 5.0), pressure=6.0),
+    )
     scene.apply([SetQuiet((((0.0, 1.0, 2.0), -5.0, 0.1),))])
     assert "" in scene.refused
     assert len(scene.zones) == 2
