@@ -141,7 +141,8 @@ class Reader:
             solver = solver_of(name, **options)
         if "limits" in new:
             given: dict[str, Any] = {k: _array(v) for k, v in new["limits"].items()}
-            given["zones"] = tuple(Zone(*zone) for zone in given.get("zones", ()))
+            zones = given.get("zones", ())
+            given["zones"] = tuple(Zone(q, pressure=p, radius=r) for q, p, r in zones)
             limits = Limits(**given)
         if solver is None or limits is None:
             raise ValueError("the first tick lacks a solver or limits")

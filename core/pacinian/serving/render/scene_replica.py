@@ -287,4 +287,4 @@ class SceneReplica:
         self._input = Input(change.input, change.sent, change.received)
 
     def _set_quiet(self, change: messages.SetQuiet) -> None:
-        self.zones = tuple(Zone(*zone) for zone in change.zones)
+        self.zones = tuple(Zone(q, pressure=p, radius=r) for q, p, r in change.zones)

@@ -42,10 +42,10 @@ class EmulatedTransport:
         """The units' clock [s]."""
         return self._clock() - self._start
 
-    def post(self, told: Sequence[Due]) -> None:
+    def post(self, updates: Sequence[Due]) -> None:
         """Record these frames; they never wait."""
         now = self.time
-        for frames, due in told:
+        for frames, due in updates:
             self._log.append((now if due is None else due, frames))
             self.messages += len(frames)
 

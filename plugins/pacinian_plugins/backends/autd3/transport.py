@@ -27,7 +27,7 @@ class Transport(Protocol):
         """Whether the last post is still waiting to be sent."""
         ...
 
-    def post(self, told: Sequence[Due]) -> None:
+    def post(self, updates: Sequence[Due]) -> None:
         """Queue these frames in place of waiting ones, without blocking. An empty post is a heartbeat."""
         ...
 
