@@ -21,7 +21,7 @@ SAYS = {
     "stm_circle": "30 mm across",
     "fingertip_wav": "on the fingertip",
     "texture": "by the ridge",
-    "hand_session": " 0 differ",
+    "hand_session": " 0 frames differ",
     "custom_solver": "superposition",
     "temperature": "degrees wrong",
     "how_sure": "Pa at the focus",

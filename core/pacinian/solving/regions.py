@@ -34,8 +34,8 @@ STILL = 5e-4  # samples that moved by less than this keep their solution [m]
 CARRY_DISTANCE = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
 ON_SKIN = 0.8  # the same for samples on skin, which are less even
-MAX_ROWS = 12  # most samples of a region that tell where its sound comes from
-TINY = 1e-300  # smallest amplitude used as a divisor [Pa]
+MAX_SOURCES = 256  # most transducers that tell where the sound on skin comes from
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # most transducers used to compute the array's radius
 ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the mean of diag(G)
 TURNS = 16  # number of these steps
@@ -96,17 +96,14 @@ def settle_phases(
     assert regions is not None
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
-    some, wave = _choose_subset(array), np.zeros(M)
-    on_skin, aside = propagator.facing is not None, propagator.nulls is not None
-    if not on_skin:
-        kernels.waves(q, t, regions, some, propagator.origin, k, MIN_CONVERGENCE, tilt, wave)
-    for number in range(int(regions.max()) + 1 if on_skin or aside else 0):
-        own = np.flatnonzero(regions == number)
-        if on_skin:
-            source, made = _find_source(propagator, own, t[own]), np.empty(len(own))
-            kernels.converge(q[own], t[own] ** 2, some, source, k, ON_SKIN, tilt, made)
-            wave[own] = made
-        if aside:
+    some, wave = _choose_subset(array), np.empty(M)
+    source, least = propagator.origin, MIN_CONVERGENCE
+    if propagator.facing is not None:
+        source, least = _find_source(propagator, np.where(regions < 0, 0.0, t)), ON_SKIN
+    kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
+    if propagator.nulls is not None:
+        for number in range(int(regions.max()) + 1):
+            own = regions == number
             wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
     start, steps = initial_phases(M, None if warm is None else _phases(warm))
     group, phases = np.empty(M, np.int64), np.empty(M)
@@ -132,18 +129,31 @@ def _choose_subset(array: Array) -> Floats:
     return array.positions[:: -(-len(array) // MAX_SUBSET)].copy()
 
 
-def _find_source(propagator: Propagator, own: Indices, t: Floats) -> Floats:
-    """Return the middle of the transducers, each weighted by the power that it sends to samples of a region, (3,) [m].
+def _find_source(propagator: Propagator, t: Floats) -> Floats:
+    """Return the middle of the transducers, each weighted by the power that it sends to the samples, (3,) [m].
 
-    own: the region's samples, (K,). t: their amplitudes, (K,).
+    t: amplitudes of the samples, (M,). Every sample counts, and all regions have the same source. So it does not jump
+    if a sample comes or goes at the rim, or if regions split or merge.
     """
-    some = slice(None, None, max(1, -(-len(own) // MAX_ROWS)))
-    rows, weight = propagator.B[own[some]], t[some] / max(float(t.max()), TINY)
-    power = (weight * weight).astype(rows.real.dtype) @ (rows.real**2 + rows.imag**2)
+    largest, some = float(t.max(initial=0.0)), _choose_spread(len(propagator.array))
+    if not largest > 0.0:
+        return propagator.origin
+    rows = propagator.B.take(some, axis=1)
+    parts = rows.view(rows.real.dtype)
+    parts *= parts
+    power = (np.square(t / largest).astype(parts.dtype) @ parts).reshape(-1, 2).sum(axis=1)
     whole = float(power.sum())
     if not 0.0 < whole < math.inf:
         return propagator.origin
-    return np.asarray(power @ propagator.array.positions / whole, np.float64)
+    return np.asarray(power @ propagator.array.positions[some] / whole, np.float64)
+
+
+@functools.lru_cache(maxsize=16)
+def _choose_spread(count: int) -> Indices:
+    """Return at most MAX_SOURCES of `count` indices, in order, that keep step with no row of transducers."""
+    if count <= MAX_SOURCES:
+        return np.arange(count)
+    return np.unique((np.arange(MAX_SOURCES) * GOLDEN % 1.0 * count).astype(np.int64))
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:

@@ -240,7 +240,7 @@ def test_a_recording_without_ticks_or_cut_off_is_told_or_shown(
     (tmp_path / "cut.rec").write_bytes(data[: len(data) - 1000])
     plot.timeline(pc.Recording(tmp_path / "cut.rec"))
     recorder = pc.Recorder(tmp_path / "none.rec")
-    recorder.begin(ARRAY, pc.Capability(), {})
+    recorder.begin(ARRAY, pc.Capability(), {"rate": 1000.0, "medium": {}})
     recorder.close()
     with pytest.raises(pc.RecordingError, match="no tick"):
         plot.timeline(pc.Recording(tmp_path / "none.rec"))

@@ -40,7 +40,7 @@ LIMITED = [
 def matrix(count: int, seed: int, single: bool = True) -> Any:
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.06, 0.06, (count, 2)), np.full(count, 0.1)]
-    A = pc.matrix(ARRAY, q)
+    A = pc.matrix(ARRAY, q, pc.Air())
     return np.ascontiguousarray(A, np.complex64 if single else np.complex128)
 
 
