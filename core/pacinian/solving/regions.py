@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import ArrayLike, Complexes, Floats, Indices
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices
 
 
 STILL = 5e-4  # samples that moved by less than this keep their solution [m]
@@ -99,7 +99,7 @@ def settle_phases(
     some, wave = _choose_subset(array), np.empty(M)
     source, least = propagator.origin, MIN_CONVERGENCE
     if propagator.facing is not None:
-        source, least = _find_source(propagator, np.where(regions < 0, 0.0, t)), ON_SKIN
+        source, least = _find_source(propagator, regions >= 0), ON_SKIN
     kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
     if propagator.nulls is not None:
         for number in range(int(regions.max()) + 1):
@@ -129,19 +129,18 @@ def _choose_subset(array: Array) -> Floats:
     return array.positions[:: -(-len(array) // MAX_SUBSET)].copy()
 
 
-def _find_source(propagator: Propagator, t: Floats) -> Floats:
+def _find_source(propagator: Propagator, pressing: Flags) -> Floats:
     """Return the middle of the transducers, each weighted by the power that it sends to the samples, (3,) [m].
 
-    t: amplitudes of the samples, (M,). Every sample counts, and all regions have the same source. So it does not jump
-    if a sample comes or goes at the rim, or if regions split or merge.
+    pressing: which samples count, (M,). All regions have the same source, so that no wave jumps if a region splits or
+    regions merge. Amplitudes do not count, because frames of one cycle, which each make what the others lack, would
+    drift apart.
     """
-    largest, some = float(t.max(initial=0.0)), _choose_spread(len(propagator.array))
-    if not largest > 0.0:
-        return propagator.origin
+    some = _choose_spread(len(propagator.array))
     rows = propagator.B.take(some, axis=1)
     parts = rows.view(rows.real.dtype)
     parts *= parts
-    power = (np.square(t / largest).astype(parts.dtype) @ parts).reshape(-1, 2).sum(axis=1)
+    power = (pressing.astype(parts.dtype) @ parts).reshape(-1, 2).sum(axis=1)
     whole = float(power.sum())
     if not 0.0 < whole < math.inf:
         return propagator.origin
