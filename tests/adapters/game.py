@@ -219,10 +219,13 @@ def wait_for_silence(server: Server, since: float, log: Log | None = None) -> No
     eventually(is_silent)
 
 
-def wait_for_expiry(server: Server, since: float) -> None:
-    """Wait until the device was silent after `since` [s], and control, too, finds the lease over."""
+def wait_for_expiry(server: Server, since: float, stood: float = 0.0) -> None:
+    """Wait until the device was silent after `since` [s], and control, too, finds the lease over.
+
+    stood: shortest wait [s]. The lease counts from the last renewal, which may be earlier than a game's last tick.
+    """
     wait_for_silence(server, since)
-    eventually(lambda: not look(server).armed)
+    eventually(lambda: not look(server).armed and time.perf_counter() > since + stood)
 
 
 def sounded_since(server: Server, mark: int) -> bool:

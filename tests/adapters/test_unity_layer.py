@@ -243,7 +243,7 @@ def test_a_freeze_is_silent_in_time_and_sounds_again_when_the_game_goes_on(
 ) -> None:
     since = time.perf_counter()
     game.stand_still()
-    wait_for_expiry(real, since)
+    wait_for_expiry(real, since, stood=2.0 * LEASE)
     game.say("status")
     assert "the game did not tick" in game.event("stood still")["code"]
     sounds(game)

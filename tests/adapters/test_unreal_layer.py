@@ -243,7 +243,7 @@ def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Serve
     assert game.sounding(lambda s: len(s["samples"]) > 0)["lease"] == LEASE
     since = time.perf_counter()
     game.stand_still()
-    wait_for_expiry(server, since)
+    wait_for_expiry(server, since, stood=2.0 * LEASE)
     game.say("status")  # it goes on
     game.event("stood still")
     game.until(lambda s: s["armed"] and s["output"] == "sounding")  # by itself
