@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import cvxpy as cp
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, reject
 from hypothesis import strategies as st
 
 import pacinian as pc
@@ -257,6 +257,11 @@ def test_any_zone_stays_quiet(seed: int) -> None:
     zone = pc.Zone((x, y, z), pressure=pressure, radius=radius)
     points = rng.uniform([-0.05, -0.05, 0.12], [0.05, 0.05, 0.25], (rng.integers(1, 9), 3))
     asked = np.full(len(points), 10.0 ** rng.uniform(1.0, 4.0))
-    found = pc.solve(ARRAY, points, asked, limits=pc.Limits(zones=(zone,)))
+    try:
+        found = pc.solve(ARRAY, points, asked, limits=pc.Limits(zones=(zone,)))
+    except pc.ArgumentError as error:  # a large zone close to the array
+        if "nothing to sound with" not in str(error):
+            raise
+        reject()
     assert loudest(ARRAY, zone, found.gains) <= zone.pressure
     assert np.abs(found.gains).max() <= 1.0
