@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.checks import check_integer, check_kind, check_number
+from pacinian.closing import Closing
 from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
@@ -32,7 +33,6 @@ from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 RAMP = 0.005  # fade-in and fade-out time of a sample [s]
 
 
-class Renderer:
+class Renderer(Closing):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
     scene: a `Scene`, or a function that maps the time since `open` [s] to one. The function is called every tick and
@@ -275,14 +275,6 @@ class Renderer:
     def __enter__(self) -> Renderer:
         self.open()
         return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def run(
         self,

@@ -35,7 +35,7 @@ RATE = 1000.0  # of ticks and frames [Hz]
 PART = 0.5  # time after which the loops take turns [s]
 WARM = 0.5  # time before the first counted tick [s]
 ADDITIONS = 100_000  # of the calibration loop
-WHOLE = "tick"
+WHOLE_TICK = "tick"  # name of the row of all stages together
 QUANTILES = 0.5, 0.99, 0.999
 
 
@@ -210,7 +210,7 @@ def _gather(ticks: list[Times]) -> dict[str, Floats]:
     """Return the times of each stage, and of all together, (T,) [s]."""
     stages = sorted({stage for tick in ticks for stage in tick})
     found = {stage: np.array([tick.get(stage, 0.0) for tick in ticks]) for stage in stages}
-    return {WHOLE: sum(found.values(), np.zeros(len(ticks))), **found}
+    return {WHOLE_TICK: sum(found.values(), np.zeros(len(ticks))), **found}
 
 
 def _part(times: Floats) -> Part:

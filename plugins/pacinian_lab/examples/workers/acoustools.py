@@ -47,9 +47,9 @@ def make(method: Any, options: dict[str, Any]) -> Callable[[dict[str, Any]], Any
         def solve() -> Any:
             return method(points, board=board, **options)
 
-        def read(output: Any) -> Any:
+        def read_gains(output: Any) -> Any:
             return output.numpy().reshape(len(q), -1).conj(), q  # its waves are exp(+jkr)
 
-        return solve, read
+        return solve, read_gains
 
     return prepare

@@ -55,10 +55,10 @@ def focus(given: dict[str, Any]) -> Any:
         for (place,), buffer in zip(foci, phases, strict=True):
             pattern.focus(geometry, place, length, buffer)
 
-    def read(output: None) -> Any:
+    def read_gains(output: None) -> Any:
         return np.concatenate([turn(buffer) for buffer in phases]), foci
 
-    return solve, read
+    return solve, read_gains
 
 
 def gspat(given: dict[str, Any], option: Any) -> Any:
@@ -70,10 +70,10 @@ def gspat(given: dict[str, Any], option: Any) -> Any:
         asked = [holo.AmplitudeTarget(p, given["amplitude"] * holo.Pa) for p in foci[0].tolist()]
         holo.gspat(geometry, asked, length, option, phases, intensities)
 
-    def read(output: None) -> Any:
+    def read_gains(output: None) -> Any:
         return intensities.to_numpy().reshape(1, -1) / FULL * turn(phases), foci
 
-    return solve, read
+    return solve, read_gains
 
 
 def turn(phases: Any) -> Any:

@@ -47,9 +47,9 @@ def superpose(given: dict[str, Any]) -> Any:
             cost, array, start_values=start, variable_amplitudes=True
         )
 
-    def read(output: Any) -> Any:
+    def read_gains(output: Any) -> Any:
         gains = np.empty_like(output)
         gains[order[0]] = output[order[1]]
         return gains[None].conj(), focus[None]  # its waves are exp(+jkr)
 
-    return solve, read
+    return solve, read_gains

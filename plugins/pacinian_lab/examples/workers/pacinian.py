@@ -55,9 +55,9 @@ def make(solver: str, threads: int, quiet: str = "") -> Callable[[dict[str, Any]
                 return pc.solve(array, points[0], amplitude, **asked).gains[None]
             return pc.solve_many(array, points, amplitude, workers=threads, **asked).gains
 
-        def read(gains: Any) -> Any:
+        def read_gains(gains: Any) -> Any:
             return gains, points
 
-        return solve, read
+        return solve, read_gains
 
     return prepare
