@@ -52,7 +52,8 @@ def _tabulate(rows: list[Row]) -> Table:
     from rich.table import Table
 
     names = list(rows[0].memory)
-    made = Table("state", "ready [s]", "/ loop", *(f"{n} [MB]" for n in names), "all [MB]", "cores")
+    head = "state", "ready [s]", "/ loop", *(f"{n} [MB]" for n in names), "all [MB]", "cores"
+    made = Table(*head, "wake-ups [1/s]")
     for row in rows:
         made.add_row(
             row.state,
@@ -61,5 +62,6 @@ def _tabulate(rows: list[Row]) -> Table:
             *(f"{row.memory.get(name, 0.0):.0f}" for name in names),
             f"{sum(row.memory.values()):.0f}",
             f"{sum(row.cores.values()):.3f}",
+            f"{sum(row.wakeups.values()):.0f}",
         )
     return made

@@ -6,6 +6,7 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
 import psutil
 from msgspec import Struct
 
@@ -23,6 +24,8 @@ from pacinian_lab.solvers.timing import calibrate
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from pacinian.types import Floats
+
 UPDATE_INTERVAL = 1.0 / 90.0  # of the game [s]
 SETTLE = 3.0  # before each window, until the spare guard is ready and ramps have ended [s]
 BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
@@ -34,14 +37,16 @@ class Row(Struct, frozen=True):
 
     state: nothing armed (idle); a still ball without hands (armed); the ball moved at 90 Hz (moved); a hand moved over
     the ball at 90 Hz (hand). ready: from the start until clients can connect [s]. memory: PSS of each process [MB].
-    cores: share of a processor of each process. calibration: processor time of a fixed Python loop just before [s]:
-    compare machines by `ready / calibration`. The game's own work is not included, but its messages are.
+    cores: share of a processor of each process. wakeups: how often its main thread begins again after a wait [1/s].
+    calibration: processor time of a fixed Python loop just before [s]: compare machines by `ready / calibration`. The
+    game's own work is not included, but its messages are.
     """
 
     state: str
     ready: float
     memory: dict[str, float]
     cores: dict[str, float]
+    wakeups: dict[str, float]
     calibration: float
 
 
@@ -70,12 +75,14 @@ def _window(
     calibration = calibrate()
     play(SETTLE)
     processes = list_processes(pid)
-    before, begin = _times(processes), time.perf_counter()
+    before, begin = _count_use(processes), time.perf_counter()
     play(seconds)
-    after, passed = _times(processes), time.perf_counter() - begin
-    cores = {name: round((after[name] - before[name]) / passed, 4) for name in processes}
+    passed = time.perf_counter() - begin
+    grown = {name: use - before[name] for name, use in _count_use(processes).items()}
+    cores = {name: round(float(use[0] / passed), 4) for name, use in grown.items()}
+    wakeups = {name: round(float(use[1] / passed), 1) for name, use in grown.items()}
     memory = {name: round(_read_memory(each), 1) for name, each in processes.items()}
-    return Row(state, round(ready, 3), memory, cores, round(calibration, 4))
+    return Row(state, round(ready, 3), memory, cores, wakeups, round(calibration, 4))
 
 
 def list_processes(pid: int) -> dict[str, psutil.Process]:
@@ -88,8 +95,12 @@ def list_processes(pid: int) -> dict[str, psutil.Process]:
     return found
 
 
-def _times(processes: dict[str, psutil.Process]) -> dict[str, float]:
-    return {name: sum(each.cpu_times()[:2]) for name, each in processes.items()}
+def _count_use(processes: dict[str, psutil.Process]) -> dict[str, Floats]:
+    """Return the processor time [s] of each process so far, and the number of waits of its main thread, (2,)."""
+    return {
+        name: np.array([sum(each.cpu_times()[:2]), each.num_ctx_switches().voluntary])
+        for name, each in processes.items()
+    }
 
 
 def _read_memory(process: psutil.Process) -> float:
