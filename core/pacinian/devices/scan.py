@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 COLUMNS = ("x", "y", "z", "serial", "channel", "amplitude", "phase")
 ARRAYS = ("positions", "drives", "readings")
 MAX_ARRAY_BYTES = 1 << 30  # size of the arrays of a file, unpacked [bytes]
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 SIZES = {
     prefix + unit: (scale, unit)
@@ -198,7 +198,9 @@ class _Units:
 
 def _read_head(path: Path, cells: list[str]) -> tuple[tuple[str, ...], _Units]:
     """Return the names of the columns, and the units in brackets behind them."""
-    found = [re.fullmatch(r"\s*(\S*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*", cell) for cell in cells]
+    found = [
+        re.fullmatch(r"\s*([^\s\[(]*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*", cell) for cell in cells
+    ]
     names = tuple(one[1] if one else cell for one, cell in zip(found, cells, strict=True))
     given = {one[1]: one[2] for one in found if one and one[2] is not None}
     known: dict[str, dict[str, Any]] = {
@@ -276,7 +278,7 @@ def _read_hdf5(path: Path, device: DeviceDescription) -> Scan:
                     raise SceneFileError(path, name, "is empty: it must have a shape")
                 if data.nbytes > MAX_ARRAY_BYTES:
                     raise SceneFileError(path, name, f"is larger than {MAX_ARRAY_BYTES >> 20} MiB")
-                parts[name], units[name] = data[()], _read_unit(data.attrs)
+                parts[name], units[name] = np.asarray(data[()]), _read_unit(data.attrs)
     except SceneFileError:
         raise
     except (OSError, ValueError, KeyError, RuntimeError, TypeError, MemoryError) as error:

@@ -19,7 +19,15 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.checks import check_near, check_number, check_numbers
-from pacinian.devices.scan_model import MIN_NOISE, MIN_SUM, Prior, ScanModel, fit_model
+from pacinian.devices.scan_model import (
+    MAX_SPEED,
+    MIN_NOISE,
+    MIN_SPEED,
+    MIN_SUM,
+    Prior,
+    ScanModel,
+    fit_model,
+)
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -130,6 +138,8 @@ def fit_scan(
     check_number("position_error", position_error, low=1e-6, high=0.01)
     check_number("shift_error", shift_error, low=0.0, high=0.01)
     check_number("turn_error", turn_error, low=0.0, high=0.1)
+    if speed_of_sound is not None:
+        check_number("speed_of_sound", speed_of_sound, low=MIN_SPEED, high=MAX_SPEED)
     X = np.asarray(readings, np.complex128)
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")

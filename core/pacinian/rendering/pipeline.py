@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -213,12 +214,12 @@ class Pipeline:
     def deviations(self) -> Reasons:
         """What the last frame leaves out or changes, by object and reason."""
         player, account = self.player, self._played.account
-        weakened: list[CachedSolution] = []
+        weakened: set[CachedSolution] = set()
         in_part = averaged = False
-        for one in player.solved:
+        for one in set(player.solved):
             in_part, averaged = in_part or one.in_part, averaged or one.averaged
             if one.weakened:
-                weakened.append(one)
+                weakened.add(one)
         reasons: list[str] = []
         if self.turns.taking and self._moves:
             reasons.append(INTERPOLATED)
@@ -232,12 +233,11 @@ class Pipeline:
             reasons.append(FEWER_FRAMES)
         if account.clean and not reasons and not weakened:
             return NOTHING
-        key = account, *reasons, *weakened
+        key = account, id(self._before.samples), id(self._played.samples), reasons, weakened
         if self._described[0] != key:
             made: Reasons = account.deviations
-            for one in weakened:
-                for i, count in one.weakened:
-                    made = mark(made, [label_object(one.samples.items[i], i)], WEAKENED, count)
+            for label, count in _count_weakened(weakened).items():
+                made = mark(made, [label], WEAKENED, count)
             for reason in reasons:
                 made = mark(made, sorted(self.labels), reason)
             self._described = key, made
@@ -366,3 +366,12 @@ def row_times(capability: Capability, period: float) -> tuple[Floats, float]:
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
     return times, gap
+
+
+def _count_weakened(solved: set[CachedSolution]) -> Counter[str]:
+    """Return the number of weakened samples by object; of solutions for the same samples, the one with most counts."""
+    most: dict[int, Counter[str]] = {}
+    for one in solved:
+        found = Counter({label_object(one.samples.items[i], i): count for i, count in one.weakened})
+        most[id(one.samples)] = most.get(id(one.samples), Counter()) | found
+    return sum(most.values(), Counter[str]())

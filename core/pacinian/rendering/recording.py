@@ -100,7 +100,8 @@ class Recorder:
 
     def prepare(self, scene: Scene) -> None:
         """Read the files of a scene, for example of meshes, before the first tick, which would be late otherwise."""
-        with suppress(PacinianError):  # the first tick notes why they cannot be recorded
+        # the first tick notes why they cannot be recorded
+        with suppress(PacinianError, TypeError, ValueError, OverflowError, RecursionError):
             self._writer.prepare(scene)
 
     def forget(self) -> None:

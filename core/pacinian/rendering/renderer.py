@@ -137,7 +137,6 @@ class Renderer(Closing):
         self._opened = False
         self._missed = 0  # ticks skipped just before the present one
         self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent
-        self._silent: Reasons = NOTHING  # deviations of ticks without a frame, since the last reset
 
     def __repr__(self) -> str:
         report, fault = self.report, self.halted
@@ -332,8 +331,8 @@ class Renderer(Closing):
             late, deviations = outcome.late, outcome.deviations
         else:
             late = end > due + self.period
-            self._silent = self._silent or mark(NOTHING, sorted(self._labels), HALTED)
-            deviations = self._silent
+            labels = sorted(self._labels)
+            deviations = self._mark_time(mark(NOTHING, labels, HALTED), labels, late)
         self.report.tick(end - begin, late, due - self.start, deviations)
 
     @property
@@ -373,7 +372,7 @@ class Renderer(Closing):
 
     def reset(self) -> None:
         """Clear a fault and all state, so that the next tick starts from silence."""
-        self._emitter.halted, self._silent = None, NOTHING
+        self._emitter.halted = None
         self.tape.take()
         self._pipeline.reset()
         if self.recorder is not None:
@@ -405,11 +404,13 @@ class Renderer(Closing):
         pipeline, sent = self._pipeline, self.clock.now()
         late, deviations = sent > due + self.period, pipeline.deviations
         if late or self._missed:
-            labels = sorted(pipeline.labels)
-            deviations = mark(deviations, labels, LATE) if late else deviations
-            if self._missed:
-                deviations = mark(deviations, labels, MISSED, self._missed)
+            deviations = self._mark_time(deviations, sorted(pipeline.labels), late)
         return TickOutcome(sent, late, pipeline.account, deviations)
+
+    def _mark_time(self, deviations: Reasons, labels: list[str], late: bool) -> Reasons:
+        """Return the deviations of a tick, and that it is late or that ticks before it were missed."""
+        deviations = mark(deviations, labels, LATE) if late else deviations
+        return mark(deviations, labels, MISSED, self._missed) if self._missed else deviations
 
     @property
     def _labels(self) -> set[str]:

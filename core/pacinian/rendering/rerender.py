@@ -196,8 +196,8 @@ def from_config(
         sampler=Sampler(**settings["sampler"]),
         smoothing=Smoothing(**settings["smoothing"]),
         governed=settings["governed"],
-        strict=settings.get("strict", False),
-        cycle=settings.get("cycle", 1),
-        peak=settings.get("peak", math.inf),
+        strict=settings["strict"],
+        cycle=settings["cycle"],
+        peak=settings["peak"],
         clock=clock,
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -32,6 +31,7 @@ def examples(
 
     Peaks are searched near the foci, in a field by code that no solver uses. docs/comparison.md explains the figures.
     """
+    import msgspec
     from rich.console import Console
 
     from pacinian_lab.examples import run, tables
@@ -55,10 +55,12 @@ def examples(
         versions = {name: at for worker in workers for name, at in worker.versions.items()}
         made = {example.name: example for example in todo}
         plain = [
-            {**row._asdict(), "gains": None, **vars(score(made[row.example], row.gains))}
+            {k: v for k, v in row._asdict().items() if k != "gains"}
+            | vars(score(made[row.example], row.gains))
             for row in rows
         ]
-        click.echo(json.dumps({"versions": versions, "rows": plain}))
+        # not a number is null
+        click.echo(msgspec.json.encode({"versions": versions, "rows": plain}))
     elif markdown:
         click.echo(tables.write_markdown(rows, todo))
     else:

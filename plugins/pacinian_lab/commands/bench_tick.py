@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import TYPE_CHECKING
 
@@ -54,7 +53,7 @@ def tick(side: int, seconds: float, chosen: tuple[str, ...], as_json: bool) -> N
         if not as_json:
             Console().print(_tabulate(rows[-1]))
     if as_json:
-        click.echo(json.dumps(msgspec.to_builtins(rows)))
+        click.echo(msgspec.json.encode(rows))  # not a number is null
 
 
 def _tabulate(row: Row) -> Table:

@@ -36,6 +36,7 @@ PART = 0.5  # time after which the loops take turns [s]
 WARM = 0.5  # time before the first counted tick [s]
 ADDITIONS = 100_000  # of the calibration loop
 WHOLE_TICK = "tick"  # name of the row of all stages together
+USERS = "pacinian", "pacinian_plugins"  # packages that call kernels
 QUANTILES = 0.5, 0.99, 0.999
 
 
@@ -82,11 +83,19 @@ class KernelTimer:
         self._before: list[tuple[ModuleType, str, Any]] = []
 
     def __enter__(self) -> KernelTimer:
-        for module in {id(module): module for module in _list_kernels()}.values():
-            for name, kernel in list(vars(module).items()):
-                if callable(kernel) and not isinstance(kernel, type):
-                    self._before.append((module, name, kernel))
-                    setattr(module, name, self._time(kernel))
+        groups = _list_kernels()
+        timed = {
+            id(kernel): self._time(kernel)
+            for group in groups
+            for kernel in vars(group).values()
+            if callable(kernel) and not isinstance(kernel, type)
+        }
+        users = [m for name, m in sys.modules.items() if name.partition(".")[0] in USERS]
+        for module in {id(module): module for module in (*groups, *users)}.values():
+            for name, value in list(vars(module).items()):
+                if id(value) in timed:  # also where a module has imported it by name
+                    self._before.append((module, name, value))
+                    setattr(module, name, timed[id(value)])
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -188,9 +188,7 @@ class Sampler:
             self._note_outside(scene, found, account)
         sources = self._sources(scene, t, found, hands, skin)
         for source, _ in sources:
-            item = source.item
-            place = hands[0][0].centre if skin else item.pose.position
-            if self._find_unresolved(item, place) > 0.0:
+            if self._find_unresolved(source.item, source.place) > 0.0:
                 account.note_once(TOO_FINE, source.index)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)

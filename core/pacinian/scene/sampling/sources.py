@@ -45,6 +45,11 @@ class Source(Protocol):
         ...
 
     @property
+    def place(self) -> tuple[float, float, float]:
+        """Where it is, roughly: the object's own place, or the middle of the hand that touches it, (3,) [m]."""
+        ...
+
+    @property
     def faint(self) -> int:
         """Number of samples that the last call of `at` left out because they are too faint to feel."""
         ...
@@ -65,6 +70,11 @@ class WholeObject:
     covers: SampleCache
     items: tuple[Object, ...]
     faint: int = 0
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """See `Source`."""
+        return self.item.pose.position
 
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
@@ -111,6 +121,11 @@ class PointContacts:
     least: float
     faint: int = 0
 
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """See `Source`."""
+        return self.hand.centre
+
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
         item = self.item
@@ -155,6 +170,11 @@ class Contact:
     faint: int = 0
 
     @property
+    def place(self) -> tuple[float, float, float]:
+        """See `Source`."""
+        return self.hand.centre
+
+    @property
     def extent(self) -> float:
         """Area of the touched skin [m^2]."""
         return float(self.hand.area[self.touched].sum())
@@ -171,7 +191,7 @@ class Contact:
         kept = press_on(
             nodes, force, area, self.least, *skin, self.name, P, extent, points, normals, keys
         )
-        self.faint = int(np.count_nonzero(force)) - kept
+        self.faint = int(np.count_nonzero(force)) - int(np.count_nonzero(P[:kept]))
         return Samples(
             points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
             keys[:kept], np.full(kept, self.item.pressure),
