@@ -58,6 +58,7 @@ class ServerSession:
     ) -> None:
         self.clock, self.timeout, self.timing = clock, timeout, Timing()
         self.lost, self.armed, self.owner = "", False, False
+        self._resumes = False  # the game's next renewal would let the output sound again
         self.errors, self.notices = (
             deque[Refused](maxlen=MAX_ERRORS),
             deque[Refused](maxlen=MAX_ERRORS),
@@ -121,6 +122,7 @@ class ServerSession:
         self.ask(Arm, Ok, take=take, resume=resume)
         self.notices.clear()
         self.armed = self.owner = True
+        self._resumes = resume
         self.look()
 
     def stop(self, message: Struct) -> None:
@@ -238,9 +240,9 @@ class ServerSession:
     def _answer(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
         """Return the reply with that number, and note the others. None if it does not arrive by `end` [s]."""
         while (left := end - self.clock()) > 0.0:
-            step = (
-                min(left, max(self._due - self.clock(), 0.0)) if lease or not self.armed else left
-            )
+            step = left
+            if lease or self._renews_itself:
+                step = min(left, max(self._due - self.clock(), 0.0))
             if not self._receive(step, lease) and step == left:
                 break
             while self._come:
@@ -262,8 +264,9 @@ class ServerSession:
     def _receive(self, wait: float, lease: bool = False) -> bool:
         """Return whether `_come` holds messages; wait at most `wait` [s] for them.
 
-        While the client is not armed, this also renews the session, because the server forgets a silent client. An
-        armed output stays alive only by the game's own `renew`, or with `lease`, which the caller has requested.
+        This also renews the session, if that lets nothing sound, because the server forgets a silent client. An armed
+        output stays alive, and one whose lease ran out begins again, only by the game's own `renew`, or with `lease`,
+        which the caller has requested.
         """
         if self.lost:
             raise ConnectionLost(self.lost)
@@ -276,9 +279,14 @@ class ServerSession:
             if link.monitor in ready and not self._ended:
                 self._ended = str(link.read_loss())
         self._go_on()
-        if not self._ended and (lease or not self.armed) and self.clock() >= self._due:
+        if not self._ended and (lease or self._renews_itself) and self.clock() >= self._due:
             self._renew()
         return bool(self._come)
+
+    @property
+    def _renews_itself(self) -> bool:
+        """Whether a renewal that the game did not ask for would let nothing sound."""
+        return not self.armed and not (self.owner and self._resumes)
 
     def _go_on(self) -> None:
         """Raise ConnectionLost if a link has ended and no earlier message is left."""
@@ -295,7 +303,7 @@ class ServerSession:
             if reply.code == "session":
                 self.lose(reply.message)
             elif reply.id == 0 and reply.code in ENDED:
-                self.armed = False
+                self.armed = self._resumes = False
                 self.notices.append(_refuse(reply))
             else:
                 self.errors.append(_refuse(reply))

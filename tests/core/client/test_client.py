@@ -326,9 +326,19 @@ def test_who_only_watches_keeps_the_session(server: Fake, client: pc.Client) -> 
     thread.join()
 
 
-def test_of_what_is_armed_no_other_call_renews_the_lease(server: Fake, client: pc.Client) -> None:
-    """A game that hangs in one of our calls is a game that hangs."""
+@pytest.mark.parametrize("ran_out", [False, True])
+def test_of_what_sounds_or_would_sound_again_no_other_call_renews_the_lease(
+    server: Fake, client: pc.Client, ran_out: bool
+) -> None:
+    """A game that hangs in one of our calls is a game that hangs, also after its lease ran out."""
     client.arm()
+    if ran_out:
+        server.say(
+            replies.Renewed(
+                id=0, sequence=0, time=0.0, server_time=0.0, until=0.0, owner=True, armed=False
+            )
+        )
+        server.until(lambda: client.connected and not client.armed)
     before = len(server.of(control.Renew))
     server.answers[control.Reset] = lambda message: None
     client._dialogue.timeout = 4.0 * client._dialogue.every
