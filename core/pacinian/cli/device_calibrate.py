@@ -118,7 +118,7 @@ def calibrate(
         _judge_strength(fit, scan, device, sensitivity_error),
     ]
     if as_json:
-        told = {
+        result = {
             "out": str(out),
             "findings": [asdict(f) for f in findings],
             "pressure": fit.pressure,
@@ -133,7 +133,7 @@ def calibrate(
                 for (serial, channel), values in measured.items()
             ],
         }
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(result))
     else:
         print_findings(findings)
         click.echo(f"{out}: {len(measured)} channels; set it as `calibration` in {file}")
@@ -144,17 +144,17 @@ def _judge_strength(
 ) -> Finding:
     """Return P0 and what to do about it. sensitivity_error: relative standard error of the microphone's sensitivity."""
     described, error = device.transducer.pressure, np.hypot(fit.pressure_error, sensitivity_error)
-    told = f"P0 is {fit.pressure:.4g} {scan.unit or 'units'} m"
+    text = f"P0 is {fit.pressure:.4g} {scan.unit or 'units'} m"
     if scan.unit != "Pa":
         fix = "to know P0, give readings in pascal, and name their unit: amplitude [Pa]"
-        return Finding("strength", "ok", f"{told} (described: {described:g} Pa m)", fix)
-    told += f", give or take {error:.0%}"
+        return Finding("strength", "ok", f"{text} (described: {described:g} Pa m)", fix)
+    text += f", give or take {error:.0%}"
     ratio = fit.pressure / described
     if not 1.0 / MAX_RATIO <= ratio <= MAX_RATIO:
         fix = "check the microphone's sensitivity and the unit of the readings: Pa, mPa, uPa"
-        return Finding("strength", "warning", f"{told}, {ratio:.2g} times the described", fix)
+        return Finding("strength", "warning", f"{text}, {ratio:.2g} times the described", fix)
     fix = f"set pressure = {fit.pressure:.4g} and pressure_error = {error:.3f} under [transducer]"
-    return Finding("strength", "ok", f"{told} (described: {described:g})", fix)
+    return Finding("strength", "ok", f"{text} (described: {described:g})", fix)
 
 
 def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
@@ -170,7 +170,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     scatter = np.degrees(np.sqrt(np.mean(np.angle(np.where(s.real < 0.0, -s, s)) ** 2)))
     mean, worst = np.degrees(np.sqrt(np.mean(errors**2))), np.degrees(errors.max())
     before = np.abs(s.sum()) ** 2 / np.abs(s).sum() ** 2
-    told = {
+    texts = {
         "fit": f"{fit.residual:.1%} of a typical reading is not explained; {fit.outliers} outliers",
         "air": f"{fit.speed_of_sound:.2f} m/s, give or take {fit.speed_error:.2f}: {air:.0f} degC",
         "microphone": f"corrected by {moved.mean():.2f} mm in the mean, {moved.max():.2f} mm at most",
@@ -182,7 +182,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
         "focus": f"{before:.3f} of its radiation pressure uncorrected, some "
         f"{np.exp(-np.mean(errors**2)):.3f} corrected",
     }
-    found = [Finding(name, "ok", text) for name, text in told.items()]
+    found = [Finding(name, "ok", text) for name, text in texts.items()]
     if mean > VAGUE:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))

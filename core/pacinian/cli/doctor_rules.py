@@ -11,7 +11,7 @@ from pacinian.errors import suggest_install
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-MAX_STATE_AGE = 3, 11
+MIN_PYTHON = 3, 11
 JITTER = 0.001  # 99th percentile of the lateness of a sleep [s]
 VARIANTS = {"v4": "AVX-512", "v3": "AVX2", "plain": "all processors of its kind"}
 X86 = 1  # lowest level of an x86-64 processor
@@ -35,7 +35,7 @@ class Finding:
 def python(version: tuple[int, int, int], executable: str) -> Finding:
     """Check the Python version."""
     text = f"{'.'.join(map(str, version))}, {executable}"
-    if version[:2] < MAX_STATE_AGE:
+    if version[:2] < MIN_PYTHON:
         return Finding("Python", "problem", text, "install Python 3.11 or newer")
     return Finding("Python", "ok", text)
 

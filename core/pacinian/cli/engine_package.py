@@ -96,11 +96,7 @@ def install(package: Package, target: Path, *, replace: bool) -> Installed:
             return Installed(before, False)
         if not replace:
             _check(target, before, package.version, there, known)
-        added = {
-            p: data
-            for p, data in there.items()
-            if p not in ours and p not in known and not BUILT.fullmatch(p)
-        }
+        added = {p: data for p, data in there.items() if p not in ours and p not in known}
         _write(ours, added, target)
     except OSError as error:
         raise PackageError(
@@ -160,15 +156,15 @@ def _mend(target: Path) -> None:
 
 
 def _list_files(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the files of a package by their path, with slashes. In a checkout, without its own libraries and builds."""
+    """Yield the files of a package by their path, with slashes, but not what was built; of a checkout, no libraries."""
     whole = (folder / LIST).exists()
     for root, folders, names in os.walk(folder):
         folders[:] = sorted(set(folders) - {"__pycache__", ".git"})
         for name in sorted(names):
             path = (Path(root) / name).relative_to(folder).as_posix()
-            if whole or not (
-                BUILT.fullmatch(path) or IGNORED.fullmatch(path) or name == ".DS_Store"
-            ):
+            if BUILT.fullmatch(path) or name == ".DS_Store":
+                continue
+            if whole or not IGNORED.fullmatch(path):
                 yield path, Path(root) / name
 
 

@@ -51,8 +51,8 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     options = fits if backend == "simulated" else {}
     frames, late = play(opened, make(backend, **options), opened.array, strict=strict)
     if as_json:
-        told = {"recording": recording, "backend": backend, "frames": frames, "late": late}
-        click.echo(json.dumps(told))
+        figures = {"recording": recording, "backend": backend, "frames": frames, "late": late}
+        click.echo(json.dumps(figures))
     else:
         click.echo(
             f"{frames} frames of {len(opened.positions)} transducers played on {backend}, {late} late"

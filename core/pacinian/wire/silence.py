@@ -36,7 +36,7 @@ CAUSES: dict[Cause, str] = {
     "too faint": "the pressure of the touched object is below the threshold of feeling",
     "pause": "an envelope is at 0, or the sound has just begun",
 }
-"""Meanings of the values of `State.cause`. The first that applies is told."""
+"""Meanings of the values of `State.cause`. If several apply, the state gives the first."""
 
 UNTOUCHED = "the hand touches no object"
 

@@ -104,7 +104,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also
     those beyond; since protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it
     sounds; since protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel
-    an object; none while the output is silent; since protocol 1.1.
+    an object, at full envelope, also while an envelope is at 0; since protocol 1.1.
     """
 
     id: Id = 0
@@ -147,7 +147,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     @property
     def silence(self) -> Silence | None:
-        """Why the output is silent, and what to do; None if it sounds."""
+        """Why the output is silent, and what to do; None if it sounds, or if the server is older than protocol 1.1."""
         return Silence(self.cause, self.why) if self.cause else None
 
     def describe(self) -> str:

@@ -112,9 +112,10 @@ class Bus:
         if outbox.waits or len(self.dispatcher.converter):
             wait = SOON
         due = 0.0 if self._busy else min(wait, self.dispatcher.due - self._begun)
-        ready = self._poller.poll(max(0, math.ceil(1e3 * due)))
-        self._wake.clear()
-        if any(source is self._socket for source, _ in ready):
+        ready = dict(self._poller.poll(max(0, math.ceil(1e3 * due))))
+        if self._wake.fileno() in ready:
+            self._wake.clear()
+        if self._socket in ready:
             self._take()
         with self.dispatcher.catch_faults("sessions"):
             if (sessions := self._sessions()) is not None:

@@ -67,7 +67,7 @@ def _explain_unarmed(state: State, resumes: bool) -> Silence:
     if not state.owner:
         return Silence("not armed", NOT_ARMED)
     if resumes:
-        advice = "it sounds again when it goes on and renews its lease"
+        advice = "the output sounds again as soon as it calls renew()"
         return Silence("lease lost", f'"{state.owner}" stands still: {advice}')
     advice = "it must call arm() again, and then renew() in each of its frames"
     return Silence("lease lost", f'"{state.owner}" lost its lease or was disarmed: {advice}')

@@ -29,15 +29,18 @@ class WakePipe:
         if sys.platform != "win32":
             import select
 
-            with contextlib.suppress(FileExistsError):
-                os.mkfifo(path, 0o600)
-            self._file = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+            try:
+                with contextlib.suppress(FileExistsError):
+                    os.mkfifo(path, 0o600)
+                self._file = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+            except OSError:  # the folder's file system has none
+                return
             self._poll = select.poll()
             self._poll.register(self._file, select.POLLIN)
 
     @property
     def works(self) -> bool:
-        """Whether this system has named pipes. Without, a wait is a short sleep, after which the caller must look."""
+        """Whether the folder has named pipes. Without, a wait is a short sleep, after which the caller must look."""
         return self._file >= 0
 
     def fileno(self) -> int:
@@ -59,6 +62,8 @@ class WakePipe:
 
     def clear(self) -> None:
         """Take all bytes, so that the next wait is for later ones."""
+        if not self.works:
+            return
         with contextlib.suppress(BlockingIOError):
             os.read(self._file, BYTES)
 

@@ -52,7 +52,9 @@ def find_touches(samples: Samples, hands: Sequence[Hand]) -> tuple[TouchState, .
         touches.append(
             TouchState(
                 object=samples.items[item].name,
-                hand=seen[hand].name.rpartition("@")[0],  # without the client's number
+                hand=seen[hand].name.rsplit("@", 1)[
+                    0
+                ],  # without the client's number, if it has one
                 position=(x, y, z),
                 pressure=float(P[here].max()),
                 strength=min(1.0, float((P[here] / samples.most[here]).max())),
@@ -74,8 +76,8 @@ def explain_contact(hands: Iterable[Hand], objects: Iterable[Object]) -> Silence
         return Silence("no pressure", f'"{name}" is touched, but its pressure is 0')
     least = lowest_threshold(find_vibration(nearest.item))
     if pressure < least:
-        told = f'"{name}" is touched, but its {pressure:.2g} Pa are below the {least:.2g} Pa that can be felt'
-        return Silence("too faint", told)
+        text = f'"{name}" is touched, but its {pressure:.2g} Pa are below the {least:.2g} Pa that can be felt'
+        return Silence("too faint", text)
     return Silence("out of the array's reach", f'"{name}" is touched, but {UNSEEN}')
 
 

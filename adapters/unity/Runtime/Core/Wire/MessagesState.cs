@@ -290,7 +290,7 @@ namespace Pacinian.Wire
         /// <summary>The same with what to do, for people; since protocol 1.1. 0 to 1,000 characters.</summary>
         public string Why = "";
 
-        /// <summary>Hands that feel an object; none while the output is silent; since protocol 1.1.</summary>
+        /// <summary>Hands that feel an object, at full envelope, also while an envelope is at 0; since protocol 1.1.</summary>
         public readonly Items<TouchState> Touches = new Items<TouchState>();
 
         /// <inheritdoc/>

@@ -150,7 +150,8 @@ struct State {
   std::string cause;
   /// the same with what to do, for people; since protocol 1.1; 0 to 1,000 characters
   std::string why;
-  /// hands that feel an object; none while the output is silent; since protocol 1.1
+  /// hands that feel an object, at full envelope, also while an envelope is at 0; since protocol
+  /// 1.1
   std::vector<TouchState> touches;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
