@@ -144,8 +144,7 @@ def check_medium(medium: object) -> Air:
     if not isinstance(medium, Air):
         raise ArgumentError(
             "medium",
-            f"must be the Air of the problem, not {medium!r}: pass that given to `solve`, which is `solution.medium`; "
-            "or for its gains use `solution.field(points)`",
+            f"must be an Air, not {medium!r}: for the gains of a solution, its `medium`; otherwise for example Air()",
         )
     return medium
 

@@ -146,7 +146,7 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
         )
 
     def uncertainty(self, temperature: float = 0.0) -> Uncertainty:
-        """Return how sure the array's strength and responses are, for `predict_radiation_pressure` and the others.
+        """Return the uncertainty of the array's strength and responses, for the `predict_` functions.
 
         temperature: standard deviation of the air's temperature [K]. The errors of phases and gains are those of the
         boards and of the calibration, in the order of `array()`; they count as independent. Raises ArgumentError.

@@ -38,7 +38,7 @@ class CachedSolution:
     weakened: tuple[tuple[int, int], ...] = ()
 
     @property
-    def in_part(self) -> bool:
+    def ran_out_of_time(self) -> bool:
         """Whether the solver ran out of time."""
         late = self.solution.late and self.solution.targets.regions is not None
         return late or self.solution.status is Status.deadline

@@ -308,7 +308,7 @@ class Modulator:
         made = CachedSolution(
             solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
         )
-        final = not made.in_part
+        final = not made.ran_out_of_time
         return replace(made, steady=voices.steady and final, final=final)
 
 

@@ -215,15 +215,18 @@ class Pipeline:
         """What the last frame leaves out or changes, by object and reason."""
         player, account = self.player, self._played.account
         weakened: set[CachedSolution] = set()
-        in_part = averaged = False
+        ran_out_of_time = averaged = False
         for one in set(player.solved):
-            in_part, averaged = in_part or one.in_part, averaged or one.averaged
+            ran_out_of_time, averaged = (
+                ran_out_of_time or one.ran_out_of_time,
+                averaged or one.averaged,
+            )
             if one.weakened:
                 weakened.add(one)
         reasons: list[str] = []
         if self.turns.taking and self._moves:
             reasons.append(INTERPOLATED)
-        if in_part:
+        if ran_out_of_time:
             reasons.append(OUT_OF_TIME)
         if averaged:
             reasons.append(AVERAGED)

@@ -34,9 +34,8 @@ KINDS: dict[str, type[Struct]] = {
 MAX_BYTES = 1 << 27  # largest content of the files that one tick adds [bytes]
 MAX_EMBEDDED = 1024  # largest number of parts whose content is remembered
 
-Contents = dict[
-    str, tuple[str, bytes]
-]  # kind and content of files, by the names that objects have for them
+# Kind and content of files, by the names that objects have for them.
+Contents = dict[str, tuple[str, bytes]]
 
 
 class FileWriter:
@@ -45,13 +44,12 @@ class FileWriter:
     def __init__(self) -> None:
         self.new: Contents = {}
         self._known: set[str] = set()
-        self._named: dict[
-            int, tuple[Struct, Struct]
-        ] = {}  # by id; holds the part, which keeps its id
+        # by id; holds the part, which keeps its id
+        self._named: dict[int, tuple[Struct, Struct]] = {}
 
-    def embed(self, value: T) -> T:
+    def name_files(self, value: T) -> T:
         """Return an object or a part of one with its files named by content. Raises ArgumentError."""
-        return map_files(value, self._embed)
+        return map_files(value, self._name_file)
 
     def take(self) -> Contents:
         """Return the contents that are new, and count them as written. Raises ArgumentError."""
@@ -61,10 +59,10 @@ class FileWriter:
         self._known.update(new)
         return new
 
-    def _embed(self, part: Struct) -> Struct:
+    def _name_file(self, part: Struct) -> Struct:
         kept = self._named.get(id(part))
         if kept is None:
-            content = msgspec.msgpack.encode(inline(part))
+            content = msgspec.msgpack.encode(embed_content(part))
             name = PREFIX + hashlib.sha256(content).hexdigest()
             if name not in self._known:
                 self.new[name] = type(part).__name__, content
@@ -95,7 +93,7 @@ class FileReader:
         return self._parts[part.file]
 
 
-def inline(part: Struct) -> Struct:
+def embed_content(part: Struct) -> Struct:
     """Return a part with the numbers of its file instead of the file. Raises ArgumentError."""
     if isinstance(part, Mesh):
         t = part.triangles

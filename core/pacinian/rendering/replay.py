@@ -19,7 +19,7 @@ MAX_GAP = 3600.0  # gap between frames above which a recording is taken to be da
 
 
 class Replayed(NamedTuple):
-    """A recording that was played. frames: number of frames. late: of those sent after the next one was due."""
+    """A recording that was played. frames: number of frames. late: how many were sent after the next was due."""
 
     frames: int
     late: int

@@ -27,9 +27,8 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording, Tick
 
 
-SAME_FORCE = (
-    1e-6  # relative difference of two forces, or difference [N], up to which they count as equal
-)
+# Difference of two forces, relative or [N], up to which they count as equal.
+SAME_FORCE = 1e-6
 NO_ACCOUNT = ObjectAccount(0, 0, 0.0, {})
 
 

@@ -69,7 +69,7 @@ class Writer:
     def prepare(self, scene: Scene) -> None:
         """Read the files of a scene now rather than in its first tick."""
         for item in scene.objects:
-            self._files.embed(item)
+            self._files.name_files(item)
 
     def changes(self, asked: TickInput) -> dict[str, Any]:
         """Return the changes since the last call, as plain values."""
@@ -103,8 +103,8 @@ class Writer:
             for name in new.keys() & OPEN:
                 _check_readable(new[name], _kinds(type(item))[name])
             if whole:
-                return msgspec.msgpack.encode(self._files.embed(item))
-            return [msgspec.msgpack.encode({k: self._files.embed(v) for k, v in new.items()})]
+                return msgspec.msgpack.encode(self._files.name_files(item))
+            return [msgspec.msgpack.encode({k: self._files.name_files(v) for k, v in new.items()})]
         except (TypeError, ValueError, OverflowError, RecursionError) as error:
             what = item.name or type(item).__name__
             raise ArgumentError(

@@ -4,8 +4,8 @@ Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded
 c(x) = b(x) (1 - V^H V) of b(x). Gains computed for points elsewhere are unrelated to c(x), so that |b(x) g| is about
 ||c(x)|| times their root mean square, and hardly ever LIKELY times that. V is enlarged until this bound is at most the
 limit q at thousands of places in the zone, and then at thousands of new ones. V has few more rows than the number of
-waves that the array can resolve in the zone. `enforce_zones` checks each solution at
-some places and scales it down if necessary.
+waves that the array can resolve in the zone. `enforce_zones` checks each solution at some places and scales it down if
+necessary.
 """
 
 from __future__ import annotations

@@ -136,7 +136,7 @@ def _find_source(propagator: Propagator, pressing: Flags) -> Floats:
     regions merge. Amplitudes do not count, because frames of one cycle, which each make what the others lack, would
     drift apart.
     """
-    some = _choose_spread(len(propagator.array))
+    some = _choose_scattered(len(propagator.array))
     rows = propagator.B.take(some, axis=1)
     parts = rows.view(rows.real.dtype)
     parts *= parts
@@ -148,8 +148,8 @@ def _find_source(propagator: Propagator, pressing: Flags) -> Floats:
 
 
 @functools.lru_cache(maxsize=16)
-def _choose_spread(count: int) -> Indices:
-    """Return at most MAX_SOURCES of `count` indices, in order, that keep step with no row of transducers."""
+def _choose_scattered(count: int) -> Indices:
+    """Return at most MAX_SOURCES of `count` indices, in order, so scattered that they favour no row or column."""
     if count <= MAX_SOURCES:
         return np.arange(count)
     return np.unique((np.arange(MAX_SOURCES) * GOLDEN % 1.0 * count).astype(np.int64))

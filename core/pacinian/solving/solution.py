@@ -96,11 +96,11 @@ class Solution(SolutionValues):
     def force(self, surface: Placed, *, spacing: float | None = None) -> float:
         """Return the force that presses a surface along its normals [N], the integral of the radiation pressure.
 
-        surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`. Only sound that arrives on the outer side of
-        a place presses there, by the square of the cosine of its incidence (`SkinFacing`), so that a body shades its
-        own far side. A flat surface is pressed on the side of the array. Other bodies shade nothing. spacing: between
-        the places at which the pressure is evaluated [m], by default a tenth of the wavelength. Raises ArgumentError,
-        PointOnTransducer.
+        surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`. Sound presses a place only if it arrives on
+        the place's outer side, in proportion to the squared cosine of its incidence (`SkinFacing`). A body therefore
+        shades its own far side; other bodies cast no shadow. A flat surface is pressed on the side of the array.
+        spacing: between the places at which the pressure is evaluated [m], by default a tenth of the wavelength. Raises
+        ArgumentError, PointOnTransducer.
         """
         from pacinian.solving.surface_force import surface_force
 

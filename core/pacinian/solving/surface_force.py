@@ -23,7 +23,8 @@ def surface_force(
 ) -> float:
     """Return the force [N] on places of a surface: points, (K, 3) [m], outward normals, (K, 3), areas, (K,) [m^2].
 
-    Equal normals are those of a sheet, and turned to the array. Raises ArgumentError, PointOnTransducer.
+    If all normals are equal, the surface is a flat sheet: its normals are turned to the side of the array. Computed in
+    single precision. Raises ArgumentError, PointOnTransducer.
     """
     array = solution.array
     if len(points) and (normals @ normals[0]).min() > FLAT:

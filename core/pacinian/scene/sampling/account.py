@@ -74,7 +74,7 @@ class Account:
         if count:
             self._reasons[reason][index] += count
 
-    def note_once(self, reason: str, index: int) -> None:
+    def note_object(self, reason: str, index: int) -> None:
         """Note that the object of this index is changed as a whole."""
         self._reasons[reason][index] = 1
 

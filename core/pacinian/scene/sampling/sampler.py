@@ -189,7 +189,7 @@ class Sampler:
         sources = self._sources(scene, t, found, hands, skin)
         for source, _ in sources:
             if self._find_unresolved(source.item, source.place) > 0.0:
-                account.note_once(TOO_FINE, source.index)
+                account.note_object(TOO_FINE, source.index)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
