@@ -98,7 +98,7 @@ def test_a_pause_that_ends_by_itself_needs_no_arm() -> None:
     found = find_cause(state(armed=False), resumes=True)
     assert found is not None
     assert found.cause == "lease lost"
-    assert "sounds again when it goes on" in found.text
+    assert "sounds again as soon as it calls renew()" in found.text
     assert "arm()" not in found.text
 
 
