@@ -25,7 +25,12 @@ from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity, open_wakes
 from pacinian.serving.settings import METRICS_HOST
-from pacinian.wire.connection import Connection, check_replaceable, locate_connection
+from pacinian.wire.connection import (
+    Connection,
+    check_folder,
+    check_replaceable,
+    locate_connection,
+)
 from pacinian.wire.emergency import StopSocket
 
 if TYPE_CHECKING:
@@ -116,6 +121,7 @@ def _alone(path: Path) -> FileLock:
     """Lock the connection file for this process. Raises ServerError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        check_folder(path.parent)
         lock = FileLock(path.with_name(f"{path.name}.lock"))
     except OSError as error:
         raise ServerError(f"{path}: cannot be written: {error.strerror}") from error

@@ -107,6 +107,20 @@ def check_replaceable(path: Path) -> None:
         raise ServerError(f"{path}: belongs to a server on another machine: choose another file")
 
 
+def check_folder(folder: Path) -> None:
+    """Refuse a folder in which other users could remove or replace the connection file. Raises ServerError."""
+    if os.name != "posix":
+        return
+    there = folder.resolve()
+    for part in (there, *there.parents):
+        status = part.stat()
+        advice = "who could remove the connection file: choose another one with `--connection`"
+        if status.st_uid not in (os.getuid(), 0):
+            raise ServerError(f"{part} belongs to another user, {advice}")
+        if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
+            raise ServerError(f"{part} can be changed by every user, {advice}")
+
+
 def _read_connection(path: Path) -> Connection:
     try:
         status, text = _read_file(path)
@@ -125,13 +139,21 @@ def _read_connection(path: Path) -> Connection:
 def _read_file(path: Path) -> tuple[os.stat_result, bytes]:
     """Return the file's status and contents. Raises FileNotFoundError, ServerError."""
     try:
-        with path.open("rb") as file:
-            return os.fstat(file.fileno()), file.read(MAX_BYTES)
+        with open(path, "rb", opener=_open_at_once) as file:
+            status = os.fstat(file.fileno())
+            if not stat.S_ISREG(status.st_mode):
+                raise ServerError(f"{path}: cannot be read: it is not a file")
+            return status, file.read(MAX_BYTES)
     except FileNotFoundError:
         raise
     except (OSError, ValueError) as error:
         problem = getattr(error, "strerror", None) or error
         raise ServerError(f"{path}: cannot be read: {problem}") from error
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open a file. A named pipe in its place does not wait for a writer."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _decode_connection(path: Path, text: bytes) -> Connection:

@@ -14,10 +14,9 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from types import TracebackType
+from pacinian.closing import Closing
 
 NONCE_BYTES = 16  # size of a nonce, which is new for each stop [bytes]
 DATAGRAM_BYTES = NONCE_BYTES + hashlib.sha256().digest_size  # size of a datagram [bytes]
@@ -39,7 +38,7 @@ def verify(secret: str, what: bytes, data: bytes) -> bytes:
     )
 
 
-class StopSocket:
+class StopSocket(Closing):
     """The server's socket; a context manager. address: for the connection file. file: path of the socket (Unix)."""
 
     def __init__(self, file: Path, secret: str) -> None:
@@ -70,15 +69,8 @@ class StopSocket:
             with suppress(OSError):
                 self.socket.sendto(sign(self._secret, b"stopped", nonce), peer)
 
-    def __enter__(self) -> StopSocket:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Close the socket."""
         self.socket.close()
 
 

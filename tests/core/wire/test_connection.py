@@ -12,7 +12,13 @@ import msgspec
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.wire.connection import VARIABLE, Connection, locate_connection
+from pacinian.wire.connection import (
+    VARIABLE,
+    Connection,
+    check_folder,
+    check_replaceable,
+    locate_connection,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -107,6 +113,39 @@ def test_no_file_and_no_folder_are_told_with_the_fix(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ServerError, match="cannot be written"):
         connection().write(tmp_path / "file" / "connection.json")
+
+
+@posix
+def test_a_pipe_in_its_place_holds_nobody_up(tmp_path: Path) -> None:
+    path = tmp_path / "connection.json"
+    os.mkfifo(path)
+    for read in (Connection.read, check_replaceable):
+        with pytest.raises(ServerError, match="not a file"):
+            read(path)
+
+
+@posix
+def test_a_folder_in_which_others_could_replace_it_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "all" / "mine"
+    folder.mkdir(parents=True)
+    check_folder(folder)
+    folder.parent.chmod(0o1777)  # each may remove only what is theirs, as in /tmp
+    check_folder(folder)
+    folder.parent.chmod(0o777)
+    link = tmp_path / "link"
+    link.symlink_to(folder)
+    for path in (folder, link):
+        with pytest.raises(ServerError, match=r"every user.*--connection"):
+            check_folder(path)
+    folder.parent.chmod(0o700)
+    if os.getuid() == 0:
+        os.chown(folder.parent, 1, 1)
+    else:
+        monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
+    with pytest.raises(ServerError, match=r"another user.*--connection"):
+        check_folder(folder)
 
 
 def test_only_its_own_file_is_removed(tmp_path: Path) -> None:

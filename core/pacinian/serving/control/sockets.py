@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import zmq
 
+from pacinian.closing import Closing
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.auth import receive
 from pacinian.wire.protocol import MAX_CONTROL_BYTES
@@ -37,7 +38,7 @@ EVENTS = 1024
 EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
 
 
-class ControlSockets:
+class ControlSockets(Closing):
     """The bound sockets. A context manager. control, state: ports. counts: connections, and refused ones by reason.
 
     stop: socket for connectionless emergency stops. Raises ServerError if a port is taken.
@@ -126,10 +127,8 @@ class ControlSockets:
         seen += [("key", key) for key in self._gate.unknown()]
         return seen
 
-    def __enter__(self) -> ControlSockets:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Close the sockets. May be called twice."""
         self._stack.close()
 
 

@@ -189,8 +189,8 @@ class DeviceSwitcher:
             self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(guard.generation, ()):  # it has got its first frame
             self._note_result(order)
-        while guard.leaving:
-            self._thread(functools.partial(self._close, guard.leaving.pop()))
+        while guard.leaving and self._start(functools.partial(self._close, guard.leaving[-1])):
+            guard.leaving.pop()
 
     def _came(self, opening: Opening, opened: Opened) -> None:
         if opening is self._opening:
@@ -248,12 +248,25 @@ class DeviceSwitcher:
         choice, now = ahead.choice or self._choice, self._clock.now()
         opening = Opening(ahead.orders, choice, ahead.olds, self._left, now, now + self._again)
         self._opening, self._left, self._again = opening, None, 0.0
+        work, problem = functools.partial(self._work, opening), ""
         if self._hanging >= MAX_HANGING:
-            guard.leaving += ahead.olds
             problem = f"{self._hanging} devices hang while they are opened: restart the server"
+        elif not self._start(work):
+            if guard.backend is None:  # nothing plays on meanwhile
+                work()
+            else:
+                problem = f"{choice.name}: the system permits no more threads"
+        if problem:
+            guard.leaving += ahead.olds
             self._take(Opened(ahead.orders, choice, problem=problem))
-            return
-        self._thread(functools.partial(self._work, opening))
+
+    def _start(self, work: Callable[[], None]) -> bool:
+        """Run `work` in a thread; return whether the system permits one."""
+        try:
+            self._thread(work)
+        except RuntimeError:
+            return False
+        return True
 
     def _work(self, opening: Opening) -> None:
         """Open a device. Runs in a thread."""

@@ -145,7 +145,7 @@ class GuardLoop:
     def wait(self, seconds: float) -> None:
         """Wait until the next round. If there is nothing to do, a new permit or new orders end the wait."""
         if self._rests:
-            self._wake.wait(seconds)
+            self._wake.wait(seconds, lambda: self._permit.waiting or self._orders.waiting)
         else:
             time.sleep(seconds)
 

@@ -62,7 +62,8 @@ class Process(subprocess.Popen[bytes]):
     def tell(self, data: bytes) -> None:
         """Write to the child's standard input, after all earlier data.
 
-        This uses a thread, because the child may not read.
+        This uses a thread, because the child may not read. Raises OSError or RuntimeError if the system permits no more
+        files or threads.
         """
         if self.stdin is None:
             return
@@ -75,12 +76,18 @@ class Process(subprocess.Popen[bytes]):
                 pipe.write(data)
 
         # A child that does not read blocks nobody. If it has died, its exit code shows that.
-        self._telling = threading.Thread(target=write, name="tell", daemon=True)
-        self._telling.start()
+        thread = threading.Thread(target=write, name="tell", daemon=True)
+        try:
+            thread.start()
+        except RuntimeError:
+            os.close(file)
+            raise
+        self._telling = thread
 
     def call(self) -> None:
-        """Let a spare begin."""
-        self.tell(CALL)
+        """Let a spare begin. One that cannot be told is a spare that hangs."""
+        with contextlib.suppress(OSError, RuntimeError):
+            self.tell(CALL)
 
 
 def start(module: str, told: LaunchConfig) -> Process:
@@ -94,7 +101,7 @@ def start(module: str, told: LaunchConfig) -> Process:
 def launch(command: Sequence[str], told: LaunchConfig) -> Process:
     """Start a child by any command that calls `read_launch_config`.
 
-    Raises ServerError if the configuration is too long.
+    Raises ServerError if the configuration is too long or cannot be sent; OSError if the child cannot be started.
     """
     data = msgspec.json.encode(told)
     if len(data) > MAX_CONFIG_BYTES:
@@ -102,7 +109,12 @@ def launch(command: Sequence[str], told: LaunchConfig) -> Process:
     # Own process group: Ctrl-C goes to the parent only, which then ends its children in order.
     process = Process(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
     scheduling.lower_child_priority(process.pid)
-    process.tell(len(data).to_bytes(4, "little") + data)
+    try:
+        process.tell(len(data).to_bytes(4, "little") + data)
+    except (OSError, RuntimeError) as error:
+        process.kill()
+        end(process)
+        raise ServerError(f"a process cannot be told its settings: {error}") from error
     return process
 
 

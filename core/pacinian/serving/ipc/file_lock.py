@@ -44,7 +44,7 @@ MAX_PID_BYTES = 32
 
 
 class LockHeld(ServerError):
-    """Another process holds the lock. pid: its process id; 0 if it has not been written yet."""
+    """Another process holds the lock. pid: its process id; 0 if the file does not hold it (yet)."""
 
     def __init__(self, path: Path, pid: int) -> None:
         super().__init__(f"{path} is locked by process {pid or 'unknown'}")
@@ -54,8 +54,8 @@ class LockHeld(ServerError):
 class FileLock(Closing):
     """An exclusive lock on a file, held until `close` or the end of this process. A context manager.
 
-    The file is readable by this user only, holds the process id, and is removed at the end. Raises LockHeld;
-    ServerError if the file cannot be created or locked.
+    The file is readable by this user only, holds the process id if the disk has room, and is removed at the end. Raises
+    LockHeld; ServerError if the file cannot be created or locked.
     """
 
     def __init__(self, path: Path) -> None:
@@ -66,10 +66,11 @@ class FileLock(Closing):
             while not self._is_there():
                 os.close(self._file)
                 self._file = _open(path)
-            os.ftruncate(self._file, 0)
-            os.write(self._file, str(os.getpid()).encode())
         except OSError as error:
             raise ServerError(f"{path}: cannot be locked: {error.strerror}") from error
+        with suppress(OSError):  # on a full disk the lock holds all the same
+            os.ftruncate(self._file, 0)
+            os.write(self._file, str(os.getpid()).encode())
 
     def _is_there(self) -> bool:
         """Whether the path still names the locked file."""

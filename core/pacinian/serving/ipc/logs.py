@@ -61,7 +61,8 @@ class EventLog:
         self, level: str, event: str, values: dict[str, Any], error: BaseException | None = None
     ) -> None:
         if LEVELS.index(level) >= self._least:
-            _start_writer()
+            with contextlib.suppress(RuntimeError):  # no more threads: a later line starts it
+                _start_writer()
             line = self._form(level, event, {**values, "process": self._process}, error)
             with contextlib.suppress(queue.Full):
                 _waiting.put_nowait(line)

@@ -2,7 +2,8 @@
 
 A process that has nothing to do waits here, and does not look at the shared memory again and again. Whoever writes a
 value for it then writes a byte to its pipe. A byte that was written before the wait ends the wait at once, so none is
-missed. A process that does not wait lets the bytes lie; a full pipe is as good as one byte.
+missed. A process that does not wait lets the bytes lie; a full pipe is as good as one byte. Where there are no named
+pipes, a wait asks for news instead, now and then.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
-POLL_INTERVAL = 1e-3  # longest wait on a system without named pipes [s]
+POLL_INTERVAL = 5e-3  # interval between two looks for news where there are no named pipes [s]
 BYTES = 1 << 16  # read at once: what a pipe holds
 
 
@@ -40,7 +42,7 @@ class WakePipe:
 
     @property
     def works(self) -> bool:
-        """Whether the folder has named pipes. Without, a wait is a short sleep, after which the caller must look."""
+        """Whether the folder has named pipes."""
         return self._file >= 0
 
     def fileno(self) -> int:
@@ -53,12 +55,19 @@ class WakePipe:
             with contextlib.suppress(BlockingIOError):  # full
                 os.write(self._file, b"!")
 
-    def wait(self, seconds: float) -> None:
-        """Wait until another process calls `wake`, at most `seconds`; in steps of a millisecond."""
-        if not self.works:
-            time.sleep(min(max(seconds, 0.0), POLL_INTERVAL))
-        elif self._poll.poll(max(0, math.ceil(1e3 * seconds))):
-            self.clear()
+    def wait(self, seconds: float, news: Callable[[], bool]) -> None:
+        """Wait until another process calls `wake`, at most `seconds`; in steps of a millisecond.
+
+        news: whether a value has come that another process would wake this one for. Asked where there are no named
+        pipes.
+        """
+        if self.works:
+            if self._poll.poll(max(0, math.ceil(1e3 * seconds))):
+                self.clear()
+            return
+        due = time.perf_counter() + seconds
+        while not news() and (left := due - time.perf_counter()) > 0.0:
+            time.sleep(min(left, POLL_INTERVAL))
 
     def clear(self) -> None:
         """Take all bytes, so that the next wait is for later ones."""

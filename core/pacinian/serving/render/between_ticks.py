@@ -148,7 +148,8 @@ class BetweenTicks:
                     if self.rests:
                         break
                 while self.rests:
-                    wake.wait(self._reported + max(REST, self._report_interval) - self.clock.now())
+                    due = self._reported + max(REST, self._report_interval)
+                    wake.wait(due - self.clock.now(), lambda: self._has_news)
                     self.run_between()
 
     @property
@@ -167,6 +168,11 @@ class BetweenTicks:
             or self.felt.loading
             or self._quieting.preparing
         )
+
+    @property
+    def _has_news(self) -> bool:
+        """Whether another process has written a value that ends the rest, or that `run_between` reads."""
+        return self._orders.waiting or self._device.waiting or not self.rests
 
     def close(self) -> None:
         """Silence the output."""

@@ -72,10 +72,10 @@ class Bench:
         self.rates: dict[str, float] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
+        self.threads = True  # whether the system permits them
         self.devices = DeviceSwitcher(
-            self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.waiting.append,
-            self.clock,
-        )  # fmt: skip
+            self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.start, self.clock
+        )
 
     def make(self, choice: Choice | Configured) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
@@ -86,6 +86,11 @@ class Bench:
         if choice.name == self.hang:
             self.made[-1].opens = self.late
         return self.made[-1]
+
+    def start(self, work: Callable[[], None]) -> None:
+        if not self.threads:
+            raise RuntimeError("can't start new thread")
+        self.waiting.append(work)
 
     def late(self) -> None:
         """Meanwhile the guard goes on."""
@@ -437,6 +442,26 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
     bench.run()
     bench.frame()
     assert bench.now == "c"
+
+
+def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() -> None:
+    bench = Bench()
+    bench.threads = False
+    bench.devices.begin(RequestedSettings(), Configured("c"))
+    bench.run()
+    assert [device.log for device in bench.made] == [["open", "close"], ["open"]]
+    assert (bench.now, bench.devices.results) == ("a", {"backend 0": ""})
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    assert "no more threads" in bench.devices.results["backend 1"]
+    bench.frame()
+    assert bench.now == "a"
+    bench.guard.leaving.append(bench.made[0])
+    bench.run()
+    assert bench.devices.busy, "it is closed as soon as there is a thread"
+    bench.threads = True
+    bench.run()
+    assert bench.made[0].log == ["open", "close", "close"]
 
 
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:

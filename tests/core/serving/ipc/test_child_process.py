@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -56,7 +57,7 @@ def source(work: str, *, kill: bool = True) -> str:
     return textwrap.dedent(CHILD).format(work=work, kill=kill)
 
 
-def launched(work: str, folder: Path, **secrets: str) -> subprocess.Popen[bytes]:
+def launched(work: str, folder: Path, **secrets: str) -> child_process.Process:
     told = LaunchConfig(str(folder), Settings(rate=500.0), secrets)
     return child_process.launch([sys.executable, "-c", source(work)], told)
 
@@ -123,6 +124,33 @@ def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Pat
     process.call()
     eventually((tmp_path / "told").exists)
     assert child_process.end(process, PATIENCE) == 0
+
+
+@pytest.mark.parametrize("limit", ["threads", "files"])
+def test_where_no_more_threads_or_files_are_permitted_no_child_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str
+) -> None:
+    spare = launched(WAITS, tmp_path)
+    if limit == "threads":
+        monkeypatch.setattr("threading.Thread.start", refuse_thread)
+    else:
+        monkeypatch.setattr("pacinian.serving.ipc.child_process.os.dup", refuse_file)
+    before = set(psutil.Process().children())
+    with pytest.raises(ServerError, match="cannot be told"):
+        launched(WAITS, tmp_path)
+    assert set(psutil.Process().children()) == before
+    spare.call()
+    monkeypatch.undo()
+    spare.call()
+    assert child_process.end(spare, PATIENCE) == 0
+
+
+def refuse_thread(_: object) -> None:
+    raise RuntimeError("can't start new thread")
+
+
+def refuse_file(_: object) -> int:
+    raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
 
 def test_secrets_are_not_shown() -> None:

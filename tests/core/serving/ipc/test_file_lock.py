@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import subprocess
@@ -82,6 +83,19 @@ def test_what_cannot_be_locked_is_told(tmp_path: Path) -> None:
         with pytest.raises(ServerError, match="cannot be locked") as caught:
             FileLock(path)
         assert str(path) in str(caught.value)
+
+
+def test_on_a_full_disk_it_is_held_without_the_number_of_its_holder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(file: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("pacinian.serving.ipc.file_lock.os.write", write)
+    path = tmp_path / "lock"
+    with FileLock(path), pytest.raises(LockHeld, match="process unknown"):
+        FileLock(path)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(os.name != "posix", reason="links to files")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.serving.ipc.wake_pipe import BYTES, WakePipe
+from pacinian.serving.ipc.wake_pipe import BYTES, POLL_INTERVAL, WakePipe
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -17,13 +17,18 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="has no named pi
 HANGS = 1e5  # [s]
 
 
+def never() -> bool:
+    """News is asked for only where there are no named pipes."""
+    raise AssertionError
+
+
 def test_a_wait_ends_when_another_wakes_it_before_or_during_it(tmp_path: Path) -> None:
     waits, wakes = WakePipe(tmp_path / "a"), WakePipe(tmp_path / "a")
     wakes.wake()
-    waits.wait(HANGS)
+    waits.wait(HANGS, never)
     threading.Timer(0.01, wakes.wake).start()
-    waits.wait(HANGS)
-    waits.wait(-1.0)  # and without, at once or after its time
+    waits.wait(HANGS, never)
+    waits.wait(-1.0, never)  # and without, at once or after its time
     waits.clear()
     wakes.close()
     waits.close()
@@ -34,8 +39,23 @@ def test_who_wakes_never_waits_and_a_wait_takes_all_wakes_before_it(tmp_path: Pa
     pipe = WakePipe(tmp_path / "a")
     for _ in range(2 * BYTES):
         pipe.wake()
-    pipe.wait(HANGS)
-    pipe.wait(0.0)
+    pipe.wait(HANGS, never)
+    pipe.wait(0.0, never)
     pipe.wake()
-    pipe.wait(HANGS)
+    pipe.wait(HANGS, never)
+    pipe.close()
+
+
+def test_without_named_pipes_a_wait_asks_for_news_and_ends_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pauses: list[float] = []
+    monkeypatch.setattr("pacinian.serving.ipc.wake_pipe.time.sleep", pauses.append)
+    pipe = WakePipe(tmp_path / "no folder" / "a")
+    assert not pipe.works
+    pipe.wake()
+    news = iter([False, False, False, True])
+    pipe.wait(HANGS, lambda: next(news))
+    assert pauses == [POLL_INTERVAL] * 3
+    pipe.wait(0.0, lambda: False)
     pipe.close()
