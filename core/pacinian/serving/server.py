@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Network, Settings
 
 RESERVE = 16  # file descriptors reserved for restarted processes
+# Fewest file descriptors with which a server starts. Its own are 45; ZeroMQ ends the process that has none left.
+MIN_FILES = 64
 
 
 def serve(
@@ -139,12 +141,20 @@ def _alone(path: Path) -> FileLock:
 
 
 def _limit_files(reserve: int) -> None:
-    """Allow as many connections as the system permits, less `reserve`. Each connection takes a file descriptor."""
+    """Allow as many connections as the system permits, less `reserve`. Each connection takes a file descriptor.
+
+    Raises ServerError if the system permits too few.
+    """
     if sys.platform == "win32":
         return
     import resource
 
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    if most != resource.RLIM_INFINITY and most < MIN_FILES:
+        raise ServerError(
+            f"the system permits {most} files, and a server needs {MIN_FILES}: run `ulimit -Hn {MIN_FILES}` as root, "
+            "or raise the limit of this user or service"
+        )
     soft = most if most == resource.RLIM_INFINITY else most - reserve
     with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, most))

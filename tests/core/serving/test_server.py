@@ -17,7 +17,7 @@ import pytest
 from pacinian.errors import ArgumentError, ServerError
 from pacinian.serving.ipc import shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
-from pacinian.serving.server import serve
+from pacinian.serving.server import MIN_FILES, serve
 from pacinian.serving.settings import Metrics, Network, Settings
 from pacinian.testing import run_server
 from pacinian.wire.connection import Connection
@@ -88,6 +88,17 @@ def test_of_servers_that_start_at_the_same_moment_one_has_the_connection_file(
     assert other.wait(PATIENCE) == 1
     assert any(f"{path} belongs to a running server (process {first.pid})" in text for text in said)
     assert Connection.read(path).pid == first.pid
+
+
+@posix
+def test_too_few_open_files_are_told_before_anything_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("resource.getrlimit", lambda _: (40, 40))
+    monkeypatch.setattr("resource.setrlimit", lambda *_: None)
+    said = refused(Settings(connection=str(tmp_path / "connection.json")))
+    assert f"40 files, and a server needs {MIN_FILES}: run `ulimit" in said
+    assert not list(tmp_path.iterdir())
 
 
 @posix

@@ -60,6 +60,8 @@ class FileLock(Closing):
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.stays = False
+        """Whether the file is not removed at the end."""
         try:
             self._file = _open(path)
             # The last holder removed the file between our opening and our locking it.
@@ -81,10 +83,13 @@ class FileLock(Closing):
 
     def close(self) -> None:
         """Remove the file and release the lock."""
-        with suppress(OSError):  # while the lock is held, the file is ours
-            self.path.unlink()
+        self._remove()  # while the lock is held, the file is ours
         os.close(self._file)
         if os.name != "posix":  # Windows does not remove an open file
+            self._remove()
+
+    def _remove(self) -> None:
+        if not self.stays:
             with suppress(OSError):
                 self.path.unlink()
 

@@ -49,28 +49,34 @@ def folder() -> Generator[Path]:
     removed after it. This process holds the lock while it lives.
     """
     root = Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
-    for lock in root.glob(f"{PREFIX}*{LOCK}"):
-        remove(lock.with_suffix(""))
+    for left in root.glob(f"{PREFIX}*{LOCK}"):
+        remove(left.with_suffix(""))
     made = root / f"{PREFIX}{os.urandom(8).hex()}"
-    with FileLock(made.with_suffix(LOCK)):
+    with FileLock(made.with_suffix(LOCK)) as lock:
         made.mkdir(mode=0o700)
         try:
             yield made
         finally:
-            shutil.rmtree(made, ignore_errors=True)
+            _remove_folder(made, lock)
 
 
 def remove(left: Path, patience: float = 0.0) -> None:
     """Remove a shared-memory folder whose maker has gone; wait at most `patience` [s] for the maker's end."""
     lock, due = left.with_suffix(LOCK), time.monotonic() + patience
     while _is_ours(lock):
-        with contextlib.suppress(ServerError), FileLock(lock):
+        with contextlib.suppress(ServerError), FileLock(lock) as held:
             if _is_ours(left):
-                shutil.rmtree(left, ignore_errors=True)
+                _remove_folder(left, held)
             return
         if time.monotonic() >= due:
             return
         time.sleep(RETRY_INTERVAL)
+
+
+def _remove_folder(left: Path, lock: FileLock) -> None:
+    """Remove a folder. If that fails, its lock's file stays, so that a later start can remove both."""
+    shutil.rmtree(left, ignore_errors=True)
+    lock.stays = left.exists()
 
 
 def _is_ours(path: Path) -> bool:

@@ -335,6 +335,19 @@ def test_one_is_removed_as_soon_as_its_maker_has_ended(
     remove(place)
 
 
+def test_a_folder_that_cannot_be_removed_keeps_its_lock_so_that_a_later_start_removes_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("pacinian.serving.ipc.shared_memory.shutil.rmtree", lambda *_, **__: None)
+        with folder() as place:
+            pass
+        remove(place)
+        assert len(beside(place)) == 2, "the folder and its lock"
+    with folder():
+        assert not beside(place)
+
+
 def test_a_folder_without_a_lock_is_not_removed(tmp_path: Path) -> None:
     remove(tmp_path)
     assert tmp_path.exists()
