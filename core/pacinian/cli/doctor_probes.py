@@ -9,6 +9,7 @@ import shutil
 import socket
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 SLEEPS, SLEEP = 200, 0.001  # number and duration of the sleeps that are measured [s]
 MAX_ANSWER_TIME = 1.0  # time for the server's answer [s]
+MAX_IMPORT_TIME = 30.0  # time to import all plug-ins [s]
 SHARED = Path("/dev/shm")
 EXTRAS = "plot", "view", "devices", "study", "autd3"
 DEVICES = 2241 * 4  # transducers for which shared memory should have room
@@ -119,10 +121,14 @@ def plugins() -> Finding:
     from pacinian.plugins.registry import discover_plugins
 
     found = discover_plugins()
-    found.load()
-    return doctor_rules.plugins(
-        len(found.offers), [str(e) for e in (*found.failed.values(), *found.clashes.values())]
-    )
+    thread = threading.Thread(target=found.load, name="plug-ins", daemon=True)
+    thread.start()
+    thread.join(MAX_IMPORT_TIME)
+    failed = [str(e) for e in (*found.failed.values(), *found.clashes.values())]
+    if thread.is_alive():
+        late = f"has not been imported in {MAX_IMPORT_TIME:g} s"
+        failed.append(f"plug-in {found.importing!r} {late}")
+    return doctor_rules.plugins(len(found.offers), failed)
 
 
 def port() -> Finding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
     with contextlib.ExitStack() as stack:
 
         def ready(path: Path) -> None:
-            click.echo(f"ready: {path}")
+            _print_ready(path)
             if view:
                 stack.enter_context(_viewer(path))
 
@@ -76,6 +77,14 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
         if until_eof:
             call_at_end_of_input(ending.set)
         run(settings, ready, ending=ending)
+
+
+def _print_ready(path: Path) -> None:
+    """Print that clients can connect. A server whose output cannot be written, as on a full disk, runs all the same."""
+    try:
+        click.echo(f"ready: {path}")
+    except OSError:
+        sys.stdout = None  # otherwise the interpreter would try to flush it at the end
 
 
 def _known(settings: Settings) -> None:
@@ -110,7 +119,6 @@ def _check_viewer() -> None:
 def _viewer(connection: Path) -> Generator[None]:
     """Run the viewer in a process of its own, which ends when its standard input closes."""
     import subprocess
-    import sys
 
     command = [
         sys.executable,

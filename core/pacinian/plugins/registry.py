@@ -94,6 +94,8 @@ class Plugins:
         self.commands: dict[str, CommandOffer] = {}
         self.failed: dict[str, PluginError] = {}
         self.clashes: dict[str, PluginError] = {}
+        self.importing = ""
+        """The plug-in that is being imported now."""
         self._waiting: dict[str, EntryPoint] = {}
         for point in entry_points:
             known = self._waiting.setdefault(point.name, point)
@@ -112,6 +114,7 @@ class Plugins:
         points = [p for n, p in self._waiting.items() if name in (None, n)]
         for point in [p for p in points if kind is None or _may_offer(p, kind)]:
             del self._waiting[point.name]
+            self.importing = point.name
             try:
                 offers, commands = self._read(point)
             except (Exception, SystemExit) as error:
@@ -134,6 +137,7 @@ class Plugins:
                         f"plug-in {point.name!r} ({command.distribution}) offers the command {command.name!r}, "
                         f"which {other.distribution} offers, too: uninstall one"
                     )
+        self.importing = ""
 
     @card
     def _repr_html_(self) -> Card:

@@ -2,8 +2,10 @@
 
 import json
 import socket
+import threading
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -141,3 +143,19 @@ def test_a_look_that_fails_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert code == 1
     assert "odd machine" in found["processor"]["text"]
     assert "odd machine" in found["loopback"]["text"]
+
+
+def test_a_plug_in_that_does_not_come_back_from_its_import_is_a_problem(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    come = threading.Event()
+    hanging = SimpleNamespace(
+        load=come.wait, importing="snail", offers={"one": 1}, failed={}, clashes={}
+    )
+    monkeypatch.setattr("pacinian.plugins.registry.discover_plugins", lambda: hanging)
+    monkeypatch.setattr(doctor_probes, "MAX_IMPORT_TIME", 0.01)
+    try:
+        found = doctor_probes.plugins()
+    finally:
+        come.set()
+    assert (found.level, "'snail' has not been imported" in found.text) == (PROBLEM, True)

@@ -30,12 +30,13 @@ process.warm_up(settings.array.make(), settings.medium.make())
 """
 RENDER = """
 from pacinian.plugins.backend import Capability
+from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.render import process
 from pacinian.serving.settings import Settings
 settings = Settings()
 solver = process.make_solver(settings.solver)
 process.warm_up(settings.array.make(), settings.medium.make(), solver, Capability(rate=1e3), 1e3)
-process.list_offers("solver")
+list_offers("solver")
 """
 FORBIDDEN = {
     "control": (

@@ -8,6 +8,7 @@ closes the device.
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import os
 import signal
@@ -23,6 +24,7 @@ from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backen
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
+from pacinian.serving.ipc.logs import configure
 from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import (
     DeviceStatus,
@@ -32,7 +34,7 @@ from pacinian.serving.ipc.messages import (
     open_wakes,
     pack,
 )
-from pacinian.serving.ipc.plugin_list import list_offers
+from pacinian.serving.ipc.plugin_list import publish_offers
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
 
 if TYPE_CHECKING:
@@ -196,9 +198,11 @@ def main() -> None:
 
     starter = child_process.Parent()
     told = starter.config
+    configure(told.settings.log, "guard")
     sys.setswitchinterval(SWITCH)
     rounds = GuardLoop(told.path, told.settings)
     if told.spare:
+        starter.prepare()
         _settle(rounds)
         stand_by(starter, told.settings.safety.hung, rounds.watch)
     for name in (signal.SIGTERM, signal.SIGINT):
@@ -210,7 +214,7 @@ def main() -> None:
             time.sleep(IDLE_INTERVAL)
         if rounds.backends is None:
             # Listing the backends takes long, but an open device is still silent here.
-            rounds.backends = list_offers("backend")
+            publish_offers("backend", functools.partial(setattr, rounds, "backends"))
         _settle(rounds)
         while not ended.is_set():
             # While a released device is still open, let the alarm kill this process, which closes

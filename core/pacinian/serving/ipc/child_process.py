@@ -149,6 +149,8 @@ class Parent:
 
     def __init__(self) -> None:
         _kill_when_orphaned(True)
+        self._prepared, self._begun = False, threading.Event()
+        self._orphaned: Callable[[], object] = lambda: None
         self.pipe = os.dup(0)
         with Path(os.devnull).open("rb") as nothing:
             os.dup2(nothing.fileno(), 0)
@@ -173,13 +175,28 @@ class Parent:
         """
         if not kill:
             _kill_when_orphaned(False)
+        self.prepare()
+        self._orphaned = orphaned
+        self._begun.set()
 
-        def watch() -> None:
+    def prepare(self) -> None:
+        """Start the thread for `watch`, which then needs no other: later the system may permit none.
+
+        Raises SystemExit if it permits none now.
+        """
+
+        def work() -> None:
+            self._begun.wait()
             while os.read(self.pipe, 4096):
                 pass
-            orphaned()
+            self._orphaned()
 
-        threading.Thread(target=watch, name="parent", daemon=True).start()
+        if not self._prepared:
+            try:
+                threading.Thread(target=work, name="parent", daemon=True).start()
+            except RuntimeError as error:
+                raise SystemExit(f"this process cannot watch its parent: {error}") from None
+            self._prepared = True
 
 
 def _kill_when_orphaned(kill: bool) -> None:

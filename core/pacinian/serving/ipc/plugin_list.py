@@ -10,16 +10,49 @@ import msgspec
 from pacinian.errors import shorten
 from pacinian.plugins import registry
 from pacinian.plugins.options import check_options, find_client_options
+from pacinian.serving.ipc.logs import log
 from pacinian.wire.control import Choice
 from pacinian.wire.replies import Plugin
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
     from pacinian.plugins.solver import Solver
     from pacinian.scene.setup import Choice as Configured
 
 LOADING = threading.Lock()  # only one thread at a time loads plug-ins
+# Time after which no process waits for a plug-in that is still being imported [s].
+PATIENCE = 20.0
+
+
+def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) -> None:
+    """Call `publish` with `list_offers`, now or from a thread.
+
+    If a module takes longer than `PATIENCE` to import, `publish` first gets the plug-ins that are known by then, and
+    the log names the module.
+    """
+    lock, done = threading.Lock(), threading.Event()
+
+    def work() -> None:
+        offers = list_offers(kind)
+        with lock:
+            done.set()
+            publish(offers)
+
+    thread = threading.Thread(target=work, name="plug-ins", daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no more threads
+        work()
+        return
+    thread.join(PATIENCE)
+    with lock:
+        if not done.is_set():
+            name = registry.discover_plugins().importing
+            log().warning("a plug-in is still being imported", name=name, kind=kind)
+            publish(_collect_offers(kind))
 
 
 def list_offers(kind: Kind) -> tuple[Plugin, ...]:
@@ -27,13 +60,17 @@ def list_offers(kind: Kind) -> tuple[Plugin, ...]:
     plugins = registry.discover_plugins()
     with LOADING:
         plugins.load(kind=kind)
+    return _collect_offers(kind)
+
+
+def _collect_offers(kind: Kind) -> tuple[Plugin, ...]:
     return tuple(
         Plugin(
             name=offer.name,
             summary=shorten(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
             options=_options(offer),
         )
-        for _, offer in sorted(plugins.offers.items())
+        for _, offer in sorted(registry.discover_plugins().offers.copy().items())
         if offer.kind == kind
     )
 

@@ -16,9 +16,10 @@ from msgspec.msgpack import Decoder
 
 from pacinian.plugins.backend import Capability
 from pacinian.serving.ipc import child_process, scheduling
+from pacinian.serving.ipc.logs import configure
 from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
-from pacinian.serving.ipc.plugin_list import list_offers
+from pacinian.serving.ipc.plugin_list import publish_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
 from pacinian.serving.render.between_ticks import FILES, BetweenTicks
@@ -34,6 +35,7 @@ def main() -> None:
     """Render until the parent ends or asks this process to end."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     told = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
+    configure(told.settings.log, "render")
     sys.setswitchinterval(SWITCH)
     try:
         _render(told)
@@ -72,12 +74,9 @@ def _render(told: child_process.LaunchConfig) -> None:
         stack.callback(loop.close)
         loop.open()
         settle_memory()
-        scheduling.start_background_thread(functools.partial(_list, loop), "offers")
+        publish = functools.partial(setattr, loop, "solvers")
+        scheduling.start_background_thread(lambda: publish_offers("solver", publish), "offers")
         loop.run_ticks(wake)
-
-
-def _list(loop: BetweenTicks) -> None:
-    loop.solvers = list_offers("solver")
 
 
 if __name__ == "__main__":

@@ -32,6 +32,8 @@ gone = threading.Event()
 parent = child_process.Parent()
 told = parent.config
 if told.spare:
+    parent.prepare()
+    threading.Thread.start = None  # as where the system permits no more threads
     (told.path / "ready").touch()
     parent.wait()
 parent.watch(gone.set, kill={kill})

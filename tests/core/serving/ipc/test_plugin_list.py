@@ -1,0 +1,64 @@
+"""The plug-ins that can be selected, whatever their modules do."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from importlib.metadata import EntryPoint
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from pacinian.plugins import registry
+from pacinian.plugins.registry import Plugins
+from pacinian.serving.ipc import plugin_list
+
+from ....waiting import eventually
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+    from pacinian.wire.replies import Plugin
+
+    from ..conftest import Logged
+
+SLOW = """
+import pacinian as pc
+import the_gate
+the_gate.opened.wait()
+
+class Slow(pc.Solver):
+    name = "slow"
+    def solve(self, propagator, targets, limits, warm, budget, out):
+        raise NotImplementedError
+
+@pc.hookimpl
+def register_solvers():
+    return [Slow]
+"""
+
+
+def test_a_plug_in_that_does_not_come_back_from_its_import_is_named_and_holds_nobody_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: Logged
+) -> None:
+    gate = ModuleType("the_gate")
+    opened = threading.Event()
+    gate.__dict__["opened"] = opened
+    monkeypatch.setitem(sys.modules, "the_gate", gate)
+    (tmp_path / "slow_to_import.py").write_text(SLOW)
+    monkeypatch.syspath_prepend(tmp_path)
+    plugins = Plugins([EntryPoint("snail", "slow_to_import", "pacinian")])
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
+    monkeypatch.setattr(plugin_list, "PATIENCE", 0.01)
+    found: list[tuple[Plugin, ...]] = []
+    try:
+        plugin_list.publish_offers("solver", found.append)
+        assert found == [()]
+        logged.wait("still being imported", "snail")
+    finally:
+        opened.set()
+    eventually(lambda: len(found) == 2)
+    plugin_list.publish_offers("solver", found.append)
+    eventually(lambda: len(found) == 3)
+    assert [[plugin.name for plugin in offers] for offers in found] == [[], ["slow"], ["slow"]]
