@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import threading
+from socketserver import ThreadingMixIn
 from typing import TYPE_CHECKING, Any
+from wsgiref.simple_server import WSGIRequestHandler, WSGIServer, make_server
 
-from prometheus_client import CollectorRegistry, start_http_server
+from prometheus_client import CollectorRegistry, make_wsgi_app
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import BusStatus
     from pacinian.wire.state import State
 
+MAX_CONNECTIONS = 16  # at a time; each takes a thread
+MAX_REQUEST_TIME = 5.0  # time limit between two parts of a request [s]
 OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 
 
@@ -39,11 +44,17 @@ class Metrics(Collector):
         registry = CollectorRegistry()
         registry.register(self)
         try:
-            self._server, self._thread = start_http_server(self._port, METRICS_HOST, registry)
+            self._server = make_server(
+                METRICS_HOST, self._port, make_wsgi_app(registry), _Server, _Handler
+            )
         except OSError as error:
             raise ServerError(
                 f"metrics on {METRICS_HOST}:{self._port}: {error.strerror}"
             ) from error
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, name="metrics", daemon=True
+        )
+        self._thread.start()
         return self
 
     def __exit__(
@@ -102,6 +113,44 @@ class Metrics(Collector):
         for name, value in state.skipped.items():
             skipped.add_metric([name], value)
         yield skipped
+
+
+class _Server(ThreadingMixIn, WSGIServer):
+    """Answers a few connections at a time, each in a thread, and closes those beyond."""
+
+    daemon_threads = True
+
+    def __init__(self, *given: Any) -> None:
+        self._places = threading.BoundedSemaphore(MAX_CONNECTIONS)
+        super().__init__(*given)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Start a thread for a connection."""
+        if not self._places.acquire(blocking=False):
+            self.shutdown_request(request)
+            return
+        try:
+            super().process_request(request, client_address)
+        except BaseException:
+            self._places.release()
+            raise
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Answer a connection."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._places.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Ignore connections that are late or broken, and threads that the system does not permit."""
+
+
+class _Handler(WSGIRequestHandler):
+    timeout = MAX_REQUEST_TIME
+
+    def log_message(self, *_: Any) -> None:
+        """Log nothing: a stranger could fill the log."""
 
 
 def _counter(name: str, text: str, value: float) -> Metric:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import socket
+import threading
 import time
 import urllib.request
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from msgspec.structs import replace
 
 from pacinian.errors import ServerError
 from pacinian.serving.control import process as control_process
+from pacinian.serving.control.metrics import MAX_CONNECTIONS
 from pacinian.serving.settings import Clients, Log, Metrics, Safety, Settings
 from pacinian.wire.control import (
     Arm,
@@ -31,7 +33,7 @@ from pacinian.wire.control import (
 from pacinian.wire.replies import Abilities, Error, Ok
 from pacinian.wire.state import State
 
-from ....waiting import eventually
+from ....waiting import PATIENCE, eventually
 from ..processes import PATIENT
 
 if TYPE_CHECKING:
@@ -231,7 +233,7 @@ def test_metrics_are_served_on_loopback(start_server: Any) -> None:
     server.client().hello()
 
     def text() -> str:
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as answer:
+        with ask_metrics(port) as answer:
             return str(answer.read().decode())
 
     wanted = (
@@ -247,6 +249,34 @@ def test_metrics_are_served_on_loopback(start_server: Any) -> None:
         "pacinian_bus_waiting 1.0",
     )
     eventually(lambda: all(name in seen for name in wanted) if (seen := text()) else False)
+
+
+def test_strangers_at_the_metrics_get_few_threads(
+    start_server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pacinian.serving.control.metrics._Handler.timeout", PATIENCE)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        at = probe.getsockname()
+    start_server(replace(PATIENT, metrics=Metrics(at[1])))
+    with contextlib.ExitStack() as stack:
+        before = threading.active_count()
+        for _ in range(MAX_CONNECTIONS):
+            stack.enter_context(socket.create_connection(at, PATIENCE)).send(b"GET /")
+        for _ in range(5):
+            with socket.create_connection(at, PATIENCE) as stranger:
+                with contextlib.suppress(ConnectionError):
+                    assert stranger.recv(1) == b"", "it is closed at once"
+        assert threading.active_count() <= before + MAX_CONNECTIONS
+    with eventually(lambda: ask_metrics(at[1])) as answer:
+        assert answer.status == 200
+
+
+def ask_metrics(port: int) -> Any:
+    """The answer; None while there is no place."""
+    with contextlib.suppress(OSError):
+        return urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics")
+    return None
 
 
 def test_logs_hold_no_secrets(start_server: Any, logged: Any, capfd: Any) -> None:
