@@ -264,9 +264,11 @@ def test_strangers_at_the_metrics_get_few_threads(
         for _ in range(MAX_CONNECTIONS):
             stack.enter_context(socket.create_connection(at, PATIENCE)).send(b"GET /")
         for _ in range(5):
-            with socket.create_connection(at, PATIENCE) as stranger:
-                with contextlib.suppress(ConnectionError):
-                    assert stranger.recv(1) == b"", "it is closed at once"
+            with (
+                socket.create_connection(at, PATIENCE) as stranger,
+                contextlib.suppress(ConnectionError),
+            ):
+                assert stranger.recv(1) == b"", "it is closed at once"
         assert threading.active_count() <= before + MAX_CONNECTIONS
     with eventually(lambda: ask_metrics(at[1])) as answer:
         assert answer.status == 200
