@@ -204,7 +204,7 @@ def test_the_mean_of_a_modulation_is_shown_its_peak_and_an_instant(
     with Page(url) as page:
         game.start()
         try:
-            holds("mean", 3.0, 5.0)
+            holds("mean", 3.9, 4.1)
             holds("peak", 6.5, 8.2)
             page.say("slice", id=1, over="instant", **place)
             instants = set[float]()

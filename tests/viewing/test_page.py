@@ -310,7 +310,7 @@ def test_frames_are_drawn_where_something_has_changed(browser: Browser, url: str
     with seen(browser, url, TINY) as still, seen(browser, f"{url}&power=all", TINY) as all_power:
         still.page.uncheck("#slice-on")
         still.until(lambda: still.get("output") == "silent")
-        why = "not armed: call arm()"
+        why = "not armed: press Arm, or start a program that arms"
         still.until(lambda: still.page.get_attribute("#output-why", "title") == why)
         all_power.until(lambda: all_power.get("frames") > 10)
         drawn, many = still.get("frames"), all_power.get("frames")

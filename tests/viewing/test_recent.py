@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from pacinian.viewing.recent_frames import MAX_FRAMES, MODULATED_SPAN, MOVING_SPAN, RecentFrames
 from pacinian.wire.objects import Point
@@ -54,7 +55,37 @@ def test_frames_of_a_cycle_have_one_share_each_and_those_of_a_modulation_as_they
     assert recent.gains()[1] == (0.5, 0.5)
     recent.see_state(9 * EVERY, "am", b"")
     assert values(recent) == [2.0, 1.0]
-    assert recent.gains()[1] == (3 / 9, 6 / 9)
+    assert recent.gains()[1] == pytest.approx((3 / 9, 6 / 9))
+
+
+def test_all_frames_of_a_cycle_count_while_it_moves() -> None:
+    recent = RecentFrames()
+    for k in range(40):  # no frame is like another
+        recent.add(k * EVERY, frame(k), scene_time=k * EVERY, part=k % 3, parts=3)
+    assert values(recent) == [37.0, 38.0, 39.0]
+    recent.add(40 * EVERY, b"", parts=3)
+    assert values(recent) == []
+    recent.add(41 * EVERY, frame(41.0), parts=1)
+    assert values(recent) == [41.0]
+
+
+def test_the_mean_of_a_modulation_is_exact_if_times_in_the_scene_are_known() -> None:
+    for item, technique, presentation in (
+        (MODULATED_POINT, "", None),
+        (STEADY_POINT, "am", AM(frequency=200.0)),
+    ):
+        recent = RecentFrames()
+        recent.see_scene(0.0, {"spot": item}, {"spot": bytes(28)})
+        recent.see_state(0.0, technique, b"", presentation)
+        pressure = []
+        for k in range(60):
+            time = k * EVERY + 0.004 * (k * 0.618 % 1.0)
+            pressure.append(0.5 - 0.5 * np.cos(2.0 * np.pi * 200.0 * time))
+            recent.add(k * EVERY, frame(np.sqrt(pressure[-1])), scene_time=time, parts=1)
+        gains, shares = recent.gains()
+        amplitudes = np.abs(np.frombuffer(gains, np.complex64)[::3])
+        assert np.array(shares) @ amplitudes**2 == pytest.approx(0.5, rel=1e-3)
+        assert abs(np.mean(pressure) - 0.5) > 0.005
 
 
 def test_silence_counts_while_others_sound_and_is_silence_alone() -> None:

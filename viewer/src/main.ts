@@ -86,6 +86,7 @@ if (space) {
   new Skinning(store, new Skinner(send), space);
   new FieldPanel(space, slicer, boxer, scales, store);
   store.onBeat("slice", () => {
+    element("bar").hidden = false;
     scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
     pointing.tellAgain();
   });

@@ -174,9 +174,17 @@ class FeedPlayer:
                     self._time = said.time
                     if isinstance(said, State):
                         self._regions = Regions.of(said)
-                        self._recent.see_state(said.time, said.technique, said.hands)
+                        self._recent.see_state(
+                            said.time, said.technique, said.hands, said.presentation
+                        )
                     elif self._model is not None:
-                        self._recent.add(said.time, self._model.gains(said))
+                        self._recent.add(
+                            said.time,
+                            self._model.gains(said),
+                            said.scene_time,
+                            said.part,
+                            said.parts,
+                        )
                 case _:
                     pass  # a kind of a later version
 

@@ -62,11 +62,11 @@ def convert_recording(
 
 
 class Stage:
-    """Tracks the objects of the scenes. Each object is sent once, and again when its shape changes."""
+    """Tracks the objects of the scenes. Each object is sent once, and again when its shape or modulation changes."""
 
     def __init__(self) -> None:
         self._scenery = SceneMirror()
-        self._shapes: dict[str, tuple[type, object]] = {}
+        self._known: dict[str, tuple[object, ...]] = {}
 
     def show(self, tick: Tick) -> tuple[str, bytes] | None:
         """Return what is new in a tick's scene, as kind and message; None if nothing is."""
@@ -75,10 +75,11 @@ class Stage:
         new: dict[str, Raw] = {}
         poses: dict[str, bytes] = {}
         for name, item in _iterate_objects(tick.asked.scene):
-            kind, shape = self._shapes.get(name, (None, None))
-            now = getattr(item, "shape", getattr(item, "positions", None))
-            if kind is not type(item) or shape is not now:
-                self._shapes[name] = type(item), now
+            shape = getattr(item, "shape", getattr(item, "positions", None))
+            now = type(item), shape, item.envelope, item.technique
+            before = self._known.get(name, ())
+            if len(before) != len(now) or any(a is not b for a, b in zip(now, before, strict=True)):
+                self._known[name] = now
                 with suppress(
                     PacinianError
                 ):  # a shape that no message can hold, such as a function, is left out
@@ -149,6 +150,7 @@ def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
         amplitudes=len(can.sizes),
         phase=phase.astype("<u2").tobytes() if loud else b"",
         amplitude=amplitude.astype("<u2").tobytes() if loud else b"",
+        scene_time=tick.time + row / len(frame.phase) / recording.tick_rate,
     )
 
 

@@ -110,7 +110,7 @@ class FieldWorker:
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPoolExecutor(
-                    1, context, initializer=lower_own_priority, initargs=(CALM,)
+                    1, context, initializer=start_worker, initargs=(CALM,)
                 )
             pool, given = self._pool, (drive.model.packed, drive.gains, *about)
             try:
@@ -253,6 +253,16 @@ def _unpack_model(model: bytes) -> tuple[Array, Air]:
 @functools.lru_cache(maxsize=2)
 def _points(where: InterpolatedField) -> Floats:
     return where.points.reshape(-1, 3)
+
+
+def start_worker(nice: int) -> None:
+    """Import what fields need, then lower the priority: on a busy machine, imports would else take a minute."""
+    from pacinian.acoustics import propagation
+    from pacinian.solving import propagator
+    from pacinian.viewing import region_error
+
+    del propagation, propagator, region_error
+    lower_own_priority(nice)
 
 
 def lower_own_priority(nice: int) -> None:

@@ -144,7 +144,7 @@ class StateReader:
             self._post(
                 self._hub.put, "histogram", make_histogram(state.tick_counts, self._told.rate)
             )
-        self._recent.see_state(state.time, state.technique, state.hands)
+        self._recent.see_state(state.time, state.technique, state.hands, state.presentation)
         self._explain(state)
         self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):
@@ -165,7 +165,9 @@ class StateReader:
         self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
         self._frame_time = frame.time
         if self._model is not None and (frame.phase or not self._stale):  # a gap is not modulation
-            self._recent.add(frame.time, self._model.gains(frame))
+            self._recent.add(
+                frame.time, self._model.gains(frame), frame.scene_time, frame.part, frame.parts
+            )
 
     def _emit(self) -> None:
         """Pass on the input of the field computation, if it has changed."""

@@ -9,6 +9,7 @@ from msgspec import Meta, Struct
 from pacinian.notebook import Card, card
 from pacinian.wire.protocol import Id, Name, Seconds, Text
 from pacinian.wire.silence import Silence
+from pacinian.wire.time import Technique
 
 STATE, FRAME = b"state", b"frame"
 MAX_LISTED_FAULTS = 3
@@ -104,7 +105,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also
     those beyond; since protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it
     sounds; since protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel
-    an object, at full envelope, also while an envelope is at 0; since protocol 1.1.
+    an object, at full envelope, also while an envelope is at 0; since protocol 1.1. presentation: the technique in use
+    with its parameters; since protocol 1.1.
     """
 
     id: Id = 0
@@ -144,6 +146,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     cause: Text = ""
     why: Annotated[str, Meta(max_length=1000)] = ""
     touches: tuple[TouchState, ...] = ()
+    presentation: Technique | None = None
 
     @property
     def silence(self) -> Silence | None:
@@ -209,7 +212,10 @@ class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame
 
     Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with
     them. sequence: increases with each message. time: reading of the server's clock [s]. phases, amplitudes: number of
-    levels of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16.
+    levels of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16. scene_time: time of the
+    row in the scene, which envelopes and techniques depend on [s]; since protocol 1.1. part: which frame of a cycle the
+    row is, from 0; since protocol 1.1. parts: number of frames in the cycle, which sound in turn; 0 if it is not known;
+    since protocol 1.1.
     """
 
     sequence: int
@@ -218,6 +224,9 @@ class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame
     amplitudes: int
     phase: bytes
     amplitude: bytes
+    scene_time: float = 0.0
+    part: int = 0
+    parts: int = 0
 
     def __repr__(self) -> str:
         row = f"a row of {len(self.phase) // 2} levels" if self.phase else "silent"

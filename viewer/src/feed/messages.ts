@@ -86,6 +86,8 @@ export interface State {
   solver: string;
   backend: string;
   technique: string;
+  /** The technique with its parameters, of servers that tell them. */
+  presentation?: { frequency?: number } | null;
   intensity: number;
   points: Bytes;
   normals: Bytes;

@@ -1,4 +1,4 @@
-/** Where the skin is looked at for what is felt on it: a square before the strongest contact, along its normal. */
+/** Where the skin is looked at for what is felt on it: a square before a contact, along its normal. */
 
 import { Vector3 } from "three";
 
@@ -17,6 +17,8 @@ export class Skinner {
   on = true;
   /** The object whose contact it is. */
   object = "";
+  /** The object whose contact is wanted; empty for the one that is asked for most. */
+  wanted = "";
   private plane: Plane | undefined;
   private next = 0;
 
@@ -33,12 +35,18 @@ export class Skinner {
     const now = performance.now();
     if (!this.on || now < this.next) return;
     this.next = now + OFTEN;
-    const found = square(state);
+    const found = square(state, this.wanted);
     if (!found) return;
     this.object = found.object;
     if (this.plane && near(this.plane, found.plane)) return;
     this.plane = found.plane;
     this.send({ type: "skin", id: nextId(), ...found.plane });
+  }
+
+  /** Look at the contact with that object; empty for the one that is asked for most. */
+  choose(object: string): void {
+    this.wanted = object;
+    this.next = 0;
   }
 
   /** Ask again, of a server that is back. */
@@ -47,16 +55,24 @@ export class Skinner {
   }
 }
 
-/** Before the contact that is asked for most, in all; null without a region. */
-export function square(state: State): { plane: Plane; object: string } | null {
-  const [points, normals, asked, felt] = [state.points, state.normals, state.asked, state.felt].map(floats);
-  const index = indices(state.index);
-  if (!points || !normals || !asked || !felt) return null;
-  const sums = state.objects.map((_, i): number => (Number.isFinite(felt[4 * i]) ? 0 : -1));
-  index.forEach((which, k) => {
-    if ((sums[which] ?? -1) >= 0) sums[which] = (sums[which] ?? 0) + (asked[k] ?? 0);
+/** What is asked of each object in all, or -1 where it has no region: points and paths. */
+export function sumAsked(state: State): number[] {
+  const [asked, felt] = [state.asked, state.felt ?? new Uint8Array()].map(floats);
+  const sums = state.objects.map((_, i): number => (Number.isFinite(felt?.[4 * i]) ? 0 : -1));
+  indices(state.index).forEach((which, k) => {
+    if ((sums[which] ?? -1) >= 0) sums[which] = (sums[which] ?? 0) + (asked?.[k] ?? 0);
   });
-  const best = sums.indexOf(Math.max(...sums));
+  return sums;
+}
+
+/** Before the contact with that object, if it is felt, or else the one that is asked for most; null without a region. */
+export function square(state: State, wanted = ""): { plane: Plane; object: string } | null {
+  const [points, normals] = [state.points, state.normals].map(floats);
+  const index = indices(state.index);
+  if (!points || !normals) return null;
+  const sums = sumAsked(state);
+  const chosen = state.objects.indexOf(wanted);
+  const best = (sums[chosen] ?? 0) > 0 ? chosen : sums.indexOf(Math.max(...sums));
   if (!((sums[best] ?? 0) > 0)) return null;
   const own = [...index.keys()].filter((k) => index[k] === best);
   const at = own.map((k) => new Vector3().fromArray(points, 3 * k));

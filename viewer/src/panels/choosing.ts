@@ -115,6 +115,10 @@ export class Choosing {
       if (input("intensity").value !== value) input("intensity").value = value;
       say(element("intensity-value"), `${value} %`);
     }
+    const rate = state.presentation?.frequency;
+    if (rate && !this.waiting.has("technique") && document.activeElement !== input("frequency")) {
+      if (Number(input("frequency").value) !== rate) input("frequency").value = String(rate);
+    }
     this.rates(select("technique").value);
     this.allow(state);
     const chosen = this.store.newest.array?.solvers.find(({ name }) => name === select("solver").value);

@@ -17,6 +17,17 @@ export function say(target: Element, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
+/** Text in which what stands between backticks is code, only where it is another. */
+export function sayMarked(target: Element, text: string): void {
+  if (target.textContent === text.replaceAll("`", "")) return;
+  target.replaceChildren(...marked(text));
+}
+
+/** Texts and elements of code, which stands between backticks. */
+export function marked(text: string): (string | Node)[] {
+  return text.split("`").map((part, k) => (k % 2 ? made("code", part) : part));
+}
+
 /** A new element with text, or with others. */
 export function made<K extends keyof HTMLElementTagNameMap>(
   tag: K,

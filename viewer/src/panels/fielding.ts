@@ -152,7 +152,8 @@ export class FieldPanel {
       const place = at.map((x) => millimetres(x)).join(", ");
       const { frames, over } = this.space.slice;
       const what = frames > 1 ? ` (${OVER_WORDS[over]} of ${frames} frames)` : over === "instant" ? " (this instant)" : "";
-      say(element("slice-most"), most ? `max ${digits(most)} Pa${what} at (${place}) mm` : `max 0 Pa${what}`);
+      const past = most > this.space.scale.most ? ", past the bar," : "";
+      say(element("slice-most"), most ? `max ${digits(most)} Pa${what}${past} at (${place}) mm` : `max 0 Pa${what}`);
     }
     this.showScale();
     this.showLevel();

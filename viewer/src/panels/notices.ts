@@ -3,7 +3,7 @@
 import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
 import { advice as advise, title } from "./advice";
-import { element, made, say } from "./dom";
+import { element, made, marked, say, sayMarked } from "./dom";
 
 const STAYS = 15_000; // [ms]
 const MAX_NOTES = 2;
@@ -20,7 +20,7 @@ function gone(link: Link, reason: string, before: boolean): void {
   card.hidden = link === "live";
   const [strong, span] = card.children;
   if (strong) say(strong, title);
-  if (span) say(span, text);
+  if (span) sayMarked(span, text);
 }
 
 /** before: whether there was a server. */
@@ -33,7 +33,7 @@ function words(link: Link, reason: string, before: boolean): [string, string] {
     case "lost":
       return before
         ? ["The server has gone; waiting", `${ended(reason)} What was seen last stays, grey, until it is back.`]
-        : ["No server yet; waiting", `${ended(reason)} Start \`pacinian serve\`, or \`pacinian demo\`, in a terminal.`];
+        : ["No server yet; waiting", `${ended(reason)} Once \`pacinian serve\` runs, this page goes on by itself.`];
     case "closed":
       return ["The viewer has gone; waiting", "Start `pacinian view` again: it opens a page of its own. The server goes on."];
   }
@@ -48,7 +48,7 @@ function refused({ action, message, advice }: Refused): void {
   const area = element("refused");
   const close = made("button", "Close");
   close.type = "button";
-  const why = made("p", made("strong", title(action)), ` ${ended(message)} `, made("span", advice || advise(action, message)));
+  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(advice || advise(action, message))));
   const note = made("div", why);
   note.append(close);
   const away = (): void => note.remove();

@@ -120,7 +120,7 @@ export class OutputPanel {
   /** The server's own explanation of silence, where there is one. */
   private why(output: Output): string {
     const told = output === "sounding" ? "" : this.store.newest.silence?.text;
-    return told || WHY[output];
+    return told ? forPage(told) : WHY[output];
   }
 
   private show(state: State | undefined): void {
@@ -157,6 +157,15 @@ export class OutputPanel {
     element("late").title = `${whole(state.late)} of ${whole(state.ticks)} ticks`;
     say(element("gap"), seconds(state.longest_gap));
   }
+}
+
+/** What a program would call, as what is pressed on this page. */
+function forPage(text: string): string {
+  return text
+    .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
+    .replace("call arm()", "press Arm, or start a program that arms")
+    .replace("call select(intensity=1.0)", "raise it under Rendering")
+    .replaceAll("`", "");
 }
 
 /** A button that can act; or cannot, and says why. */

@@ -20,6 +20,9 @@ export class Replaying {
       element("replay").hidden = !recording;
       document.title = recording ? `${recording}: Pacinian` : "Pacinian";
     });
+    store.on("link", (link) => {
+      button("record").disabled = link !== "live" && button("record").getAttribute("aria-pressed") !== "true";
+    });
     store.on("record", ({ on, file }) => {
       button("record").setAttribute("aria-pressed", String(on));
       button("record").title = file;

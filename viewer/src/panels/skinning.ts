@@ -1,13 +1,13 @@
 /** What is felt on the skin beside what is asked: two pictures of the contact, with one scale. */
 
 import { COLOURS } from "../colours/maps";
-import type { Skinner } from "../field/skinner";
+import { sumAsked, type Skinner } from "../field/skinner";
 import type { Skin, State } from "../feed/messages";
 import { floats } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { PRESSURES } from "../space/maps";
 import type { Space } from "../space/space";
-import { element, get, input, say } from "./dom";
+import { choices, element, get, input, say, select } from "./dom";
 import { digits } from "./words";
 
 export class Skinning {
@@ -23,6 +23,7 @@ export class Skinning {
       skinner.show(input("skin-on").checked);
       if (!skinner.on) this.clear("–");
     });
+    select("contact").addEventListener("change", () => skinner.choose(select("contact").value));
     store.on("skin", (skin) => this.draw(skin));
     store.on("state", (state) => {
       if (store.newest.array?.fields) skinner.follow(state);
@@ -42,6 +43,7 @@ export class Skinning {
   }
 
   private say(state: State): void {
+    this.offer(state);
     const i = state.objects.indexOf(this.skinner.object);
     const [force, rms, , spill] = floats(state.felt ?? new Uint8Array()).subarray(4 * i, 4 * i + 4);
     if (i < 0 || !Number.isFinite(force) || !state.asked.length) {
@@ -50,12 +52,25 @@ export class Skinning {
     }
     const shares = [force, rms, spill].map((x) => `${digits(100 * (x ?? NaN), 2)} %`);
     say(element("skin-words"), `${state.objects[i]}: force ${shares[0]}, rms ${shares[1]}, spill ${shares[2]}`);
-    element("skin-maps").hidden = !this.skinner.on;
+    if (!this.last) say(element("skin-top"), "being computed …");
+    element("skin-maps").hidden = !this.skinner.on || !this.last;
+  }
+
+  /** The contacts to choose from: what is chosen stays there, also while it is not felt. */
+  private offer(state: State): void {
+    const sums = sumAsked(state);
+    const { wanted } = this.skinner;
+    const felt = state.objects.filter((name, i) => (sums[i] ?? 0) > 0 && name !== wanted);
+    const names = ["", ...[...felt, ...(wanted ? [wanted] : [])].sort()];
+    choices(select("contact"), names);
+    for (const option of select("contact").options) option.text = option.value || "the strongest";
+    element("contacts").hidden = !this.skinner.on || names.length < 3 && !wanted;
   }
 
   private clear(why: string): void {
     say(element("skin-words"), why);
     say(element("skin-top"), "");
+    this.last = 0;
     element("skin-maps").hidden = true;
     this.skinner.forget();
     if (this.space.hands.painted) this.space.unpaint();

@@ -6,6 +6,7 @@
  */
 
 import {
+  BackSide,
   Color,
   DoubleSide,
   FrontSide,
@@ -73,6 +74,18 @@ void main() {
   gl_FragColor = vec4(c, a);
 }`;
 
+// A painting on the side that is turned away shines through, or a palm over the array would hide it.
+const BEHIND = `
+varying vec4 spot;
+uniform sampler2D paint, colours;
+uniform float top, deep;
+void main() {
+  if (top <= 0.0 || abs(spot.x) >= 0.5 || abs(spot.y) >= 0.5 || abs(spot.z) >= deep || spot.w <= 0.2) discard;
+  float share = texture2D(paint, spot.xy + 0.5).r / top;
+  if (!(share >= 0.02)) discard;
+  gl_FragColor = vec4(texture2D(colours, vec2(min(share, 1.0), 0.5)).rgb, 0.8 * smoothstep(0.02, 0.3, share));
+}`;
+
 export interface Look {
   colour: string;
   /** Opacity where it is looked at straight. */
@@ -89,7 +102,7 @@ export interface Look {
   uniforms?: Record<string, IUniform>;
 }
 
-/** One thing: the mesh of its depth and the mesh of its colour. */
+/** One thing: the mesh of its depth, the mesh of its colour, and that of a painting behind it. */
 export class Glass extends Group {
   constructor(geometry: BufferGeometry, look: Look) {
     super();
@@ -120,6 +133,18 @@ export class Glass extends Group {
       },
     });
     this.add(new Mesh(geometry, depth), new Mesh(geometry, shown));
+    if (look.painted) {
+      const behind = new ShaderMaterial({
+        vertexShader,
+        fragmentShader: BEHIND,
+        side: BackSide,
+        transparent: true,
+        depthTest: false,
+        depthWrite: false,
+        uniforms: { ...look.uniforms },
+      });
+      this.add(new Mesh(geometry, behind));
+    }
     for (const mesh of this.meshes) mesh.frustumCulled = false;
   }
 
@@ -139,7 +164,7 @@ export class Glass extends Group {
 
   /** Its turn among others. */
   set turn(turn: number) {
-    for (const [k, mesh] of this.meshes.entries()) mesh.renderOrder = 2 * turn + k;
+    for (const [k, mesh] of this.meshes.entries()) mesh.renderOrder = 2 * turn + Math.min(k, 1);
   }
 }
 

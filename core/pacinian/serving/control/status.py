@@ -198,9 +198,10 @@ class StatusPublisher:
         """Return the levels that are emitted, of one row after the other; empty in silence."""
         view, rows, columns = self._view, self._view.frame.rows, self._view.frame.columns
         self._row += 1
+        row = self._row % rows if rows else 0
         size = 2 * columns  # size of a row [bytes]
         loud = view.device.sounding and rows > 0 and len(view.levels) == 2 * rows * size
-        end = (self._row % rows + 1) * size if loud else 0
+        end = (row + 1) * size if loud else 0
         amplitudes = rows * size  # where they begin
         return FrameState(
             sequence=view.frame.sequence,
@@ -209,6 +210,11 @@ class StatusPublisher:
             amplitudes=view.device.amplitudes,
             phase=view.levels[end - size : end] if loud else b"",
             amplitude=view.levels[amplitudes + end - size : amplitudes + end] if loud else b"",
+            scene_time=view.frame.time
+            - view.frame.start
+            + row / max(rows, 1) / self._settings.rate,
+            part=(view.frame.part + row) % max(view.frame.parts, 1),
+            parts=view.frame.parts,
         )
 
     def abilities(self, request: int) -> Abilities:

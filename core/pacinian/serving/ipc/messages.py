@@ -62,7 +62,7 @@ WAITS = {
     "sessions": ("bus",),
 }
 MAX_ROWS = 64  # maximum number of rows of a frame
-HEAD = 72  # size of a frame's head, before its levels [bytes]
+HEAD = 96  # size of a frame's head, before its levels [bytes]
 
 
 def compute_frame_capacity(transducers: int) -> int:
@@ -116,7 +116,9 @@ class FrameHead(NamedTuple):
 
     sequence, time: as in `pacinian.Frame`. epoch: the permit's. device: the generation of the device that the frame is
     for. rows: 0 for silence. input: sequence number of the newest hand update in the frame; sent: its time by the
-    client's clock [s]; received: its time by the server's clock [s].
+    client's clock [s]; received: its time by the server's clock [s]. start: time at which the scene's time was 0
+    [s]. part: which frame of a cycle the first row is, from 0; parts: number of frames in the cycle, which the rows
+    play in turn; 0 if it is not known.
     """
 
     sequence: int
@@ -128,6 +130,9 @@ class FrameHead(NamedTuple):
     input: int = 0
     sent: float = 0.0
     received: float = 0.0
+    start: float = 0.0
+    part: int = 0
+    parts: int = 0
 
     def pack(self) -> bytes:
         """Return the head as bytes."""
@@ -139,7 +144,7 @@ class FrameHead(NamedTuple):
         return cls(*_FRAME.unpack_from(data))
 
 
-_FRAME = struct.Struct("<qdqqqqqdd")
+_FRAME = struct.Struct("<qdqqqqqdddqq")
 
 
 class SessionInfo(Struct, frozen=True, array_like=True):

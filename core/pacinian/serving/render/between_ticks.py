@@ -116,6 +116,7 @@ class BetweenTicks:
         self._done = messages.RequestedSettings()
         # The default technique, by name and value.
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS
+        self._presentation: WireTechnique | None = None
         self._intensity = 1.0
         self._reset = 0
         self._explained, self._contact = -math.inf, Silence("nothing in reach", UNTOUCHED)
@@ -267,7 +268,7 @@ class BetweenTicks:
         name = "" if technique is None else str(technique.__struct_config__.tag)
         kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
         self.felt.present(kind, self._intensity)
-        self._kind = name, kind
+        self._kind, self._presentation = (name, kind), technique
 
     def _dim(self, intensity: float) -> None:
         """Set the factor on all pressures."""
@@ -289,8 +290,8 @@ class BetweenTicks:
             del self.results[old]
 
     def _tag(self) -> Input:
-        """Return the newest hand update in the frame that is being sent. A newer one may have arrived since."""
-        return self.felt.input(self.renderer.shown)
+        """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
+        return self.felt.input(self.renderer.shown)._replace(start=self.renderer.start)
 
     def _report(self, now: float) -> None:
         """Report the status; if its state cannot be encoded, report without it, as a heartbeat."""
@@ -317,6 +318,7 @@ class BetweenTicks:
         renderer = self.renderer
         state = status.make_status(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity
+        state["presentation"] = self._presentation
         if not self._quiet:
             state["status"] = self._quieting.note
         if state["hands"] and "asked" not in state:

@@ -22,18 +22,21 @@ if TYPE_CHECKING:
 
 
 class Input(NamedTuple):
-    """The newest hand update in a frame, as in `FrameHead`."""
+    """The newest hand update in a frame, the start of its scene and its place in a cycle, as in `FrameHead`."""
 
     input: int = 0
     sent: float = 0.0
     received: float = 0.0
+    start: float = 0.0
+    part: int = 0
+    parts: int = 0
 
 
 class SharedFrameBackend(Backend):
     """A backend that writes frames for one device to shared memory.
 
     file: `frame`. device, permit: as last read. generation, capability: of the device that the frames are for. tag:
-    returns the hand update of the frame that is being sent.
+    returns what belongs to the frame that is being sent.
     """
 
     name: ClassVar[str] = "output"

@@ -179,7 +179,7 @@ namespace Pacinian.Wire
     /// <summary>The emitted output and the health of the server. Published, and sent as the answer to `status`.</summary>
     public sealed class State : IReply, IState
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts", "cause", "why", "touches");
+        private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts", "cause", "why", "touches", "presentation");
         private static readonly byte[][] Tag = Utf8.Of("state");
 
         /// <summary>`id` of the `status` that it answers; 0 if it is published. 0 to 4,294,967,295.</summary>
@@ -293,10 +293,13 @@ namespace Pacinian.Wire
         /// <summary>Hands that feel an object, at full envelope, also while an envelope is at 0; since protocol 1.1.</summary>
         public readonly Items<TouchState> Touches = new Items<TouchState>();
 
+        /// <summary>The technique in use with its parameters; since protocol 1.1. null: not given.</summary>
+        public ITechnique Presentation;
+
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(38);
+            w.Map(39);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -399,13 +402,15 @@ namespace Pacinian.Wire
             {
                 w.Message(Touches[i]);
             }
+            w.Word(Keys[38]);
+            w.Message(Presentation);
         }
 
         /// <inheritdoc/>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x3FFFFFFFFF;
+            ulong missing = 0x7FFFFFFFFF;
             if (!r.Map(out count))
             {
                 return false;
@@ -472,6 +477,13 @@ namespace Pacinian.Wire
                 case 35: return r.Text(ref Cause, 0, 200);
                 case 36: return r.Text(ref Why, 0, 1000);
                 case 37: return ReadTouches(r);
+                case 38:
+                    if (r.Nil())
+                    {
+                        Presentation = null;
+                        return true;
+                    }
+                    return Unions.Read(r, ref Presentation);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -586,6 +598,10 @@ namespace Pacinian.Wire
             {
                 Touches.Clear();
             }
+            if ((missing & 0x4000000000) != 0)
+            {
+                Presentation = null;
+            }
         }
 
         private bool ReadSkipped(Reader r)
@@ -682,7 +698,7 @@ namespace Pacinian.Wire
     /// <summary>The emitted levels of one row of a frame, another row each time; empty in silence. Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with them.</summary>
     public sealed class FrameState : IState
     {
-        private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude");
+        private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude", "scene_time", "part", "parts");
         private static readonly byte[][] Tag = Utf8.Of("frame");
 
         /// <summary>Increases with each message.</summary>
@@ -703,10 +719,19 @@ namespace Pacinian.Wire
         /// <summary>Level of each transducer, (N,) little-endian uint16.</summary>
         public Bulk Amplitude;
 
+        /// <summary>Time of the row in the scene, which envelopes and techniques depend on [s]; since protocol 1.1.</summary>
+        public double SceneTime;
+
+        /// <summary>Which frame of a cycle the row is, from 0; since protocol 1.1.</summary>
+        public long Part;
+
+        /// <summary>Number of frames in the cycle, which sound in turn; 0 if it is not known; since protocol 1.1.</summary>
+        public long Parts;
+
         /// <inheritdoc/>
         public void Write(Writer w)
         {
-            w.Map(7);
+            w.Map(10);
             w.Word(Keys[0]);
             w.Word(Tag[0]);
             w.Word(Keys[1]);
@@ -721,13 +746,19 @@ namespace Pacinian.Wire
             w.Binary(Phase);
             w.Word(Keys[6]);
             w.Binary(Amplitude);
+            w.Word(Keys[7]);
+            w.Real(SceneTime);
+            w.Word(Keys[8]);
+            w.Whole(Part);
+            w.Word(Keys[9]);
+            w.Whole(Parts);
         }
 
         /// <inheritdoc/>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
-            ulong missing = 0x7F;
+            ulong missing = 0x3FF;
             if (!r.Map(out count))
             {
                 return false;
@@ -745,6 +776,10 @@ namespace Pacinian.Wire
             {
                 return r.Missing(Keys, missing & 0x7F);
             }
+            if (missing != 0)
+            {
+                Default(missing);
+            }
             return true;
         }
 
@@ -759,7 +794,26 @@ namespace Pacinian.Wire
                 case 4: return r.Whole(ref Amplitudes);
                 case 5: return r.Binary(ref Phase, 0, int.MaxValue);
                 case 6: return r.Binary(ref Amplitude, 0, int.MaxValue);
+                case 7: return r.Real(ref SceneTime);
+                case 8: return r.Whole(ref Part);
+                case 9: return r.Whole(ref Parts);
                 default: return key == Reader.Other && r.Skip();
+            }
+        }
+
+        private void Default(ulong missing)
+        {
+            if ((missing & 0x80) != 0)
+            {
+                SceneTime = 0.0;
+            }
+            if ((missing & 0x100) != 0)
+            {
+                Part = 0;
+            }
+            if ((missing & 0x200) != 0)
+            {
+                Parts = 0;
             }
         }
     }

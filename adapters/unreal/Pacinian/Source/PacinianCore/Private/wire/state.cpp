@@ -183,6 +183,9 @@ bool State::read(Reader& in, std::uint32_t left) {
     else if (key == "touches")
       seen |= 1ull << 36, good = in.items(touches, {},
           [&](TouchState& item) { return in.part(item); });
+    else if (key == "presentation")
+      seen |= 1ull << 37, good = in.maybe(presentation,
+          [&](Technique& item) { return in.one_of(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -224,11 +227,12 @@ bool State::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 34)) cause.clear();
   if (!(seen & 1ull << 35)) why.clear();
   if (!(seen & 1ull << 36)) touches.clear();
+  if (!(seen & 1ull << 37)) presentation.reset();
   return true;
 }
 
 void State::write(Writer& out) const {
-  out.map(38);
+  out.map(39);
   out.text("type");
   out.text(tag);
   out.field("id", id);
@@ -268,6 +272,7 @@ void State::write(Writer& out) const {
   out.field("cause", cause);
   out.field("why", why);
   out.field("touches", touches);
+  out.field("presentation", presentation);
 }
 
 bool FrameState::read(Reader& in, std::uint32_t left) {
@@ -289,6 +294,12 @@ bool FrameState::read(Reader& in, std::uint32_t left) {
       seen |= 1ull << 4, good = in.get(phase);
     else if (key == "amplitude")
       seen |= 1ull << 5, good = in.get(amplitude);
+    else if (key == "scene_time")
+      seen |= 1ull << 6, good = in.get(scene_time);
+    else if (key == "part")
+      seen |= 1ull << 7, good = in.get(part);
+    else if (key == "parts")
+      seen |= 1ull << 8, good = in.get(parts);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -299,11 +310,14 @@ bool FrameState::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 3)) return in.missing("amplitudes");
   if (!(seen & 1ull << 4)) return in.missing("phase");
   if (!(seen & 1ull << 5)) return in.missing("amplitude");
+  if (!(seen & 1ull << 6)) scene_time = 0.0;
+  if (!(seen & 1ull << 7)) part = 0;
+  if (!(seen & 1ull << 8)) parts = 0;
   return true;
 }
 
 void FrameState::write(Writer& out) const {
-  out.map(7);
+  out.map(10);
   out.text("type");
   out.text(tag);
   out.field("sequence", sequence);
@@ -312,6 +326,9 @@ void FrameState::write(Writer& out) const {
   out.field("amplitudes", amplitudes);
   out.field("phase", phase);
   out.field("amplitude", amplitude);
+  out.field("scene_time", scene_time);
+  out.field("part", part);
+  out.field("parts", parts);
 }
 
 }  // namespace pacinian::wire

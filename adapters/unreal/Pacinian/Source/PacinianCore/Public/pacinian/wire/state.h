@@ -12,6 +12,7 @@
 
 #include "pacinian/api.h"
 #include "pacinian/wire/replies.h"
+#include "pacinian/wire/time.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -153,6 +154,8 @@ struct State {
   /// hands that feel an object, at full envelope, also while an envelope is at 0; since protocol
   /// 1.1
   std::vector<TouchState> touches;
+  /// the technique in use with its parameters; since protocol 1.1
+  std::optional<Technique> presentation;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
@@ -178,6 +181,12 @@ struct FrameState {
   Bytes phase;
   /// level of each transducer, (N,) little-endian uint16
   Bytes amplitude;
+  /// time of the row in the scene, which envelopes and techniques depend on [s]; since protocol 1.1
+  double scene_time = 0.0;
+  /// which frame of a cycle the row is, from 0; since protocol 1.1
+  std::int64_t part = 0;
+  /// number of frames in the cycle, which sound in turn; 0 if it is not known; since protocol 1.1
+  std::int64_t parts = 0;
 
   PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
   PACINIANCORE_API void write(Writer& out) const;
