@@ -11,6 +11,8 @@ PAIRS = {
 
 # What one engine has for itself, and why.
 ONLY_UNITY = {
+    ("HapticServer", "KeepAcrossScenes"): "in Unreal each level has a connection of its own",
+    ("PacinianSettings", "Current"): "in Unreal GetDefault<UPacinianSettings>()",
     ("HapticEffect", "PlayOnEnable"): "in Unreal each component has Auto Activate",
     (
         "HapticEffect",
@@ -40,10 +42,6 @@ ONLY_UNREAL = {
     ): "an actor; in Unity the prefab Haptic Array, and GameObject > Pacinian > Array",
     ("HapticArray", "Server"): "as above",
     ("HapticArray", "View"): "as above",
-    ("HapticServer", "StartServer"): "in Unity a game uses ServerProcess of the core",
-    ("HapticServer", "StopServer"): "as above",
-    ("PacinianSettings", "ServerCommand"): "in Unity of the user: Window > Pacinian > Server",
-    ("PacinianSettings", "ServerArguments"): "as above",
 }
 
 # Enumerations: in Unity, in Unreal.
@@ -98,6 +96,7 @@ WIRE = {
     "HapticEffect.TouchEnded (event)": "State.touches",
     "HapticEffect.EffectName": "Put.objects",
     "HapticEffect.RadiationPressure": "Felt.radiation_pressure",
+    "HapticEffect.RelativeStrength": "Felt.radiation_pressure",
     "HapticEffect.Force": "Felt.force",
     "HapticEffect.Envelope": ["Felt.envelope", "Envelopes"],
     "HapticEffect.Technique": "Felt.technique",
@@ -157,6 +156,7 @@ WIRE = {
     "HapticEnvelope.Seed": "Noise.seed",
     "HapticEnvelope.Preset": "Preset.name",
     "HapticEnvelope.Samples": "Wave.samples",
+    "HapticEnvelope.Curve": "Wave.samples",
     "HapticEnvelope.Rate": "Wave.rate",
     "HapticEnvelope.Loop": "Wave.loop",
     "HapticEnvelope.Mode": "Wave.mode",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import features
+from csharp_names import NAMES
 from features_map import CHOICES, ONLY_UNITY, ONLY_UNREAL, PAIRS, UNUSED, WHOLE, WIRE
 
 if TYPE_CHECKING:
@@ -20,7 +21,10 @@ UNITY = ADAPTERS / "unity" / "Runtime"
 SOURCE = ADAPTERS / "unreal" / "Pacinian" / "Source"
 HEADERS = SOURCE / "Pacinian" / "Public"
 CORE = SOURCE / "PacinianCore" / "Public" / "pacinian"
-UNCOMPARED = {("Options", "Clock")}  # defaults that are functions
+UNCOMPARED = {
+    ("Options", "Clock"),  # defaults that are functions
+    ("HapticEnvelope", "Curve"),  # in Unreal an asset, so none
+}
 GROUPS = "Object", "Shell", "Solid", "Curve", "Envelope", "Technique"
 SOCKETS = "command", "control", "state"
 HEAD = """# Features of the layers for Unity and Unreal
@@ -115,7 +119,8 @@ def uses(model: Model) -> list[Row]:
     for group, kinds in groups.items():
         for kind in kinds:
             named = (
-                rf"new (?:Wire\.)?{kind}\b|Wire\.{kind}\b|Kind\.{kind.removesuffix('s')}s?\b",
+                rf"new (?:Wire\.)?{NAMES.get(kind, kind)}\b|Wire\.{NAMES.get(kind, kind)}\b|"
+                rf"Kind\.{kind.removesuffix('s')}s?\b",
                 rf"wire::{kind}(?:Name)?\b",
             )
             where = [

@@ -12,6 +12,8 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+import psutil
+
 import pacinian as pc
 from pacinian.wire import commands, control
 
@@ -189,6 +191,20 @@ def look(server: Server) -> State:
     """What a server says of itself. Each look is a session of its own, which nothing has to renew."""
     with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as client:
         return client.status()
+
+
+def count_parts(server: Server, name: str = "ball") -> int:
+    """Of how many solids a volume consists. name: how its own name begins; of several the last."""
+    with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as client:
+        objects = client.show().objects
+    shape = next((objects[key].shape for key in reversed(objects) if key.startswith(name)), None)  # type: ignore[union-attr]
+    return 0 if shape is None else len(getattr(shape, "parts", [shape]))
+
+
+def find_server(file: Path) -> list[psutil.Process]:
+    """The processes of the server that has written a connection file."""
+    server = psutil.Process(json.loads(file.read_text(encoding="utf-8"))["pid"])
+    return [server, *server.children(recursive=True)]
 
 
 def sound(game: Game) -> None:

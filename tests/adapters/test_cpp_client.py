@@ -31,7 +31,6 @@ PURE = "client_outbox", "client_dialogue", "client_felt"
 ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
 OTHER = {
     "test_one_that_is_forgotten_says_goodbye",  # C++ forgets nothing
-    "test_one_bad_object_refuses_itself_by_name",  # C++ leaves this check to the server
 }
 
 

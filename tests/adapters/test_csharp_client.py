@@ -14,6 +14,7 @@ from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.state import TouchState
 
 from ..core.client.fake import Fake, state, usual
+from ..waiting import eventually
 from .game import HEAVY, fill
 from .slow import Slow
 
@@ -154,6 +155,16 @@ def test_one_bad_object_refuses_itself_by_name(server: Fake, game: Game) -> None
     assert [list(put.objects) for put in server.of(commands.Put)] == [["good"]]
 
 
+def test_a_call_from_another_thread_does_nothing_and_is_told_once(server: Fake, game: Game) -> None:
+    assert not game.do("elsewhere late 0 0 0.2 5")["done"]
+    assert "another thread" in game.event("refused", "thread")["message"]
+    assert not game.do("elsewhere late 0 0 0.2 5")["done"]
+    assert game.do("put good 0 0 0.2 5")["done"]
+    server.until(lambda: bool(server.of(commands.Put)))
+    assert [list(put.objects) for put in server.of(commands.Put)] == [["good"]]
+    assert len([told for told in game.told if told.get("event") == "refused"]) == 1
+
+
 def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
     server: Fake, start: Callable[..., Game], file: Path
 ) -> None:
@@ -163,7 +174,10 @@ def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
         assert "call Start" in status["why"]
         assert not game.do("put ball 0 0 0.2 5")["done"]
         game.do("start")
-        refused = game.event("refused", "session")
+        # C++ tells it before the start, too
+        refused = eventually(
+            lambda: next((t for t in game.told if t.get("code") == "session"), None)
+        )
         assert "`put` was asked for, but there is no session" in refused["message"]
         game.until(lambda s: s["status"] == "Connected")
         server.stream = lambda: state(cause="pause", why="an envelope is at 0")

@@ -65,6 +65,22 @@ def test_a_wrong_token_until_there_is_a_right_one(
         assert game.status()["problem"] == ""
 
 
+def test_the_content_of_a_connection_file_in_place_of_its_path(
+    server: Fake, tmp_path: Path, start: Start
+) -> None:
+    """As on a headset: the server's process is on another machine, where nobody can look for it."""
+    path = replace(server.connection, pid=2**22 + 1).write(tmp_path / "connection.json")
+    with start(path.read_text(encoding="utf-8")) as game:
+        game.do("start")
+        game.event("connected")
+        game.do("stop")
+        server.until(lambda: bool(server.of(control.Stop)))
+    with start('{"format": "another"}') as game:
+        game.do("start")
+        problem = game.until(lambda s: s["problem"] != "")["problem"]
+        assert problem.startswith("the text of the connection is no connection file")
+
+
 def test_where_nobody_is(tmp_path: Path, start: Start) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +11,7 @@ import pytest
 
 from ..waiting import PATIENCE
 from . import tools, unreal
-from .game import Game
+from .game import Game, find_server
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -60,12 +59,6 @@ def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., 
         with game:
             if game.process.poll() is None:
                 assert game.end() == 0, game.told[-20:]
-
-
-def find_server(file: Path) -> list[psutil.Process]:
-    """The processes of the server that has written a connection file."""
-    server = psutil.Process(json.loads(file.read_text(encoding="utf-8"))["pid"])
-    return [server, *server.children(recursive=True)]
 
 
 def is_ours(game: Game, yes: bool) -> None:

@@ -10,17 +10,20 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import psutil
 import pytest
 
 import pacinian as pc
 from pacinian_lab.server.faults.server import Server
 
-from ..waiting import eventually
+from ..waiting import PATIENCE, eventually
 from . import tools, unity
 from .game import (
     HELD,
     LEASE,
     Game,
+    count_parts,
+    find_server,
     kill,
     sounded_since,
     wait_for_expiry,
@@ -90,6 +93,12 @@ def test_the_packages_own_tests(built: unity.Built) -> None:
     assert said.splitlines()[-1].endswith(" passed, 0 failed")
 
 
+@pytest.mark.parametrize("version", [0, 1], ids=list(unity.VERSIONS))
+def test_components_for_other_packages(built: unity.Built, version: int) -> None:
+    said = tools.run("mono", "--debug", built.runner, "--play", built.packages[version])
+    assert said.splitlines()[-1].endswith(" passed, 0 failed")
+
+
 def test_the_manuals_examples_compile(built: unity.Built, tmp_path: Path) -> None:
     manual = (unity.PACKAGE / "Documentation~" / "index.md").read_text(encoding="utf-8")
     examples = re.findall(r"```csharp\n(.*?)```", manual, re.DOTALL)
@@ -134,6 +143,37 @@ def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
     game.until(lambda s: s["objects"] == 0)
     game.do("ball on")
     sounds(game)
+
+
+def test_a_child_that_gets_a_collider_becomes_part_of_the_ball_while_it_plays(
+    real: Server, game: Game
+) -> None:
+    game.do("again")  # a busy machine may lose its connection
+    eventually(lambda: count_parts(real) == 1)
+    game.do("shelf on")
+    eventually(lambda: count_parts(real) == 2)
+    game.do("shelf off")
+    eventually(lambda: count_parts(real) == 1)
+    assert game.status()["wrong"] == ""
+
+
+def test_a_game_starts_a_server_and_takes_it_along(built: unity.Built, tmp_path: Path) -> None:
+    """It ends with play mode."""
+    file = tmp_path / "connection.json"
+    with Game(["mono", "--debug", built.player, file, "0"]) as game:
+        game.do(f"serve {Path(sys.executable).with_name('pacinian')} --quiet")
+        game.do("play")
+        game.until(lambda s: s["status"] == "Connected" and s["problem"] == "")
+        server = find_server(file)
+        game.do("exit")
+        assert not psutil.wait_procs(server, PATIENCE)[1]
+        game.do("quit")
+        game.do("serve /nowhere/pacinian")
+        game.do("play")
+        status = game.until(lambda s: "/nowhere/pacinian" in s["problem"])
+        assert status["why"] == status["problem"]
+        game.do("quit")
+        assert game.end() == 0
 
 
 def test_frames_make_no_garbage(game: Game) -> None:

@@ -16,7 +16,10 @@ from .unity import PACKAGE
 ROOT = tools.ADAPTERS.parent
 GENERATE = tools.ADAPTERS / "generate" / "main.py"
 BUILT_IN = {"0000000000000000e000000000000000", "0000000000000000f000000000000000"}
-ENGINE = {"Unity.XR.Hands", "UnityEngine.TestRunner", "UnityEditor.TestRunner"}
+ENGINE = {
+    "Ultraleap.Tracking.Core", "Unity.InputSystem", "Unity.XR.Hands", "Unity.XR.Interaction.Toolkit",
+    "UnityEngine.TestRunner", "UnityEditor.TestRunner",
+}  # fmt: skip
 LARGEST = 200_000  # [bytes] of a picture
 LONGEST = 200  # lines of a source
 KEEP = {"LICENSE.md", "README.md", "CHANGELOG.md", "package.json"}

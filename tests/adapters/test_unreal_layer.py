@@ -10,11 +10,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
+from pacinian.wire.time import Wave
 from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually
 from . import tools, unreal
-from .game import HELD, LEASE, Game, kill, look, wait_for_expiry, wait_for_silence, wait_until_free
+from .game import (
+    HELD,
+    LEASE,
+    Game,
+    count_parts,
+    kill,
+    look,
+    wait_for_expiry,
+    wait_for_silence,
+    wait_until_free,
+)
 from .level import MIRROR, PLACE, YAW, array, level, numbers
 
 if TYPE_CHECKING:
@@ -142,6 +153,47 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
     game.do("intensity 1")
     eventually(lambda: look(server).solver == "auto" and look(server).intensity == 1.0)
     assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_colliders_of_what_is_attached_are_part_of_a_volume_while_they_are_there(
+    play: Callable[..., Game], server: Server
+) -> None:
+    game = play("handless", "again")  # a busy machine may lose its connection
+    connected(game)
+    eventually(lambda: count_parts(server) == 1)
+    game.do("shelf 0 0 -5 2")
+    eventually(lambda: count_parts(server) == 2)
+    game.do("shelf 0 0 -5 0")
+    eventually(lambda: count_parts(server) == 1)
+    game.do("share ball 0.5")
+    assert game.until(lambda s: s["relative"] == 0.5)["wrong"] == ""
+    game.do("fade ball")
+    game.do("refresh ball")
+    with pc.Client(server.file) as onlooker:
+
+        def find_wave() -> Wave | None:
+            felt = onlooker.show().objects.get("ball")
+            faded = felt is not None and felt.radiation_pressure == 10.0
+            return felt.envelope if faded and isinstance(felt.envelope, Wave) else None
+
+        wave = eventually(find_wave)
+    samples = np.frombuffer(wave.samples, "<f4")
+    assert len(samples) / wave.rate == pytest.approx(0.5)
+    np.testing.assert_allclose(samples[[0, -1]], [1.0, 0.0], atol=2e-3)  # the pressure: 1 to 0.5
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_a_second_server_component_says_why_it_waits_and_takes_over(
+    play: Callable[..., Game],
+) -> None:
+    game = play("handless")
+    connected(game)
+    game.do("second")
+    told = game.until(lambda s: s["rival"] != "")
+    assert "that of Array is used" in told["rival"]
+    assert told["rival_status"] == "stopped"
+    game.do("first")
+    assert game.until(lambda s: s["rival_status"] == "connected")["rival"] == ""
 
 
 def test_an_open_hand_feels_as_a_tracked_one_does(play: Callable[..., Game]) -> None:

@@ -12,15 +12,24 @@ if TYPE_CHECKING:
 
 PACKAGE = tools.ADAPTERS / "unity"
 STUBS = tools.CSHARP / "stubs"
+SYSTEMS = {  # the sample, with each of Unity's input systems
+    "Sample.dll": ["ENABLE_LEGACY_INPUT_MANAGER"],
+    "SampleInputSystem.dll": ["ENABLE_INPUT_SYSTEM", "PACINIAN_INPUT_SYSTEM"],
+}
+VERSIONS = {  # of other packages
+    "older": [],
+    "newer": ["PACINIAN_XRI_3", "PACINIAN_ULTRALEAP_7"],
+}
 
 
 class Built(NamedTuple):
-    """What was compiled. player: plays a level as it is told. runner: of tests."""
+    """What was compiled. player: plays a level as it is told. runner: of tests. packages: tests with other packages."""
 
     player: Path
     runner: Path
     tests: Path
     editor_tests: Path
+    packages: tuple[Path, ...]
 
 
 def build(folder: Path) -> Built:
@@ -37,16 +46,36 @@ def build(folder: Path) -> Built:
     of_editor = _part(
         folder, ".Editor.Tests", "Tests/Editor", core, engine, layer, editor, editing, runner
     )
-    tools.csharp(
-        folder / "Sample.dll", (PACKAGE / "Samples~").rglob("*.cs"), core, engine, layer,
-        defines=["ENABLE_LEGACY_INPUT_MANAGER"],
-    )  # fmt: skip
+    mouse = tools.csharp(folder / "InputSystem.dll", [STUBS / "Packages/InputSystem.cs"], engine)
+    for name, defines in SYSTEMS.items():
+        tools.csharp(
+            folder / name, (PACKAGE / "Samples~").rglob("*.cs"), core, engine, layer, mouse,
+            defines=defines,
+        )  # fmt: skip
+    packages = tuple(
+        _with_packages(folder / version, defines, core, engine, layer, runner)
+        for version, defines in VERSIONS.items()
+    )
     player = tools.csharp(
         folder / "Player.exe",
         [*(STUBS / "Play").glob("*.cs"), tools.CSHARP / "tests" / "ClientJson.cs"],
         core, engine, layer, editor,
     )  # fmt: skip
-    return Built(player, runner, tests, of_editor)
+    return Built(player, runner, tests, of_editor, packages)
+
+
+def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
+    """Tests of the components for other packages, with these in one of their versions."""
+    made = list(libraries)
+    for stub, part in (("XRInteraction", "XRInteraction"), ("Ultraleap", "Ultraleap")):
+        source = STUBS / "Packages" / f"{stub}.cs"
+        made.append(tools.csharp(folder / f"{stub}.dll", [source], *libraries, defines=defines))
+        sources = (PACKAGE / "Runtime" / part).glob("*.cs")
+        name = folder / f"Pacinian.Haptics.{part}.dll"
+        made.append(tools.csharp(name, sources, *made, defines=defines))
+    source = STUBS / "Packages" / "Tests.cs"
+    name = folder / "Pacinian.Haptics.Tests.dll"  # sees what is internal
+    return tools.csharp(name, [source], *made, defines=defines)
 
 
 def _part(folder: Path, name: str, sources: str, *libraries: Path) -> Path:

@@ -114,6 +114,10 @@ class Game {
     bool done = true;
     if (what == "put") {
       done = client_.put(name, scene::point(n[0], n[1], n[2], n[3]));
+    } else if (what == "elsewhere") {
+      std::thread([&] { done = client_.put(name, scene::point(n[0], n[1], n[2], n[3])); }).join();
+    } else if (what == "ball") {
+      done = client_.put(name, scene::ball(n[0], n[1]));
     } else if (what == "heavy") {
       wire::Object object = scene::rain(static_cast<int>(n[0]));
       done = client_.put(name, std::move(object));

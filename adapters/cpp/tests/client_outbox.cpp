@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/attempts.h"
+#include "client/checking.h"
 #include "client/outbox.h"
 #include "client/timing.h"
 #include "client_check.h"
@@ -24,9 +25,7 @@ namespace wire = pacinian::wire;
 struct Box : Outbox {
   bool flush(double now) {
     Courier courier{sink, session, sequence, writer};
-    const bool all = Outbox::flush(now, courier);
-    refused = courier.refused;
-    return all;
+    return Outbox::flush(now, courier);
   }
   template <class T>
   std::vector<T> sent() const {
@@ -37,7 +36,6 @@ struct Box : Outbox {
   wire::Bytes session = wire::Bytes(16, 1);
   std::int64_t sequence = 0;
   wire::Writer writer;
-  std::vector<pacinian::Refusal> refused;
 };
 
 Stamp at(double time, double ttl = 1.0) { return {time, ttl, true}; }
@@ -133,17 +131,27 @@ void messages_are_small_enough() {
   huge.radiation_pressure = 5.0;
   huge.shape = map;
   box.put("huge", huge, at(0.0));
-  EXPECT(box.flush(0.0) && box.refused.empty());
+  EXPECT(box.flush(0.0) && box.sent<wire::Put>().size() == 4);
 }
 
-void one_wrong_object_does_not_take_others_with_it() {
-  Box box;
-  box.put("good", scene::point(0.0, 0.0, 0.2, 5.0), at(0.0));
-  box.put("far", scene::point(0.0, 0.0, 20.0, 5.0), at(0.0));
-  box.put("nan", scene::point(0.0, NAN, 0.2, 5.0), at(0.0));
-  EXPECT(box.flush(0.0));
-  EXPECT(box.sent<wire::Put>()[0].objects.size() == 1);
-  EXPECT(box.refused.size() == 2 && box.refused[0].path == "$.objects[far].position[2]");
+void what_the_server_would_refuse_is_found() {
+  const auto refused = [](const std::string& name, const wire::Object& object, const std::string& path, const char* says) {
+    pacinian::Refusal why;
+    return pacinian::client::refuse(name, object, why) && why.path == path && why.message.find(says) != std::string::npos;
+  };
+  pacinian::Refusal why;
+  const wire::Object good = scene::point(0.0, 0.0, 0.2, 5.0);
+  EXPECT(!pacinian::client::refuse("good", good, why));
+  EXPECT(!pacinian::client::refuse(std::string(63, 'n') + "\xC3\xA4", good, why));  // 64 characters, 65 bytes
+  EXPECT(refused(std::string(65, 'n'), good, "$.objects[" + std::string(65, 'n') + "]", "1 to 64 characters"));
+  EXPECT(refused("", good, "$.objects[]", "1 to 64 characters"));
+  EXPECT(refused("far", scene::point(0.0, 0.0, 20.0, 5.0), "$.objects[far].position[2]", "10"));
+  EXPECT(refused("nan", scene::point(0.0, NAN, 0.2, 5.0), "$.objects[nan].position[1]", ""));
+  EXPECT(refused("mute", scene::ball(0.03, 0.0), "$.objects[mute]", "a radiation pressure or a force"));
+  wire::Particles large;
+  large.radiation_pressure = 5.0;
+  large.positions.assign(12 * 100'000, 0);
+  EXPECT(refused("large", large, "$.objects[large]", "bytes: keep to"));
 }
 
 void pauses_grow_and_shrink() {
@@ -185,7 +193,7 @@ int main() {
   too_old_is_dropped();
   what_is_newer_goes_over();
   messages_are_small_enough();
-  one_wrong_object_does_not_take_others_with_it();
+  what_the_server_would_refuse_is_found();
   pauses_grow_and_shrink();
   round_trips();
   return check::result();

@@ -20,6 +20,14 @@ inline wire::Point point(double x, double y, double z, double pressure) {
   return made;
 }
 
+/// pressure: 0: none is given.
+inline wire::Volume ball(double radius, double pressure) {
+  wire::Volume made;
+  made.shape = wire::Sphere{radius};
+  if (pressure != 0.0) made.radiation_pressure = pressure;
+  return made;
+}
+
 inline wire::Pose pose(double x, double y, double z) {
   wire::Pose made;
   made.position = {x, y, z};

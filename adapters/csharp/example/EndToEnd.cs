@@ -86,7 +86,7 @@ namespace Pacinian.Example
             _client.Put("ball", new Volume
             {
                 Shape = new Sphere { Radius = 0.03 },
-                Pose = new Pose { Position = new Vec3(0.0, 0.01, Height) },
+                Pose = new HapticPose { Position = new Vec3(0.0, 0.01, Height) },
                 RadiationPressure = 20.0,
             });
             _client.Arm();

@@ -25,7 +25,7 @@ namespace Pacinian.Tests
         private readonly ManualResetEvent _held = new ManualResetEvent(true);
         private readonly AutoResetEvent _stands = new AutoResetEvent(false);
         private bool _ends, _still, _waves;
-        private Touch _moved;
+        private HandTouch _moved;
 
         private ClientDriver(Options options)
         {
@@ -96,6 +96,7 @@ namespace Pacinian.Tests
                 case "start": _client.Start(); break;
                 case "put": done = _client.Put(name, Point(words)); break;
                 case "ball": done = _client.Put(name, Ball(Number(words[2]), Number(words[3]))); break;
+                case "elsewhere": done = Elsewhere(() => _client.Put(name, Point(words))); break;
                 case "heavy": done = _client.Put(name, Rain((int)Number(words[2]))); break;
                 case "move": done = _client.Move(name, To(words)); break;
                 case "remove": done = _client.Remove(name); break;
@@ -141,6 +142,16 @@ namespace Pacinian.Tests
                 "cause", _client.Silence.Cause ?? "", "why", _client.Silence.ToString(),
                 "touched", _moved.Object ?? "", "strength", _moved.Strength, "height", _moved.Position.Z,
                 "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
+        }
+
+        /// <summary>On another thread.</summary>
+        private static bool Elsewhere(Func<bool> call)
+        {
+            bool done = false;
+            Thread thread = new Thread(() => done = call());
+            thread.Start();
+            thread.Join();
+            return done;
         }
 
         private static void Tell(string name, RegionFelt felt)
@@ -201,7 +212,7 @@ namespace Pacinian.Tests
                 "event", what, "code", code, "message", message, "advice", advice, "path", path, "time", _client.Now);
         }
 
-        private void Event(string what, Touch touch)
+        private void Event(string what, HandTouch touch)
         {
             ClientJson.Say("event", what, "object", touch.Object, "hand", touch.Hand, "strength", touch.Strength, "time", _client.Now);
         }

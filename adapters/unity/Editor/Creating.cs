@@ -8,7 +8,12 @@ namespace Pacinian.Haptics.Editing
     /// <summary>GameObject > Pacinian.</summary>
     internal static class Creating
     {
-        private const string Tracker = "Pacinian.Haptics.XRHandProvider, Pacinian.Haptics.XRHands";
+        private static readonly string[] Trackers =
+        {
+            "Pacinian.Haptics.XRHandProvider, Pacinian.Haptics.XRHands",
+            "Pacinian.Haptics.LeapHandProvider, Pacinian.Haptics.Ultraleap",
+        };
+
         private const float Apart = 0.08f, High = 0.215f; // [m] of an open hand's palm: from the array's middle, above it
 
         [MenuItem("GameObject/Pacinian/Array", false, 10)]
@@ -32,17 +37,25 @@ namespace Pacinian.Haptics.Editing
             ball.GetComponent<SphereCollider>().radius = 0.03f;
         }
 
-        /// <summary>Both hands, by XR Hands if it is installed, in the frame of the camera's parent: the XR Origin's offset.</summary>
+        /// <summary>
+        /// Both hands, by XR Hands or Ultraleap's plugin if one is installed. XR Hands: in the frame of the camera's parent, which
+        /// is the XR Origin's offset.
+        /// </summary>
         [MenuItem("GameObject/Pacinian/Hands", false, 13)]
         internal static void Hands(MenuCommand command)
         {
-            Type tracker = Type.GetType(Tracker);
+            Type tracker = null;
+            foreach (string name in Trackers)
+            {
+                tracker = tracker ?? Type.GetType(name);
+            }
             Hands(command, tracker);
             if (tracker == null)
             {
                 Debug.LogWarning(
                     "Pacinian: these hands are open, and stand where they are. For tracked ones install XR Hands "
-                    + "(com.unity.xr.hands) by the Package Manager, then use GameObject > Pacinian > Hands again");
+                    + "(com.unity.xr.hands) or Ultraleap's plugin (com.ultraleap.tracking) by the Package Manager, then use "
+                    + "GameObject > Pacinian > Hands again");
             }
         }
 

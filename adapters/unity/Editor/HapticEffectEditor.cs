@@ -1,10 +1,12 @@
 using System.Globalization;
 using UnityEditor;
+using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>An effect, and what is emitted for it.</summary>
+    /// <summary>Effects, one or several at once, and what is emitted for them.</summary>
     [CustomEditor(typeof(HapticEffect), true)]
+    [CanEditMultipleObjects]
     internal sealed class HapticEffectEditor : Editor
     {
         /// <inheritdoc/>
@@ -16,11 +18,43 @@ namespace Pacinian.Haptics.Editing
         /// <inheritdoc/>
         public override void OnInspectorGUI()
         {
-            HapticEffect effect = (HapticEffect)target;
             serializedObject.Update();
-            DrawPropertiesExcluding(serializedObject, effect.Strength == HapticStrength.Force ? "radiationPressure" : "force");
+            SerializedProperty strength = serializedObject.FindProperty("strength");
+            bool alike = !strength.hasMultipleDifferentValues, force = strength.enumValueIndex == (int)HapticStrength.Force;
+            DrawPropertiesExcluding(serializedObject, "m_Script", !alike ? "" : force ? "radiationPressure" : "force");
+            if (!alike || !force)
+            {
+                Slide(serializedObject.FindProperty("radiationPressure"), PacinianSettings.Current.FullPressure);
+            }
             serializedObject.ApplyModifiedProperties();
-            if (EditorApplication.isPlaying)
+            foreach (Object each in targets)
+            {
+                Tell((HapticEffect)each, targets.Length > 1 ? each.name + ": " : "");
+            }
+        }
+
+        /// <summary>The pressure, from 0 to 1, with pascals beside it.</summary>
+        internal static void Slide(SerializedProperty pressure, float full)
+        {
+            EditorGUI.showMixedValue = pressure.hasMultipleDifferentValues;
+            EditorGUI.BeginChangeCheck();
+            float share = EditorGUILayout.Slider(Label(pressure.floatValue, full), Mathf.Clamp01(pressure.floatValue / full), 0f, 1f);
+            if (EditorGUI.EndChangeCheck())
+            {
+                pressure.floatValue = share * full;
+            }
+            EditorGUI.showMixedValue = false;
+        }
+
+        /// <summary>Such as: Relative strength (8.0 of 20 Pa).</summary>
+        internal static string Label(float pressure, float full)
+        {
+            return string.Format(CultureInfo.InvariantCulture, "Relative strength ({0:F1} of {1:G4} Pa)", pressure, full);
+        }
+
+        private static void Tell(HapticEffect effect, string whose)
+        {
+            if (EditorApplication.isPlaying && whose.Length == 0)
             {
                 EditorGUILayout.LabelField("Known to the server as", effect.WireName);
                 EditorGUILayout.LabelField("Emitted", effect.Emitted.ToString("F1", CultureInfo.InvariantCulture) + " Pa");
@@ -28,7 +62,7 @@ namespace Pacinian.Haptics.Editing
             }
             if (effect.Problem.Length > 0)
             {
-                EditorGUILayout.HelpBox(effect.Problem, MessageType.Warning);
+                EditorGUILayout.HelpBox(whose + effect.Problem, MessageType.Warning);
             }
         }
     }

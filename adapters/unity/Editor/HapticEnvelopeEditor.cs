@@ -1,9 +1,11 @@
 using UnityEditor;
+using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
     /// <summary>Of an envelope only what its kind has.</summary>
     [CustomEditor(typeof(HapticEnvelope))]
+    [CanEditMultipleObjects]
     internal sealed class HapticEnvelopeEditor : Editor
     {
         private static readonly string[][] Fields = // of each EnvelopeKind
@@ -15,6 +17,7 @@ namespace Pacinian.Haptics.Editing
             new[] { "lowFrequency", "highFrequency", "low", "high", "seed" },
             new[] { "preset" },
             new[] { "clip", "samples", "rate", "loop", "mode" },
+            new[] { "curve", "loop" },
         };
 
         /// <inheritdoc/>
@@ -23,15 +26,18 @@ namespace Pacinian.Haptics.Editing
             serializedObject.Update();
             SerializedProperty kind = serializedObject.FindProperty("kind");
             EditorGUILayout.PropertyField(kind);
-            foreach (string field in Fields[kind.enumValueIndex])
+            foreach (string field in kind.hasMultipleDifferentValues ? new string[0] : Fields[kind.enumValueIndex])
             {
                 EditorGUILayout.PropertyField(serializedObject.FindProperty(field));
             }
             serializedObject.ApplyModifiedProperties();
-            HapticEnvelope envelope = (HapticEnvelope)target;
-            if (envelope.Problem.Length > 0)
+            foreach (Object each in targets)
             {
-                EditorGUILayout.HelpBox(envelope.Problem, MessageType.Warning);
+                HapticEnvelope envelope = (HapticEnvelope)each;
+                if (envelope.Problem.Length > 0)
+                {
+                    EditorGUILayout.HelpBox(each.name + ": " + envelope.Problem, MessageType.Warning);
+                }
             }
         }
     }

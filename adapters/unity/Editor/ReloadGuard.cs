@@ -11,6 +11,7 @@ namespace Pacinian.Haptics.Editing
     {
         static ReloadGuard()
         {
+            StartedServer.FindElsewhere = Executable.Find;
             AssemblyReloadEvents.beforeAssemblyReload += HapticServer.ShutDown;
             EditorApplication.quitting += HapticServer.ShutDown;
             EditorApplication.quitting += LocalServer.Stop;

@@ -1,3 +1,4 @@
+using System.Collections.Generic;
 using System.IO;
 using UnityEngine;
 
@@ -15,7 +16,7 @@ namespace Pacinian.Haptics
     {
         private const float Length = 0.57f, Width = 0.46f; // [m] of the gizmo, while no server has told of its array
 
-        private static ArrayOrigin s_current;
+        private static readonly List<ArrayOrigin> All = new List<ArrayOrigin>(); // that are enabled
 
         [SerializeField, Tooltip("Points to touch, from the array's middle, y up [m]: 3 or more. Empty: the array's corners.")]
         private Vector3[] knownPoints = new Vector3[0];
@@ -26,16 +27,16 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Draws the array, as the server tells of it.")]
         private bool drawArray = true;
 
-        /// <summary>The one that is enabled; null if there is none.</summary>
+        /// <summary>The one that is used: the first that is enabled; null if there is none.</summary>
         public static ArrayOrigin Current
         {
-            get { return s_current; }
+            get { return All.Count > 0 ? All[0] : null; }
         }
 
         /// <summary>The array's frame in the world.</summary>
         internal static Rigid InWorld
         {
-            get { return s_current == null ? Rigid.Identity : Frames.Of(s_current.transform); }
+            get { return All.Count == 0 ? Rigid.Identity : Frames.Of(All[0].transform); }
         }
 
         /// <summary>The way from the world to the array's frame.</summary>
@@ -74,16 +75,18 @@ namespace Pacinian.Haptics
 
         internal static void Forget()
         {
-            s_current = null;
+            All.Clear();
         }
 
         private void OnEnable()
         {
-            if (s_current != null)
+            if (All.Count > 0)
             {
-                Debug.LogWarning("Pacinian: there is an Array Origin already; this one is used now", this);
+                Debug.LogWarning(
+                    "Pacinian: the Array Origin of \"" + name + "\" waits, because that of \"" + Current.name + "\" is used: disable one",
+                    this);
             }
-            s_current = this;
+            All.Add(this);
             string problem = "";
             if (loadOnStart && File.Exists(Path) && !LoadCalibration(out problem))
             {
@@ -93,7 +96,7 @@ namespace Pacinian.Haptics
 
         private void OnDisable()
         {
-            s_current = ReferenceEquals(s_current, this) ? null : s_current;
+            All.Remove(this);
         }
 
         private void OnDrawGizmos()

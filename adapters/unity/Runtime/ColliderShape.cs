@@ -5,17 +5,30 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Colliders of one object as a solid, scaled, in the wire's axes.</summary>
+    /// <summary>Colliders of an object and of its children as one solid, scaled, in the object's frame and the wire's axes.</summary>
     internal static class ColliderShape
     {
-        /// <summary>One, or the union of them all; null, and why, if that cannot be.</summary>
-        public static ISolid Of(List<Collider> colliders, Vector3 scale, out string problem)
+        /// <summary>Collects the colliders of an object and of its children. A child that is a volume of its own keeps its own.</summary>
+        public static void Collect(HapticVolume owner, List<Collider> found)
+        {
+            owner.GetComponentsInChildren(found);
+            for (int i = found.Count - 1; i >= 0; i--)
+            {
+                if (IsOfOther(found[i].transform, owner.transform))
+                {
+                    found.RemoveAt(i);
+                }
+            }
+        }
+
+        /// <summary>One, or the union of them all; null, and why, if that cannot be. root: in whose frame.</summary>
+        public static ISolid Of(List<Collider> colliders, Transform root, out string problem)
         {
             Union all = new Union();
             problem = "";
             foreach (Collider collider in colliders)
             {
-                IPiece piece = collider.enabled ? One(collider, scale, out problem) : null;
+                IPiece piece = collider.enabled ? One(collider, root, out problem) : null;
                 if (problem.Length > 0)
                 {
                     return null;
@@ -25,15 +38,87 @@ namespace Pacinian.Haptics
                     all.Parts.Add(piece);
                 }
             }
-            problem = all.Parts.Count == 0 ? "has no collider that is enabled: add a box, sphere, capsule or mesh"
-                : all.Parts.Count > Protocol.MaxParts ? "has more than " + Protocol.MaxParts + " colliders"
+            problem = all.Parts.Count == 0
+                ? "has no collider that is enabled, nor have its children: add a box, sphere, capsule or mesh"
+                : all.Parts.Count > Protocol.MaxParts ? "has more than " + Protocol.MaxParts + " colliders, with those of its children"
                 : "";
             return problem.Length > 0 ? null : all.Parts.Count > 1 ? all : (ISolid)all.Parts[0];
         }
 
-        private static IPiece One(Collider collider, Vector3 scale, out string problem)
+        /// <summary>
+        /// A number that is another when a collider is another: added, removed, switched, resized, moved in its object. It makes no
+        /// garbage, and does not change when the whole object moves.
+        /// </summary>
+        public static long Fingerprint(List<Collider> colliders, Transform root)
+        {
+            long sum = colliders.Count;
+            for (int i = 0; i < colliders.Count; i++)
+            {
+                Collider collider = colliders[i];
+                Mix(ref sum, collider.GetHashCode());
+                Mix(ref sum, collider.enabled ? 1 : 0);
+                MixShape(ref sum, collider);
+                for (Transform at = collider.transform; at != root && at != null; at = at.parent)
+                {
+                    Quaternion turn = at.localRotation;
+                    Mix(ref sum, at.localPosition);
+                    Mix(ref sum, new Vector3(turn.x, turn.y, turn.z));
+                    Mix(ref sum, turn.w.GetHashCode());
+                    Mix(ref sum, at.localScale);
+                }
+            }
+            return sum;
+        }
+
+        private static bool IsOfOther(Transform at, Transform root)
+        {
+            HapticVolume other;
+            return at != root && at != null && (at.TryGetComponent(out other) || IsOfOther(at.parent, root));
+        }
+
+        private static void MixShape(ref long sum, Collider collider)
+        {
+            BoxCollider box = collider as BoxCollider;
+            SphereCollider sphere = collider as SphereCollider;
+            CapsuleCollider capsule = collider as CapsuleCollider;
+            MeshCollider mesh = collider as MeshCollider;
+            if (box != null)
+            {
+                Mix(ref sum, box.size);
+                Mix(ref sum, box.center);
+            }
+            if (sphere != null)
+            {
+                Mix(ref sum, sphere.radius.GetHashCode());
+                Mix(ref sum, sphere.center);
+            }
+            if (capsule != null)
+            {
+                Mix(ref sum, new Vector3(capsule.radius, capsule.height, capsule.direction));
+                Mix(ref sum, capsule.center);
+            }
+            if (mesh != null && mesh.sharedMesh != null)
+            {
+                Mix(ref sum, mesh.sharedMesh.GetHashCode());
+            }
+        }
+
+        private static void Mix(ref long sum, Vector3 value)
+        {
+            Mix(ref sum, value.x.GetHashCode());
+            Mix(ref sum, value.y.GetHashCode());
+            Mix(ref sum, value.z.GetHashCode());
+        }
+
+        private static void Mix(ref long sum, int value)
+        {
+            sum = unchecked(((sum << 7) ^ (sum >> 57)) * 1099511628211L + value);
+        }
+
+        private static IPiece One(Collider collider, Transform root, out string problem)
         {
             problem = "";
+            Vector3 scale = collider.transform.lossyScale;
             Vector3 size = new Vector3(Math.Abs(scale.x), Math.Abs(scale.y), Math.Abs(scale.z));
             BoxCollider box = collider as BoxCollider;
             SphereCollider sphere = collider as SphereCollider;
@@ -41,48 +126,58 @@ namespace Pacinian.Haptics
             MeshCollider mesh = collider as MeshCollider;
             if (box != null)
             {
-                return Placed(new Box { Size = Frames.Of(Vector3.Scale(box.size, size)) }, Vector3.Scale(box.center, scale));
+                return Placed(new Box { Size = Frames.Of(Vector3.Scale(box.size, size)) }, box, box.center, root, Quat.Identity);
             }
             if (sphere != null)
             {
                 double radius = sphere.radius * Math.Max(size.x, Math.Max(size.y, size.z));
-                return Placed(new Sphere { Radius = radius }, Vector3.Scale(sphere.center, scale));
+                return Placed(new Sphere { Radius = radius }, sphere, sphere.center, root, Quat.Identity);
             }
             if (capsule != null)
             {
-                return Capsule(capsule, size, Vector3.Scale(capsule.center, scale));
+                return Capsule(capsule, size, root);
             }
+            HapticMesh made = null;
             problem = mesh == null ? "its " + collider.GetType().Name + " is no box, sphere, capsule or mesh" : "";
-            return mesh == null ? null : MeshShape.Of(mesh.sharedMesh, scale, out problem);
+            if (mesh != null)
+            {
+                made = MeshShape.Of(mesh.sharedMesh, scale, out problem);
+            }
+            return made == null ? null : Placed(made, mesh, Vector3.zero, root, Quat.Identity);
         }
 
         /// <summary>Along Unity's y, which is the wire's z, a capsule is as the wire has it.</summary>
-        private static IPiece Capsule(CapsuleCollider capsule, Vector3 size, Vector3 centre)
+        private static IPiece Capsule(CapsuleCollider capsule, Vector3 size, Transform root)
         {
             int axis = capsule.direction;
             double radius = capsule.radius * Math.Max(size[(axis + 1) % 3], size[(axis + 2) % 3]);
-            double length = capsule.height * size[axis] - 2.0 * radius;
+            double length = capsule.height * size[axis] - 2.0 * radius, half = Math.Sqrt(0.5);
             if (length < 1e-6)
             {
-                return Placed(new Sphere { Radius = radius }, centre);
+                return Placed(new Sphere { Radius = radius }, capsule, capsule.center, root, Quat.Identity);
             }
-            Capsule made = new Capsule { Radius = radius, Length = length };
-            return axis == 1 ? Placed(made, centre) : new Placed { Shape = made, Pose = Turned(centre, axis) };
+            Quat turn = axis == 0 ? new Quat(0.0, half, 0.0, half) : axis == 1 ? Quat.Identity : new Quat(-half, 0.0, 0.0, half);
+            return Placed(new Capsule { Radius = radius, Length = length }, capsule, capsule.center, root, turn);
         }
 
-        private static Wire.Pose Turned(Vector3 centre, int axis)
-        {
-            double half = Math.Sqrt(0.5);
-            Quat turn = axis == 0 ? new Quat(0.0, half, 0.0, half) : new Quat(-half, 0.0, 0.0, half);
-            return new Wire.Pose { Position = Frames.Of(centre), Rotation = turn };
-        }
-
-        private static IPiece Placed<T>(T shape, Vector3 centre)
+        /// <summary>A shape of a collider, turned first, then where the collider has it, in the frame of the root.</summary>
+        private static IPiece Placed<T>(T shape, Collider collider, Vector3 centre, Transform root, Quat turn)
             where T : IPrimitive, IPiece
         {
-            bool there = centre.x == 0f && centre.y == 0f && centre.z == 0f;
-            return there ? (IPiece)shape
-                : new Placed { Shape = shape, Pose = new Wire.Pose { Position = Frames.Of(centre) } };
+            Transform at = collider.transform;
+            Vector3 place = Vector3.Scale(centre, at.lossyScale);
+            if (at != root)
+            {
+                Rigid inside = Frames.Of(root).Inverse * new Rigid(Frames.Of(at.TransformPoint(centre)), Frames.Of(at.rotation));
+                return Place(shape, inside.Position, inside.Rotation * turn);
+            }
+            bool still = place.x == 0f && place.y == 0f && place.z == 0f && turn.W == 1.0;
+            return still ? (IPiece)shape : Place(shape, Frames.Of(place), turn);
+        }
+
+        private static Placed Place(IPrimitive shape, Vec3 position, Quat rotation)
+        {
+            return new Placed { Shape = shape, Pose = new HapticPose { Position = position, Rotation = rotation } };
         }
     }
 }

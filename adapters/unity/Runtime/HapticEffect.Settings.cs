@@ -1,3 +1,5 @@
+using UnityEngine;
+
 namespace Pacinian.Haptics
 {
     /// <summary>What can be set of an effect while it plays.</summary>
@@ -22,6 +24,13 @@ namespace Pacinian.Haptics
         {
             get { return radiationPressure; }
             set { radiationPressure = value; Strength = HapticStrength.RadiationPressure; }
+        }
+
+        /// <summary>The radiation pressure, from 0 to 1: its share of the full one in Project Settings > Pacinian.</summary>
+        public float RelativeStrength
+        {
+            get { return Mathf.Clamp01(radiationPressure / PacinianSettings.Current.FullPressure); }
+            set { RadiationPressure = Mathf.Clamp01(value) * PacinianSettings.Current.FullPressure; }
         }
 
         /// <summary>How hard it presses altogether [N]; setting it makes it the strength.</summary>

@@ -78,6 +78,7 @@ namespace Pacinian.Haptics
         public void Refresh()
         {
             _changed = true;
+            _drawn = false;
         }
 
         /// <summary>The largest radiation pressure that is emitted for it now [Pa], as the server says; 0 if none is.</summary>

@@ -125,7 +125,14 @@ namespace Pacinian.Haptics
             set { rate = value; Changed(); }
         }
 
-        /// <summary>Of Wave: again and again, or once.</summary>
+        /// <summary>Of Curve: strength, 0 to 1, over time [s], from 0 to its last key. Set it again after changing its keys.</summary>
+        public AnimationCurve Curve
+        {
+            get { return curve; }
+            set { curve = value ?? new AnimationCurve(); Changed(); }
+        }
+
+        /// <summary>Of Wave and Curve: again and again, or once.</summary>
         public bool Loop
         {
             get { return loop; }

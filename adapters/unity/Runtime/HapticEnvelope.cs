@@ -27,6 +27,9 @@ namespace Pacinian.Haptics
 
         /// <summary>A recorded wave.</summary>
         Wave,
+
+        /// <summary>As a curve has it, which is drawn by hand.</summary>
+        Curve,
     }
 
     /// <summary>How strong something is over time: an asset that many effects may share.</summary>
@@ -56,6 +59,8 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Again and again, else once.")] private bool loop = true;
         [SerializeField, Tooltip("Whether the pressure follows the wave itself, or how loud it is.")]
         private WaveMode mode = WaveMode.Waveform;
+        [SerializeField, Tooltip("Strength, 0 to 1, over time [s], from 0 to its last key.")]
+        private AnimationCurve curve = AnimationCurve.Linear(0f, 1f, 1f, 0f);
 
         [NonSerialized] private IEnvelope _message;
 
@@ -84,6 +89,7 @@ namespace Pacinian.Haptics
 
         private IEnvelope Made()
         {
+            string problem;
             Problem = "";
             double bottom = Mathf.Clamp01(low), top = Mathf.Clamp01(high), often = Mathf.Clamp(frequency, 0f, 20000f);
             switch (kind)
@@ -100,22 +106,25 @@ namespace Pacinian.Haptics
                     };
                 case EnvelopeKind.Preset: return new Wire.Preset { Name = preset };
                 case EnvelopeKind.Wave:
-                    string problem;
                     Wave wave = clip == null
                         ? AudioWave.Of(samples, Mathf.Clamp(rate, 1f, 1e6f), 1, out problem)
                         : AudioWave.Of(clip, out problem);
                     Problem = problem;
-                    return Played(wave) ?? Steady;
+                    return Played(wave, mode) ?? Steady;
+                case EnvelopeKind.Curve:
+                    Wave drawn = CurveWave.Of(curve, out problem);
+                    Problem = problem;
+                    return Played(drawn, WaveMode.Waveform) ?? Steady;
                 default: return new Constant { Level = Mathf.Clamp01(level) };
             }
         }
 
-        private IEnvelope Played(Wave wave)
+        private IEnvelope Played(Wave wave, WaveMode how)
         {
             if (wave != null)
             {
                 wave.Loop = loop;
-                wave.Mode = mode;
+                wave.Mode = how;
             }
             return wave;
         }

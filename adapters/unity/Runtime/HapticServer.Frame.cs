@@ -17,6 +17,15 @@ namespace Pacinian.Haptics
 
         private void Update()
         {
+            if (!ReferenceEquals(Current, this))
+            {
+                return;
+            }
+            if (_waits)
+            {
+                Begin();
+            }
+            StartedServer.Tick(IsConnected);
             if (Client != null)
             {
                 Client.Tick();

@@ -9,18 +9,41 @@ namespace Pacinian.Haptics
 
         private string _refused = "", _logged = "";
         private int _session;
-        private bool _again;
+        private bool _again, _waits;
 
         private void OnEnable()
         {
-            if (Current is object)
+            All.Add(this);
+            _waits = !ReferenceEquals(Current, this);
+            if (_waits)
             {
-                Debug.LogWarning(
-                    "Pacinian: \"" + Current.name + "\" has a Haptic Server already, so that of \"" + name
-                    + "\" does nothing. Keep one, with DontDestroyOnLoad if scenes are changed", this);
+                Debug.Log("Pacinian: " + Waiting, this);
                 return;
             }
-            Current = this;
+            if (keepAcrossScenes)
+            {
+                DontDestroyOnLoad(transform.root.gameObject);
+            }
+            Begin();
+        }
+
+        /// <summary>Why another one is used.</summary>
+        private string Waiting
+        {
+            get
+            {
+                return "the Haptic Server of \"" + name + "\" waits, because that of \"" + Current.name + "\" is used. "
+                    + "Disable or remove one of them; this one takes over when the other is gone";
+            }
+        }
+
+        private void Begin()
+        {
+            _waits = false;
+            if (startServer)
+            {
+                StartedServer.Start(connectionFile);
+            }
             if (connectOnPlay)
             {
                 Open();
@@ -58,10 +81,7 @@ namespace Pacinian.Haptics
 
         private void Close()
         {
-            if (ReferenceEquals(Current, this))
-            {
-                Current = null;
-            }
+            All.Remove(this);
             Disconnect();
         }
 

@@ -2,10 +2,13 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>How it is to connect and what is to sound, and how it stands.</summary>
+    /// <summary>How it is to connect, and what is to sound.</summary>
     public sealed partial class HapticServer
     {
-        /// <summary>Connection file; "": where a server on this machine writes it. From the next connection on, as all to Lease.</summary>
+        /// <summary>
+        /// Connection file, or its content, which begins with {, as on a headset; "": where a server on this machine writes it. From
+        /// the next connection on, as all to Lease.
+        /// </summary>
         public string ConnectionFile
         {
             get { return connectionFile; }
@@ -31,6 +34,30 @@ namespace Pacinian.Haptics
         {
             get { return lease; }
             set { lease = value; }
+        }
+
+        /// <summary>
+        /// Whether a server is started on this computer, unless one runs: the one in StreamingAssets/pacinian, or the one that the
+        /// project's settings name. It ends with the game. Set while this is used, it starts at once.
+        /// </summary>
+        public bool StartServer
+        {
+            get { return startServer; }
+            set
+            {
+                startServer = value;
+                if (value && ReferenceEquals(Current, this) && !_waits)
+                {
+                    StartedServer.Start(connectionFile);
+                }
+            }
+        }
+
+        /// <summary>Whether its object, with all above and below it, stays when another scene is loaded. Before it is enabled.</summary>
+        public bool KeepAcrossScenes
+        {
+            get { return keepAcrossScenes; }
+            set { keepAcrossScenes = value; }
         }
 
         /// <summary>Whether it connects when it is enabled.</summary>
@@ -80,97 +107,6 @@ namespace Pacinian.Haptics
         {
             get { return backend; }
             set { backend = value ?? ""; }
-        }
-
-        /// <summary>How it stands with the server.</summary>
-        public ClientStatus Status
-        {
-            get { return Client == null ? ClientStatus.Stopped : Client.Status; }
-        }
-
-        /// <summary>Whether there is a session.</summary>
-        public bool IsConnected
-        {
-            get { return Status == ClientStatus.Connected; }
-        }
-
-        /// <summary>Why there is no session and what to do, or what the server last refused; "" if all is well.</summary>
-        public string Problem
-        {
-            get { return IsConnected ? _refused : Client == null ? "" : Client.Problem; }
-        }
-
-        /// <summary>Why nothing can be felt, and what to do, as the nearest object and its distance; "" while something can.</summary>
-        public string Silence
-        {
-            get { return Why.Text; }
-        }
-
-        /// <summary>The same for programs: a cause of docs/wire-messages.md, "not connected" or "not the owner"; "" if it sounds.</summary>
-        public string SilenceCause
-        {
-            get { return Why.Cause; }
-        }
-
-        /// <summary>Whether this game's scene may be felt.</summary>
-        public bool Armed
-        {
-            get { return Client != null && Client.Armed; }
-        }
-
-        /// <summary>Median round trip to the server [s]; 0 before the first.</summary>
-        public double Latency
-        {
-            get { return Client == null ? 0.0 : Client.Latency; }
-        }
-
-        /// <summary>From the game's last frame to silence, as agreed with the server [s]; 0 without a session.</summary>
-        public double GrantedLease
-        {
-            get { return Client == null ? 0.0 : Client.Lease; }
-        }
-
-        /// <summary>What the array does, as the server says.</summary>
-        public HapticOutput Output
-        {
-            get { return Client == null || Client.State == null ? HapticOutput.Unknown : 1 + (HapticOutput)Client.State.Output; }
-        }
-
-        private Silence Why
-        {
-            get
-            {
-                return Client != null ? Client.Silence
-                    : new Silence { Cause = "not connected", Text = "Haptic Server is not connected: call Connect, or enable it" };
-            }
-        }
-
-        /// <summary>Solvers that the server has; none until it has told.</summary>
-        public string[] Solvers
-        {
-            get { return Capabilities == null ? new string[0] : Names(Capabilities.Solvers); }
-        }
-
-        /// <summary>Backends that the server has; none until it has told.</summary>
-        public string[] Backends
-        {
-            get { return Capabilities == null ? new string[0] : Names(Capabilities.Backends); }
-        }
-
-        /// <summary>What the server that is connected can do; null if none has told.</summary>
-        internal static Wire.Abilities Capabilities
-        {
-            get { return Current == null || Current.Client == null ? null : Current.Client.Capabilities; }
-        }
-
-        private static string[] Names(Wire.Items<Wire.Plugin> plugins)
-        {
-            string[] names = new string[plugins.Count];
-            for (int i = 0; i < names.Length; i++)
-            {
-                names[i] = plugins[i].Name;
-            }
-            return names;
         }
     }
 }

@@ -14,7 +14,7 @@ namespace Pacinian.Haptics
         /// <summary>A hand feels an effect no more, as it was told last.</summary>
         public event Action<HapticTouch> TouchEnded;
 
-        private void OnTouchBegan(Touch touch)
+        private void OnTouchBegan(HandTouch touch)
         {
             HapticTouch made;
             if (Find(touch, out made))
@@ -24,7 +24,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        private void OnTouchMoved(Touch touch)
+        private void OnTouchMoved(HandTouch touch)
         {
             HapticTouch made;
             if (TouchMoved != null && Find(touch, out made))
@@ -33,7 +33,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        private void OnTouchEnded(Touch touch)
+        private void OnTouchEnded(HandTouch touch)
         {
             HapticTouch made;
             if (Find(touch, out made))
@@ -44,7 +44,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>False of an object that another program has put, or that is disabled now.</summary>
-        private static bool Find(Touch touch, out HapticTouch made)
+        private static bool Find(HandTouch touch, out HapticTouch made)
         {
             made = new HapticTouch
             {

@@ -1,11 +1,12 @@
 using System;
+using System.Collections.Generic;
 using UnityEngine;
 
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// The connection to `pacinian serve`. One in a scene; all other components find it. It connects by itself, again
-    /// and again, and nothing here waits for the server.
+    /// The connection to `pacinian serve`. All other components find it. It connects by itself, again and again, and nothing
+    /// here waits for the server. The first that is enabled is used; others wait, say so, and one takes over when it goes.
     /// </summary>
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(1000)]
@@ -21,6 +22,8 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Silence if no frame comes for so long [s]; 0: the server's, which is the most.")]
         [Range(0f, 10f)]
         private float lease;
+        [SerializeField, Tooltip("Starts a server on this computer, unless one runs; it ends with the game.")]
+        private bool startServer;
         [SerializeField, Tooltip("Connects when it is enabled; else when Connect is called.")]
         private bool connectOnPlay = true;
         [SerializeField, Tooltip("The first connection makes the scene felt.")]
@@ -29,6 +32,8 @@ namespace Pacinian.Haptics
         private bool armAgainAfterLoss;
         [SerializeField, Tooltip("Arming takes the output from another program.")]
         private bool takeOver;
+        [SerializeField, Tooltip("Its object, with all above and below it, stays when another scene is loaded.")]
+        private bool keepAcrossScenes;
         [SerializeField, Tooltip("Factor on all radiation pressures."), Range(0f, 1f)]
         private float intensity = 1f;
         [SerializeField, Tooltip("Empty: the server's.")]
@@ -36,10 +41,15 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Empty: the server's.")]
         private string backend = "";
 
+        internal static readonly List<HapticServer> All = new List<HapticServer>();
+
         private bool _wanted;
 
-        /// <summary>The one that is enabled; null if there is none.</summary>
-        public static HapticServer Current { get; private set; }
+        /// <summary>The one that is used: the first that is enabled; null if there is none.</summary>
+        public static HapticServer Current
+        {
+            get { return All.Count > 0 ? All[0] : null; }
+        }
 
         /// <summary>There is a session. Objects are put by themselves.</summary>
         public event Action Connected;
@@ -115,13 +125,20 @@ namespace Pacinian.Haptics
             return Client != null && Client.Reset();
         }
 
-        /// <summary>Ends the connection of whatever instance has one: silence. It waits for half a second at most.</summary>
+        /// <summary>Ends the server that this program has started, if it has: silence. It waits for five seconds at most.</summary>
+        public static void StopServer()
+        {
+            StartedServer.Stop();
+        }
+
+        /// <summary>Ends the connection of whatever instance has one, and the server that was started: silence.</summary>
         internal static void ShutDown()
         {
-            if (Current is object)
+            while (All.Count > 0)
             {
-                Current.Close();
+                All[All.Count - 1].Close();
             }
+            StartedServer.Stop();
         }
 
         internal Options Choices()

@@ -23,7 +23,7 @@ namespace Pacinian.Haptics
         [SerializeField]
         private HapticSurfaceShape shape = HapticSurfaceShape.Mesh;
         [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
-        private UnityEngine.Mesh mesh;
+        private Mesh mesh;
         [SerializeField, Tooltip("Of a rectangle, along x and z [m].")]
         private Vector2 size = new Vector2(0.1f, 0.1f);
         [SerializeField, Range(0.0001f, 1f), Tooltip("Of a disc [m].")]
@@ -31,6 +31,7 @@ namespace Pacinian.Haptics
         [SerializeField, Range(0.0001f, 1f), Tooltip("How far below it a hand still feels it [m].")]
         private float thickness = 0.02f;
 
+        private Mesh _mesh;
         private Vector3 _scale;
 
         /// <summary>What it is.</summary>
@@ -41,7 +42,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Of shape Mesh; null: that of the MeshFilter beside it.</summary>
-        public UnityEngine.Mesh Mesh
+        public Mesh Mesh
         {
             get { return mesh; }
             set { mesh = value; Refresh(); }
@@ -82,7 +83,10 @@ namespace Pacinian.Haptics
                 case HapticSurfaceShape.Disc:
                     made = new Disc { Radius = radius * Mathf.Max(Mathf.Abs(_scale.x), Mathf.Abs(_scale.z)) };
                     break;
-                default: made = MeshShape.Of(MeshShape.Near(this, mesh), _scale, out problem); break;
+                default:
+                    _mesh = MeshShape.Near(this, mesh);
+                    made = MeshShape.Of(_mesh, _scale, out problem);
+                    break;
             }
             return made == null ? null : new Surface { Shape = made, Thickness = thickness };
         }
@@ -90,7 +94,7 @@ namespace Pacinian.Haptics
         /// <inheritdoc/>
         protected override void Place(Felt felt, Rigid pose)
         {
-            Wire.Pose made = ((Surface)felt).Pose;
+            HapticPose made = ((Surface)felt).Pose;
             made.Position = pose.Position;
             made.Rotation = pose.Rotation;
         }
@@ -98,7 +102,7 @@ namespace Pacinian.Haptics
         /// <inheritdoc/>
         protected override bool Reshaped()
         {
-            return transform.lossyScale != _scale;
+            return transform.lossyScale != _scale || (shape == HapticSurfaceShape.Mesh && MeshShape.Near(this, mesh) != _mesh);
         }
     }
 }

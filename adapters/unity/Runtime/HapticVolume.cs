@@ -7,7 +7,7 @@ namespace Pacinian.Haptics
     /// <summary>What a haptic volume is.</summary>
     public enum HapticVolumeShape
     {
-        /// <summary>This object's colliders: boxes, spheres, capsules and closed meshes.</summary>
+        /// <summary>Colliders of this object and its children: boxes, spheres, capsules and closed meshes.</summary>
         Colliders,
 
         /// <summary>A closed mesh.</summary>
@@ -31,14 +31,16 @@ namespace Pacinian.Haptics
         [SerializeField]
         private HapticVolumeShape shape = HapticVolumeShape.Colliders;
         [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
-        private UnityEngine.Mesh mesh;
+        private Mesh mesh;
         [SerializeField, Range(0.0001f, 1f), Tooltip("How far inside a hand still feels it [m].")]
         private float thickness = 0.02f;
         [SerializeField]
         private HapticFelt felt = HapticFelt.Shell;
 
         private readonly List<Collider> _colliders = new List<Collider>();
+        private Mesh _mesh;
         private Vector3 _scale;
+        private long _fingerprint; // of the colliders that were put
 
         /// <summary>What it is.</summary>
         public HapticVolumeShape Shape
@@ -48,7 +50,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Of shape Mesh, closed; null: that of the MeshFilter beside it.</summary>
-        public UnityEngine.Mesh Mesh
+        public Mesh Mesh
         {
             get { return mesh; }
             set { mesh = value; Refresh(); }
@@ -73,16 +75,24 @@ namespace Pacinian.Haptics
         {
             _scale = transform.lossyScale;
             VolumeFelt where = felt == HapticFelt.Interior ? VolumeFelt.Interior : VolumeFelt.Shell;
-            ISolid made = shape == HapticVolumeShape.Mesh
-                ? MeshShape.Of(MeshShape.Near(this, mesh), _scale, out problem)
-                : Collided(out problem);
+            ISolid made;
+            if (shape == HapticVolumeShape.Mesh)
+            {
+                _mesh = MeshShape.Near(this, mesh);
+                made = MeshShape.Of(_mesh, _scale, out problem);
+            }
+            else
+            {
+                _fingerprint = Fingerprint();
+                made = ColliderShape.Of(_colliders, transform, out problem);
+            }
             return made == null ? null : new Volume { Shape = made, Thickness = thickness, Felt = where };
         }
 
         /// <inheritdoc/>
         protected override void Place(Wire.Felt felt, Rigid pose)
         {
-            Wire.Pose made = ((Volume)felt).Pose;
+            HapticPose made = ((Volume)felt).Pose;
             made.Position = pose.Position;
             made.Rotation = pose.Rotation;
         }
@@ -90,13 +100,14 @@ namespace Pacinian.Haptics
         /// <inheritdoc/>
         protected override bool Reshaped()
         {
-            return transform.lossyScale != _scale;
+            return transform.lossyScale != _scale
+                || (shape == HapticVolumeShape.Mesh ? MeshShape.Near(this, mesh) != _mesh : Fingerprint() != _fingerprint);
         }
 
-        private ISolid Collided(out string problem)
+        private long Fingerprint()
         {
-            GetComponents(_colliders);
-            return ColliderShape.Of(_colliders, _scale, out problem);
+            ColliderShape.Collect(this, _colliders);
+            return ColliderShape.Fingerprint(_colliders, transform);
         }
     }
 }

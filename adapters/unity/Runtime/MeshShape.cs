@@ -10,7 +10,7 @@ namespace Pacinian.Haptics
         /// The triangles of a mesh, scaled, in the wire's axes. Vertices at one place become one: Unity parts them at
         /// seams of texture and at edges, where a volume has to be closed. Null, and why, if that cannot be.
         /// </summary>
-        public static Wire.Mesh Of(Mesh mesh, Vector3 scale, out string problem)
+        public static Wire.HapticMesh Of(Mesh mesh, Vector3 scale, out string problem)
         {
             problem = mesh == null ? "has no mesh"
                 : !mesh.isReadable ? "its mesh cannot be read: switch on Read/Write in its import settings"
@@ -19,7 +19,7 @@ namespace Pacinian.Haptics
             {
                 return null;
             }
-            Wire.Mesh made = new Wire.Mesh();
+            Wire.HapticMesh made = new Wire.HapticMesh();
             int[] index = Weld(mesh.vertices, scale, made);
             bool mirrored = scale.x * scale.y * scale.z < 0f;
             int faces = Faces(mesh.triangles, index, mirrored, made);
@@ -36,7 +36,7 @@ namespace Pacinian.Haptics
             return filter == null ? given : filter.sharedMesh;
         }
 
-        private static int[] Weld(Vector3[] vertices, Vector3 scale, Wire.Mesh made)
+        private static int[] Weld(Vector3[] vertices, Vector3 scale, Wire.HapticMesh made)
         {
             Dictionary<Vector3, int> known = new Dictionary<Vector3, int>();
             int[] index = new int[vertices.Length];
@@ -54,7 +54,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Unity sees a face clockwise from its front, the wire counter-clockwise; a mirror turns that round.</summary>
-        private static int Faces(int[] triangles, int[] index, bool mirrored, Wire.Mesh made)
+        private static int Faces(int[] triangles, int[] index, bool mirrored, Wire.HapticMesh made)
         {
             int faces = 0;
             for (int i = 0; i + 2 < triangles.Length; i += 3)

@@ -9,6 +9,7 @@ namespace Pacinian.Haptics
         internal static void Reset()
         {
             HapticServer.ShutDown();
+            PacinianSettings.Forget();
             HapticEffect.All.Clear();
             HapticHand.All.Clear();
             QuietZone.All.Clear();

@@ -7,6 +7,22 @@
 class UDataAsset : public UObject {
   STUB_BODY(UDataAsset, UObject)
 };
+/// Straight from key to key.
+class UCurveFloat : public UObject {
+  STUB_BODY(UCurveFloat, UObject)
+  float GetFloatValue(float Time) const {
+    const auto Next = Keys.upper_bound(Time);
+    if (Next == Keys.begin() || Next == Keys.end()) return Next == Keys.begin() ? Next->second : Keys.rbegin()->second;
+    const auto Before = std::prev(Next);
+    const float Share = (Time - Before->first) / (Next->first - Before->first);
+    return Before->second + Share * (Next->second - Before->second);
+  }
+  void GetTimeRange(float& First, float& Last) const {
+    First = Keys.empty() ? 0.0F : Keys.begin()->first;
+    Last = Keys.empty() ? 0.0F : Keys.rbegin()->first;
+  }
+  std::map<float, float> Keys;
+};
 class UDeveloperSettings : public UObject {
   STUB_BODY(UDeveloperSettings, UObject)
   virtual FName GetCategoryName() const { return {}; }

@@ -7,6 +7,7 @@
 #include "text.h"
 
 struct FMath {
+  static int32 RoundToInt32(double Value) { return static_cast<int32>(std::lround(Value)); }
   template <class T>
   static T Clamp(T Value, T Low, T High) {
     return Value < Low ? Low : Value < High ? Value : High;

@@ -13,6 +13,7 @@
 
 using int32 = std::int32_t;
 using uint32 = std::uint32_t;
+using uint64 = std::uint64_t;
 using uint8 = std::uint8_t;
 using TCHAR = char16_t;
 

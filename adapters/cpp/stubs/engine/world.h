@@ -37,7 +37,12 @@ class UActorComponent : public UObject {
 class USceneComponent : public UActorComponent {
   STUB_BODY(USceneComponent, UActorComponent)
   USceneComponent* GetAttachParent() const { return above_; }
-  void SetupAttachment(USceneComponent* To) { above_ = To; }
+  const TArray<TObjectPtr<USceneComponent>>& GetAttachChildren() const { return below_; }
+  void SetupAttachment(USceneComponent* To) {
+    above_ = To;
+    To->below_.Add(this);
+  }
+  const FTransform& GetRelativeTransform() const { return relative_; }
   FTransform GetComponentTransform() const { return above_ ? relative_ * above_->GetComponentTransform() : relative_; }
   FVector GetComponentLocation() const { return GetComponentTransform().GetLocation(); }
   FVector GetComponentScale() const { return GetComponentTransform().GetScale3D(); }
@@ -50,6 +55,7 @@ class USceneComponent : public UActorComponent {
 
  private:
   USceneComponent* above_ = nullptr;
+  TArray<TObjectPtr<USceneComponent>> below_;
   FTransform relative_;
 };
 

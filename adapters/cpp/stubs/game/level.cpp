@@ -1,9 +1,12 @@
 #include "level.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <sstream>
 
 #include "ArrayOriginComponent.h"
+#include "Curves/CurveFloat.h"
 #include "Engine/StaticMesh.h"
 #include "HapticEnvelope.h"
 #include "Misc/Paths.h"
@@ -59,7 +62,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   server->bArmAgainAfterLoss = has("again");
   if (has("short")) server->Lease = 0.25F;
   server->OnConnected.Add([] { tell(R"({"event": "connected", "code": ""})"); });
-  server->OnLost.Add([](const FString&) { tell(R"({"event": "lost", "code": ""})"); });
+  server->OnLost.Add([](const FString& why) { tell(R"({"event": "lost", "code": )" + quoted(why) + "}"); });
   server->OnEnded.Add([](const FString& code, const FString&) {
     tell(R"({"event": "ended", "code": )" + quoted(code) + "}");
   });
@@ -130,6 +133,9 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "lost") rest.Reset(), hand->SetLost();
   if (what == "handless") rest.Reset(), world->destroy(player), player = nullptr, hand = nullptr, quiet = nullptr;
   if (what == "sway") from >> sway;
+  if (what == "shelf") shelf(from);
+  if (what == "second") second();
+  if (what == "first") server->EndPlay(EEndPlayReason::Destroyed);
   effect(what, from);
   tell(R"({"did": ")" + what + "\"}");
 }
@@ -187,17 +193,24 @@ void Level::effect(const std::string& what, std::istream& from) {
   if (what == "rectangle") plate->Shape = EHapticSurface::Rectangle;
   if (what == "disc") plate->Shape = EHapticSurface::Disc;
   if (what == "mesh") plate->Mesh = volume->Mesh = NewObject<UStaticMesh>(things), surface(from);
-  if (what != "play" && what != "silence" && what != "press" && what != "duration" && what != "tremble" && what != "refresh") return;
+  const auto is = [&](std::initializer_list<const char*> words) { return std::any_of(words.begin(), words.end(), [&](const char* each) { return what == each; }); };
+  if (!is({"play", "silence", "press", "share", "duration", "tremble", "fade", "refresh"})) return;
   from >> name;
   UHapticEffectComponent* found = named(name);
   if (what == "play") found->Play();
   if (what == "silence") found->Stop();
   if (what == "refresh") found->Refresh();
   if (what == "press") found->SetRadiationPressure(static_cast<float>(vector(from).X));
+  if (what == "share") found->SetRelativeStrength(static_cast<float>(vector(from).X));
   if (what == "duration") from >> found->Duration;
-  if (what != "tremble") return;
+  if (what != "tremble" && what != "fade") return;
   auto* envelope = NewObject<UHapticEnvelope>(things);
-  from >> envelope->Frequency;
+  if (what == "tremble") from >> envelope->Frequency;
+  if (what == "fade") {
+    envelope->Kind = EHapticEnvelope::Curve;
+    envelope->Curve = NewObject<UCurveFloat>(things);
+    envelope->Curve->Keys = {{0.0F, 1.0F}, {0.5F, 0.5F}};
+  }
   found->SetEnvelope(envelope);
 }
 
@@ -223,6 +236,27 @@ void Level::surface(std::istream& from) {
   plate->Mesh = volume->Mesh;
   volume->Shape = EHapticVolume::Mesh;
   volume->Refresh();
+}
+
+/// A box below the ball's sphere, as part of it: its place [cm] and side [cm]; a side of 0 takes it away.
+void Level::shelf(std::istream& from) {
+  if (!box) {
+    box = things->CreateDefaultSubobject<UPrimitiveComponent>(TEXT("Box"));
+    box->SetupAttachment(ball);
+  }
+  box->SetRelativeTransform(FTransform(FQuat(), vector(from)));
+  float side = 0.0F;
+  from >> side;
+  box->Body.AggGeom.BoxElems.Reset();
+  if (side > 0.0F) box->Body.AggGeom.BoxElems.Add({FVector::ZeroVector, FRotator::ZeroRotator, side, side, side});
+}
+
+/// Another server component, which has to wait.
+void Level::second() {
+  AActor* actor = world->spawn<AActor>(TEXT("Rival"));
+  rival = actor->CreateDefaultSubobject<UHapticServerComponent>(TEXT("Server"));
+  rival->ConnectionFile = server->ConnectionFile;
+  world->begin(actor);
 }
 
 /// The array is moved to where its corners, as the server says, were touched: there is a place and yaw.
@@ -258,6 +292,8 @@ void Level::status() {
        << R"(, "emitted": )" << volume->GetEmitted() << R"(, "wrong": )" << quoted(volume->GetProblem())
        << R"(, "force": )" << volume->GetRegionFelt().Force << R"(, "pointed": )" << (point->GetRegionFelt().bKnown ? "true" : "false")
        << R"(, "faulty": )" << quoted(point->GetProblem())
+       << R"(, "rival": )" << quoted(rival ? rival->GetProblem() : FString()) << R"(, "rival_status": ")"
+       << (rival ? states[int(rival->GetStatus())] : "") << R"(", "relative": )" << volume->GetRelativeStrength()
        << R"(, "silence": )" << quoted(server->GetSilence()) << R"(, "cause": )" << quoted(server->GetSilenceCause())
        << R"(, "touched": )" << quoted(felt.Effect) << R"(, "height": )" << felt.Position.Z
        << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")

@@ -35,6 +35,8 @@ class Level {
   void effect(const std::string& word, std::istream& rest);
   void surface(std::istream& rest);
   void align(std::istream& rest);
+  void shelf(std::istream& rest);
+  void second();
   void status();
 
   UHapticEffectComponent* named(const std::string& name);
@@ -44,7 +46,9 @@ class Level {
   AActor* things = nullptr;
   AActor* player = nullptr;
   UHapticServerComponent* server = nullptr;
+  UHapticServerComponent* rival = nullptr;
   UPrimitiveComponent* ball = nullptr;
+  UPrimitiveComponent* box = nullptr;
   UHapticVolumeComponent* volume = nullptr;
   UHapticPointComponent* point = nullptr;
   UHapticSurfaceComponent* plate = nullptr;

@@ -1,5 +1,6 @@
 using System;
 using System.Collections.Concurrent;
+using System.Collections.Generic;
 using System.Globalization;
 using System.Reflection;
 using System.Threading;
@@ -26,6 +27,8 @@ namespace Pacinian.Tests
         private int _began, _moved, _left, _heard;
         private HapticTouch _touch;
         private HapticStatus _screen;
+        private GameObject _shelf;
+        private bool _serves;
 
         private Player(string file, float lease)
         {
@@ -107,6 +110,8 @@ namespace Pacinian.Tests
                 case "intensity": _level.Server.Intensity = Number(name); break;
                 case "wave": _waves = name == "on"; break;
                 case "ball": _level.Ball.enabled = name == "on"; break;
+                case "shelf": Shelf(name == "on"); break;
+                case "serve": Serve(words); break;
                 case "point": _level.Point.Play(); break;
                 case "both": _level.Point.Play(); _level.Ball.RadiationPressure = Number(name); break;
                 case "strength": _level.Ball.RadiationPressure = Number(name); break;
@@ -124,6 +129,28 @@ namespace Pacinian.Tests
             ClientJson.Say("did", words[0], "done", done);
         }
 
+        /// <summary>A box below the ball, as part of it.</summary>
+        private void Shelf(bool there)
+        {
+            _shelf = _shelf ?? new GameObject("shelf", typeof(BoxCollider));
+            if (_shelf.transform.parent == null)
+            {
+                _shelf.transform.SetParent(_level.Ball.transform, false);
+            }
+            _shelf.transform.localPosition = new Vector3(0f, -1f, 0f);
+            _shelf.SetActive(there);
+        }
+
+        /// <summary>The next level starts a server: its program, and more words for it.</summary>
+        private void Serve(string[] words)
+        {
+            _serves = true;
+            PacinianSettings settings = ScriptableObject.CreateInstance<PacinianSettings>();
+            settings.ServerCommand = words[1];
+            settings.ServerArguments = new List<string>(words).GetRange(2, words.Length - 2).ToArray();
+            Resources.Assets["PacinianSettings"] = settings;
+        }
+
         /// <summary>The game's thread stands still until it is told something.</summary>
         private void Freeze()
         {
@@ -137,6 +164,7 @@ namespace Pacinian.Tests
         {
             Engine.Play(typeof(HapticServer).Assembly);
             _level = new Level(_file, _lease);
+            _level.Server.StartServer = _serves;
             _level.Server.Connected += () => Event("connected", "");
             _level.Server.Lost += why => Event("lost", why);
             _level.Server.Ended += why => Event("ended", why.Code);

@@ -156,8 +156,59 @@ namespace UnityEditor
         }
     }
 
+    public enum SettingsScope
+    {
+        User,
+        Project,
+    }
+
+    [AttributeUsage(AttributeTargets.Method)]
+    public sealed class SettingsProviderAttribute : Attribute
+    {
+    }
+
+    public class SettingsProvider
+    {
+        public SettingsProvider(string path, SettingsScope scope, IEnumerable<string> keywords = null)
+        {
+            settingsPath = path;
+        }
+
+        public string settingsPath { get; private set; }
+
+        public string label { get; set; }
+
+        public IEnumerable<string> keywords { get; set; }
+
+        public Action<string> guiHandler { get; set; }
+    }
+
     public static class AssetDatabase
     {
+        /// <summary>Where assets are. Not in Unity.</summary>
+        public static readonly Dictionary<string, UnityEngine.Object> Assets = new Dictionary<string, UnityEngine.Object>();
+
+        public static bool Contains(UnityEngine.Object thing)
+        {
+            return Assets.ContainsValue(thing);
+        }
+
+        public static bool IsValidFolder(string path)
+        {
+            return Assets.ContainsKey(path);
+        }
+
+        public static string CreateFolder(string parent, string name)
+        {
+            Assets[parent + "/" + name] = new UnityEngine.Object();
+            return "";
+        }
+
+        public static void CreateAsset(UnityEngine.Object thing, string path)
+        {
+            Assets[path] = thing;
+        }
+
         public static void Refresh()
         {
         }

@@ -12,6 +12,11 @@ namespace UnityEditor
     }
 
     [AttributeUsage(AttributeTargets.Class)]
+    public sealed class CanEditMultipleObjects : Attribute
+    {
+    }
+
+    [AttributeUsage(AttributeTargets.Class)]
     public sealed class CustomPropertyDrawer : Attribute
     {
         public CustomPropertyDrawer(Type type)
@@ -22,6 +27,11 @@ namespace UnityEditor
     public class Editor : ScriptableObject
     {
         public UnityEngine.Object target { get; set; }
+
+        public UnityEngine.Object[] targets
+        {
+            get { return new[] { target }; }
+        }
 
         public SerializedObject serializedObject { get; set; }
 
@@ -58,6 +68,13 @@ namespace UnityEditor
 
     public sealed class SerializedObject
     {
+        public SerializedObject(UnityEngine.Object thing)
+        {
+            targetObject = thing;
+        }
+
+        public UnityEngine.Object targetObject { get; private set; }
+
         public void Update()
         {
         }
@@ -76,6 +93,10 @@ namespace UnityEditor
     public sealed class SerializedProperty
     {
         public string stringValue { get; set; } = "";
+
+        public float floatValue { get; set; }
+
+        public bool hasMultipleDifferentValues { get; set; }
 
         public int enumValueIndex { get; set; }
 
@@ -108,6 +129,15 @@ namespace UnityEditor
         public static bool PropertyField(SerializedProperty property)
         {
             return false;
+        }
+
+        /// <summary>To where a slider is moved; null: it is not. Not in Unity.</summary>
+        public static float? Slid { get; set; }
+
+        public static float Slider(string label, float value, float low, float high)
+        {
+            EditorGUI.Changed = Slid != null;
+            return Slid ?? value;
         }
 
         public static int Popup(string label, int index, string[] names)
@@ -148,6 +178,20 @@ namespace UnityEditor
 
     public static class EditorGUI
     {
+        public static bool showMixedValue { get; set; }
+
+        internal static bool Changed { get; set; }
+
+        public static void BeginChangeCheck()
+        {
+            Changed = false;
+        }
+
+        public static bool EndChangeCheck()
+        {
+            return Changed;
+        }
+
         public static bool PropertyField(Rect place, SerializedProperty property)
         {
             return false;

@@ -14,6 +14,11 @@ namespace UnityEngine.Events
             _calls += call;
         }
 
+        public void RemoveListener(UnityAction<T> call)
+        {
+            _calls -= call;
+        }
+
         public void Invoke(T argument)
         {
             _calls?.Invoke(argument);

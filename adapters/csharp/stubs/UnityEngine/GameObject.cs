@@ -87,12 +87,24 @@ namespace UnityEngine
         public T[] GetComponentsInChildren<T>()
         {
             List<T> found = new List<T>();
-            GetComponents(found);
-            foreach (Transform child in transform.Children)
-            {
-                found.AddRange(child.gameObject.GetComponentsInChildren<T>());
-            }
+            AddComponentsInChildren(found);
             return found.ToArray();
+        }
+
+        /// <summary>Not those of objects that are inactive.</summary>
+        internal void AddComponentsInChildren<T>(List<T> results)
+        {
+            for (int i = 0; i < _components.Count && _active; i++)
+            {
+                if (_components[i] is T)
+                {
+                    results.Add((T)(object)_components[i]);
+                }
+            }
+            for (int i = 0; i < transform.Children.Count && _active; i++)
+            {
+                transform.Children[i].gameObject.AddComponentsInChildren(results);
+            }
         }
 
         internal void Remove(Component component)

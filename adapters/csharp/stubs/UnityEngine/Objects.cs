@@ -20,6 +20,14 @@ namespace UnityEngine
             return !(a == b);
         }
 
+        /// <summary>What is kept when another scene is loaded. Not in Unity.</summary>
+        public static readonly List<Object> Kept = new List<Object>();
+
+        public static void DontDestroyOnLoad(Object thing)
+        {
+            Kept.Add(thing);
+        }
+
         public static void DestroyImmediate(Object thing)
         {
             Component component = thing as Component;
@@ -77,6 +85,18 @@ namespace UnityEngine
         public void GetComponents<T>(List<T> results)
         {
             gameObject.GetComponents(results);
+        }
+
+        public bool TryGetComponent<T>(out T component)
+        {
+            component = GetComponent<T>();
+            return component != null;
+        }
+
+        public void GetComponentsInChildren<T>(List<T> results)
+        {
+            results.Clear();
+            gameObject.AddComponentsInChildren(results);
         }
     }
 

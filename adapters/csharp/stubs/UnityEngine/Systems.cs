@@ -26,6 +26,21 @@ namespace UnityEngine
         public static string persistentDataPath { get; set; } = ".";
 
         public static string dataPath { get; set; } = ".";
+
+        public static string streamingAssetsPath { get; set; } = "StreamingAssets";
+    }
+
+    public static class Resources
+    {
+        /// <summary>What is in folders Resources, by its name. Not in Unity.</summary>
+        public static readonly Dictionary<string, Object> Assets = new Dictionary<string, Object>();
+
+        public static T Load<T>(string path)
+            where T : Object
+        {
+            Object found;
+            return Assets.TryGetValue(path, out found) ? (T)found : null;
+        }
     }
 
     public static class Debug
@@ -49,9 +64,12 @@ namespace UnityEngine
         /// <summary>Where spheres were drawn. Not in Unity.</summary>
         public static readonly List<Vector3> Spheres = new List<Vector3>();
 
+        /// <summary>What was drawn of lines: of spheres, the middle and a point above it; of boxes, two corners. Not in Unity.</summary>
+        public static readonly List<Vector3> Lines = new List<Vector3>();
+
         public static Color color { get; set; }
 
-        public static Matrix4x4 matrix { get; set; }
+        public static Matrix4x4 matrix { get; set; } = Matrix4x4.identity;
 
         public static void DrawSphere(Vector3 centre, float radius)
         {
@@ -60,14 +78,18 @@ namespace UnityEngine
 
         public static void DrawWireSphere(Vector3 centre, float radius)
         {
+            DrawLine(centre, centre + radius * Vector3.up);
         }
 
         public static void DrawWireCube(Vector3 centre, Vector3 size)
         {
+            DrawLine(centre - 0.5f * size, centre + 0.5f * size);
         }
 
         public static void DrawLine(Vector3 from, Vector3 to)
         {
+            Lines.Add(matrix.MultiplyPoint(from));
+            Lines.Add(matrix.MultiplyPoint(to));
         }
     }
 

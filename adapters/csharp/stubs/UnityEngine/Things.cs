@@ -16,7 +16,16 @@ namespace UnityEngine
         public Mesh sharedMesh { get; set; }
     }
 
-    public sealed class MeshRenderer : Component
+    public sealed class Material : Object
+    {
+    }
+
+    public class Renderer : Component
+    {
+        public Material sharedMaterial { get; set; }
+    }
+
+    public sealed class MeshRenderer : Renderer
     {
     }
 
@@ -62,6 +71,56 @@ namespace UnityEngine
     public sealed class Camera : Behaviour
     {
         public static Camera main { get; set; }
+    }
+
+    public struct Keyframe
+    {
+        public Keyframe(float time, float value)
+        {
+            this.time = time;
+            this.value = value;
+        }
+
+        public float time { get; set; }
+
+        public float value { get; set; }
+    }
+
+    /// <summary>Straight from key to key.</summary>
+    public sealed class AnimationCurve
+    {
+        private readonly Keyframe[] _keys;
+
+        public AnimationCurve(params Keyframe[] keys)
+        {
+            _keys = keys;
+        }
+
+        public int length
+        {
+            get { return _keys.Length; }
+        }
+
+        public Keyframe this[int index]
+        {
+            get { return _keys[index]; }
+        }
+
+        public static AnimationCurve Linear(float timeStart, float valueStart, float timeEnd, float valueEnd)
+        {
+            return new AnimationCurve(new Keyframe(timeStart, valueStart), new Keyframe(timeEnd, valueEnd));
+        }
+
+        public float Evaluate(float time)
+        {
+            int next = Array.FindIndex(_keys, key => key.time > time);
+            if (next <= 0)
+            {
+                return _keys[next < 0 ? _keys.Length - 1 : 0].value;
+            }
+            Keyframe a = _keys[next - 1], b = _keys[next];
+            return a.value + (time - a.time) / (b.time - a.time) * (b.value - a.value);
+        }
     }
 
     public sealed class AudioClip : Object

@@ -19,6 +19,11 @@ namespace UnityEngine
             get { return _parent; }
         }
 
+        public Transform root
+        {
+            get { return _parent == null ? this : _parent.root; }
+        }
+
         public Vector3 position
         {
             get { return _parent == null ? localPosition : _parent.TransformPoint(localPosition); }
@@ -40,6 +45,7 @@ namespace UnityEngine
         {
             Vector3 place = position;
             Quaternion turned = rotation;
+            _parent?.Children.Remove(this);
             _parent = above;
             above.Children.Add(this);
             if (stays)

@@ -181,14 +181,22 @@ namespace UnityEngine
 
     public struct Matrix4x4
     {
+        private Vector3 _position, _scale;
+        private Quaternion _rotation;
+
         public static Matrix4x4 identity
         {
-            get { return new Matrix4x4(); }
+            get { return TRS(Vector3.zero, Quaternion.identity, Vector3.one); }
         }
 
         public static Matrix4x4 TRS(Vector3 position, Quaternion rotation, Vector3 scale)
         {
-            return new Matrix4x4();
+            return new Matrix4x4 { _position = position, _rotation = rotation, _scale = scale };
+        }
+
+        public Vector3 MultiplyPoint(Vector3 point)
+        {
+            return _position + _rotation * Vector3.Scale(_scale, point);
         }
     }
 

@@ -10,6 +10,11 @@ namespace Pacinian.Haptics.Tests
         private readonly GameObject _owner = new GameObject("solid");
         private readonly List<Collider> _colliders = new List<Collider>();
 
+        private HapticVolume Volume
+        {
+            get { return _owner.GetComponent<HapticVolume>() ?? _owner.AddComponent<HapticVolume>(); }
+        }
+
         [TearDown]
         public void Clean()
         {
@@ -70,32 +75,108 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
+        public void CollidersOfChildrenArePartOfItWhereTheyAre()
+        {
+            _owner.transform.position = new Vector3(5f, 1f, 2f);
+            _owner.transform.rotation = Quaternion.AngleAxis(70f, Vector3.up);
+            Transform child = Child("child");
+            child.localPosition = new Vector3(0f, 0.1f, 0.2f);
+            child.localRotation = Quaternion.AngleAxis(90f, new Vector3(1f, 0f, 0f));
+            child.localScale = new Vector3(2f, 2f, 2f);
+            CapsuleCollider capsule = child.gameObject.AddComponent<CapsuleCollider>();
+            capsule.radius = 0.01f;
+            capsule.height = 0.05f;
+            capsule.center = new Vector3(0f, 0.01f, 0f);
+            Placed made = (Placed)Made(Vector3.one);
+            Near(new Vec3(0.0, 0.22, 0.1), made.Pose.Position);
+            Near(new Vec3(0.0, 1.0, 0.0), made.Pose.Rotation.Turn(new Vec3(0.0, 0.0, 1.0)));
+            Assert.AreEqual(0.06, ((Capsule)made.Shape).Length, 1e-6);
+            _owner.AddComponent<SphereCollider>();
+            Assert.AreEqual(2, ((Union)Made(Vector3.one)).Parts.Count);
+        }
+
+        [Test]
+        public void AChildThatIsAVolumeKeepsItsOwn()
+        {
+            _owner.AddComponent<SphereCollider>();
+            Transform child = Child("child"), below = Child("below");
+            child.gameObject.AddComponent<BoxCollider>();
+            below.SetParent(child, false);
+            below.gameObject.AddComponent<BoxCollider>();
+            Assert.AreEqual(3, ((Union)Made(Vector3.one)).Parts.Count);
+            child.gameObject.AddComponent<HapticVolume>();
+            Assert.IsTrue(Made(Vector3.one) is Sphere);
+        }
+
+        [Test]
+        public void AChangeOfAColliderIsNoticedAndAMoveOfTheWholeIsNone()
+        {
+            SphereCollider sphere = _owner.AddComponent<SphereCollider>();
+            Transform child = Child("child");
+            long known = Fingerprint();
+            _owner.transform.position = new Vector3(1f, 2f, 3f);
+            _owner.transform.rotation = Quaternion.AngleAxis(10f, Vector3.up);
+            Assert.IsTrue(known == Fingerprint(), "the whole moves");
+            Changes(ref known, () => sphere.radius = 0.4f);
+            Changes(ref known, () => sphere.center = new Vector3(0f, 0.1f, 0f));
+            Changes(ref known, () => sphere.enabled = false);
+            Changes(ref known, () => sphere.enabled = true);
+            Changes(ref known, () => child.gameObject.AddComponent<BoxCollider>());
+            Changes(ref known, () => child.localPosition = new Vector3(0f, 0.02f, 0f));
+            Changes(ref known, () => child.localRotation = Quaternion.AngleAxis(5f, Vector3.up));
+            Changes(ref known, () => child.localScale = new Vector3(1f, 1f, 2f));
+            Changes(ref known, () => child.gameObject.SetActive(false));
+        }
+
+        [Test]
         public void AClosedMesh()
         {
             _owner.AddComponent<MeshCollider>().sharedMesh = Shapes.Cube();
-            Assert.IsTrue(Made(Vector3.one) is Wire.Mesh);
+            Assert.IsTrue(Made(Vector3.one) is HapticMesh);
         }
 
         [Test]
         public void WhatCannotBeSaysWhy()
         {
             string problem;
-            _owner.GetComponents(_colliders);
-            Assert.IsNull(ColliderShape.Of(_colliders, Vector3.one, out problem));
-            Assert.AreEqual("has no collider that is enabled: add a box, sphere, capsule or mesh", problem);
+            ColliderShape.Collect(Volume, _colliders);
+            Assert.IsNull(ColliderShape.Of(_colliders, _owner.transform, out problem));
+            Assert.AreEqual("has no collider that is enabled, nor have its children: add a box, sphere, capsule or mesh", problem);
             _owner.AddComponent<CharacterController>();
-            _owner.GetComponents(_colliders);
-            Assert.IsNull(ColliderShape.Of(_colliders, Vector3.one, out problem));
+            ColliderShape.Collect(Volume, _colliders);
+            Assert.IsNull(ColliderShape.Of(_colliders, _owner.transform, out problem));
             Assert.AreEqual("its CharacterController is no box, sphere, capsule or mesh", problem);
         }
 
         private ISolid Made(Vector3 scale)
         {
             string problem;
-            _owner.GetComponents(_colliders);
-            ISolid made = ColliderShape.Of(_colliders, scale, out problem);
+            _owner.transform.localScale = scale;
+            ColliderShape.Collect(Volume, _colliders);
+            ISolid made = ColliderShape.Of(_colliders, _owner.transform, out problem);
             Assert.AreEqual("", problem);
             return made;
+        }
+
+        private Transform Child(string name)
+        {
+            GameObject made = new GameObject(name);
+            made.transform.SetParent(_owner.transform, false);
+            return made.transform;
+        }
+
+        private long Fingerprint()
+        {
+            ColliderShape.Collect(Volume, _colliders);
+            return ColliderShape.Fingerprint(_colliders, _owner.transform);
+        }
+
+        private void Changes(ref long known, System.Action change)
+        {
+            long before = known;
+            change();
+            known = Fingerprint();
+            Assert.IsFalse(before == known);
         }
 
         private static void Near(Vec3 expected, Vec3 actual)

@@ -50,6 +50,74 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
+        public void StrengthMayBeAShareOfTheProjectsFullPressure()
+        {
+            HapticPoint point = _owner.AddComponent<HapticPoint>();
+            Assert.AreEqual(0.4, point.RelativeStrength, 1e-6, "8 of 20 Pa");
+            point.Strength = HapticStrength.Force;
+            point.RelativeStrength = 2f;
+            Assert.AreEqual(20.0, point.RadiationPressure, 1e-6);
+            Assert.IsTrue(point.Strength == HapticStrength.RadiationPressure);
+        }
+
+        [TestCase("point")]
+        [TestCase("disc")]
+        [TestCase("rectangle")]
+        [TestCase("ball")]
+        [TestCase("box")]
+        [TestCase("capsule")]
+        [TestCase("mesh")]
+        public void WhatIsDrawnIsAsLargeAsWhatIsFelt(string kind)
+        {
+            _owner.transform.position = new Vector3(1f, 2f, 3f);
+            _owner.transform.localScale = new Vector3(2f, 2f, 2f);
+            HapticEffect effect = kind == "point" ? _owner.AddComponent<HapticPoint>()
+                : kind == "disc" || kind == "rectangle" ? (HapticEffect)_owner.AddComponent<HapticSurface>()
+                : _owner.AddComponent<HapticVolume>();
+            double high = 0.0;
+            switch (kind)
+            {
+                case "point": ((HapticPoint)effect).Diameter = 0.01f; high = 0.005; break;
+                case "disc": ((HapticSurface)effect).Shape = HapticSurfaceShape.Disc; break;
+                case "rectangle": ((HapticSurface)effect).Shape = HapticSurfaceShape.Rectangle; break;
+                case "ball": _owner.AddComponent<SphereCollider>().radius = 0.03f; high = 0.06; break;
+                case "box": _owner.AddComponent<BoxCollider>().size = new Vector3(0.1f, 0.2f, 0.3f); high = 0.2; break;
+                case "capsule": Capsule(_owner.AddComponent<CapsuleCollider>()); high = 0.1; break;
+                default: _owner.AddComponent<MeshCollider>().sharedMesh = Shapes.Cube(); high = 1.0; break;
+            }
+            Gizmos.Lines.Clear();
+            effect.SendMessage("OnDrawGizmosSelected");
+            Assert.AreEqual("", effect.Problem);
+            Assert.IsTrue(Gizmos.Lines.Count > 0);
+            double highest = 0.0, widest = 0.0;
+            foreach (Vector3 place in Gizmos.Lines)
+            {
+                highest = System.Math.Max(highest, place.y - 2.0);
+                widest = System.Math.Max(widest, System.Math.Abs(place.x - 1.0));
+            }
+            Assert.AreEqual(high, highest, 1e-5);
+            Assert.AreEqual(kind == "disc" || kind == "rectangle" ? 0.1 : widest, widest, 1e-5);
+        }
+
+        [Test]
+        public void AnEffectThatIsDrawnIsToldWhenItsShapeChanges()
+        {
+            SphereCollider sphere = _owner.AddComponent<SphereCollider>();
+            HapticVolume volume = _owner.AddComponent<HapticVolume>();
+            volume.SendMessage("OnDrawGizmosSelected");
+            sphere.enabled = false;
+            volume.Stop();
+            volume.SendMessage("OnDrawGizmosSelected");
+            Assert.IsTrue(volume.Problem.StartsWith("has no collider"), "also where it does not play");
+        }
+
+        private static void Capsule(CapsuleCollider capsule)
+        {
+            capsule.radius = 0.01f;
+            capsule.height = 0.1f;
+        }
+
+        [Test]
         public void ItIsToldOnceThatItsDurationIsOver()
         {
             HapticPoint point = _owner.AddComponent<HapticPoint>();

@@ -15,13 +15,14 @@ namespace Pacinian.Haptics.Tests
         [TestCase(EnvelopeKind.Noise)]
         [TestCase(EnvelopeKind.Preset)]
         [TestCase(EnvelopeKind.Wave)]
+        [TestCase(EnvelopeKind.Curve)]
         public void EachIsTaken(EnvelopeKind kind)
         {
             _envelope.Clip = Tone(48000, 2, 4800);
             _envelope.Kind = kind;
             Point point = new Point { RadiationPressure = 1.0, Envelope = _envelope.Message };
             Assert.AreEqual("", Checking.Problem(point));
-            Assert.AreEqual(kind.ToString(), point.Envelope.GetType().Name);
+            Assert.AreEqual(kind == EnvelopeKind.Curve ? "Wave" : kind.ToString(), point.Envelope.GetType().Name);
             Assert.AreEqual("", _envelope.Problem);
         }
 
@@ -67,6 +68,26 @@ namespace Pacinian.Haptics.Tests
             Assert.AreEqual("has no clip and no samples", _envelope.Problem);
             _envelope.Samples = new[] { 0f, 1f, -1f };
             Assert.AreEqual(1000.0, ((Wave)_envelope.Message).Rate, 0.0);
+        }
+
+        [Test]
+        public void ACurveIsAWaveFromItsFirstSecondToItsLastKey()
+        {
+            _envelope.Kind = EnvelopeKind.Curve;
+            _envelope.Loop = false;
+            _envelope.Curve = new AnimationCurve(new Keyframe(0f, 0f), new Keyframe(0.25f, 1f), new Keyframe(0.5f, 3f));
+            Wave wave = (Wave)_envelope.Message;
+            Assert.IsFalse(wave.Loop);
+            Assert.AreEqual(0.5, wave.Samples.Numbers / wave.Rate, 1e-6);
+            Assert.AreEqual(-1.0, wave.Samples.Single(0), 1e-6, "0: no pressure");
+            Assert.AreEqual(0.0, wave.Samples.Single(250), 1e-6, "half of the way up");
+            Assert.AreEqual(1.0, wave.Samples.Single(999), 1e-6, "more than 1 is 1");
+            _envelope.Curve = new AnimationCurve(new Keyframe(0f, 0f), new Keyframe(1000f, 1f));
+            wave = (Wave)_envelope.Message;
+            Assert.AreEqual(1000.0, wave.Samples.Numbers / wave.Rate, 1e-3);
+            _envelope.Curve = new AnimationCurve();
+            Assert.IsTrue(_envelope.Message is Constant);
+            Assert.AreEqual("its curve has no key after 0 s", _envelope.Problem);
         }
 
         private static AudioClip Tone(int rate, int channels, int samples)

@@ -10,7 +10,7 @@ namespace Pacinian.Haptics.Tests
         public void ACubeIsClosedAndFacesOutward(float scale)
         {
             string problem;
-            Wire.Mesh made = MeshShape.Of(Shapes.Cube(), new Vector3(1f, scale, 1f), out problem);
+            Wire.HapticMesh made = MeshShape.Of(Shapes.Cube(), new Vector3(1f, scale, 1f), out problem);
             Assert.AreEqual("", problem);
             Assert.AreEqual(8, made.Vertices.Numbers / 3, "welded");
             Assert.AreEqual(12, made.Faces.Numbers / 3);
@@ -26,7 +26,7 @@ namespace Pacinian.Haptics.Tests
         public void AxesAreTheWires()
         {
             string problem;
-            Wire.Mesh made = MeshShape.Of(Shapes.Cube(), new Vector3(1f, 2f, 3f), out problem);
+            Wire.HapticMesh made = MeshShape.Of(Shapes.Cube(), new Vector3(1f, 2f, 3f), out problem);
             Vec3 corner = made.Vertices.Point(0);
             Assert.AreEqual(0.5, System.Math.Abs(corner.X), 1e-6);
             Assert.AreEqual(1.5, System.Math.Abs(corner.Y), 1e-6, "Unity's z");
@@ -43,7 +43,7 @@ namespace Pacinian.Haptics.Tests
             Assert.AreEqual("its mesh has no triangles", problem);
         }
 
-        private static Vec3 Corner(Wire.Mesh mesh, int index)
+        private static Vec3 Corner(Wire.HapticMesh mesh, int index)
         {
             return mesh.Vertices.Point((int)mesh.Faces.Index(index));
         }

@@ -34,7 +34,7 @@ namespace Pacinian.Haptics.Tests
             volume.Shape = HapticVolumeShape.Mesh;
             Assert.IsNull(Told(volume));
             _owner.AddComponent<MeshFilter>().sharedMesh = Shapes.Cube();
-            Assert.IsTrue(((Volume)Told(volume)).Shape is Wire.Mesh);
+            Assert.IsTrue(((Volume)Told(volume)).Shape is HapticMesh);
             _owner.GetComponent<MeshFilter>().sharedMesh = null;
             volume.Mesh = Shapes.Cube();
             volume.Felt = HapticFelt.Interior;

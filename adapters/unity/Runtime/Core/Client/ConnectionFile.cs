@@ -41,9 +41,24 @@ namespace Pacinian
             return string.IsNullOrEmpty(given) ? RuntimeFolder.File() : given;
         }
 
-        /// <summary>Reads the file of a running server; null, and what is wrong and what to do, if that cannot be.</summary>
+        /// <summary>Whether that is the content of a connection file, and not its path.</summary>
+        public static bool IsText(string path)
+        {
+            return path != null && path.StartsWith("{", StringComparison.Ordinal);
+        }
+
+        /// <summary>
+        /// Reads the file of a running server, or its content, whose server may be on another machine; null, and what is wrong and
+        /// what to do, if that cannot be.
+        /// </summary>
         public static ConnectionFile Read(string path, out string problem)
         {
+            if (IsText(path))
+            {
+                ConnectionFile told = Parse(path, out problem);
+                problem = problem.Length > 0 ? "the text of the connection " + problem : "";
+                return told;
+            }
             path = FindPath(path);
             try
             {
@@ -58,7 +73,7 @@ namespace Pacinian
                 }
                 problem = Unix.Danger(path);
                 ConnectionFile made = problem.Length > 0 ? null : Parse(text, out problem);
-                if (made != null && made.Pid != 0 && !Runs(made.Pid))
+                if (made != null && made.Pid != 0 && !Unix.IsAndroid && !Runs(made.Pid))
                 {
                     problem = "the server that wrote it (process " + made.Pid + ") has gone; " + Advice;
                 }

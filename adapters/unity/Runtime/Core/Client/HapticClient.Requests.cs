@@ -87,7 +87,7 @@ namespace Pacinian
 
         private bool Add(PendingRequest request)
         {
-            return Told(request.What, Woken(_shared.Requests.Add(_standing.Session, request)));
+            return IsGamesThread(request.What) && Told(request.What, Woken(_shared.Requests.Add(_standing.Session, request)));
         }
     }
 }

@@ -1,3 +1,4 @@
+using System;
 using System.Collections.Generic;
 using System.Threading;
 using Pacinian.Wire;
@@ -17,6 +18,10 @@ namespace Pacinian
         /// </summary>
         public bool Put(string name, Felt item)
         {
+            if (!IsGamesThread("Put"))
+            {
+                return false;
+            }
             Writer part = _shared.Writers.Rent();
             item.Write(part);
             Refusal why;
@@ -32,24 +37,28 @@ namespace Pacinian
         /// <summary>A new pose of an object that is there.</summary>
         public bool Move(string name, Movement movement)
         {
-            return Write(Kind.Move, name, null, movement);
+            return IsGamesThread("Move") && Write(Kind.Move, name, null, movement);
         }
 
         /// <summary>Takes an object away; a name that nothing has is no error.</summary>
         public bool Remove(string name)
         {
-            return Write(Kind.Remove, name, null, new Movement());
+            return IsGamesThread("Remove") && Write(Kind.Remove, name, null, new Movement());
         }
 
         /// <summary>Takes away all objects, hands and quiet zones of this client.</summary>
         public bool Clear()
         {
-            return Told("clear", Woken(_shared.Outbox.Clear(_standing.Session, Now)));
+            return IsGamesThread("Clear") && Told("clear", Woken(_shared.Outbox.Clear(_standing.Session, Now)));
         }
 
         /// <summary>How strong an object that is there is over time, from now on.</summary>
         public bool Envelope(string name, IEnvelope envelope)
         {
+            if (!IsGamesThread("Envelope"))
+            {
+                return false;
+            }
             Writer part = _shared.Writers.Rent();
             envelope.Write(part);
             return Fits(part, "$.envelope") && Told("envelope", Write(Kind.Envelope, name, part, new Movement()));
@@ -67,6 +76,10 @@ namespace Pacinian
         /// <summary>The same, as they were at a time of our clock [s].</summary>
         public bool Hands(IList<HandFrame> hands, double time)
         {
+            if (!IsGamesThread("Hands"))
+            {
+                return false;
+            }
             Writer part = _shared.Writers.Rent();
             part.Array(hands.Count);
             for (int i = 0; i < hands.Count; i++)
@@ -79,6 +92,10 @@ namespace Pacinian
         /// <summary>All quiet zones of this client, in place of those before.</summary>
         public bool Quiet(IList<Zone> zones)
         {
+            if (!IsGamesThread("Quiet"))
+            {
+                return false;
+            }
             Writer part = _shared.Writers.Rent();
             part.Array(zones.Count);
             for (int i = 0; i < zones.Count; i++)
@@ -102,6 +119,22 @@ namespace Pacinian
                 _shared.Inbox.Refuse(Problems.NoSession(what, _started));
             }
             return done;
+        }
+
+        /// <summary>Whether a call comes from the thread that ticked last, or none has; if not, that is told, once.</summary>
+        private bool IsGamesThread(string call)
+        {
+            int thread = Environment.CurrentManagedThreadId;
+            if (_thread == 0 || _thread == thread)
+            {
+                return true;
+            }
+            if (!_toldThread)
+            {
+                _toldThread = true;
+                _shared.Inbox.Refuse(Problems.WrongThread(call));
+            }
+            return false;
         }
 
         private bool Woken(bool done)

@@ -91,7 +91,7 @@ namespace Pacinian
         }
 
         /// <summary>Hands that feel an object of this client's scene now.</summary>
-        public IReadOnlyList<Touch> Touches
+        public IReadOnlyList<HandTouch> Touches
         {
             get { return _touches.Now; }
         }

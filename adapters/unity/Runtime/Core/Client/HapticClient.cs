@@ -8,7 +8,7 @@ namespace Pacinian
     /// <summary>
     /// A game's side of the wire. Nothing here waits: a worker thread owns the sockets, and what is asked is done later
     /// or, if there is no session, not at all; then the answer is false. All but <see cref="Stop"/> belongs to the game's
-    /// thread, on which events are raised, too, by <see cref="Tick"/>.
+    /// thread, the one that calls <see cref="Tick"/>, which raises the events. Calls from another one do nothing, and that is told.
     ///
     /// It connects by itself, again and again. After a loss nothing resumes: the output is not armed, and what was put is
     /// to be put again, best when <see cref="Connected"/> is raised.
@@ -25,6 +25,8 @@ namespace Pacinian
         private Trips _trips;
         private double _offset;
         private bool _started, _ended, _toldNoSession;
+        private volatile int _thread; // that ticked last; 0: none has
+        private volatile bool _toldThread;
 
         /// <summary>Not started yet.</summary>
         public HapticClient(Options options)
@@ -55,13 +57,13 @@ namespace Pacinian
         public event Action<State> StateChanged;
 
         /// <summary>A hand begins to feel an object of this client's scene. Touches come with the states, 60 times a second.</summary>
-        public event Action<Touch> TouchBegan;
+        public event Action<HandTouch> TouchBegan;
 
         /// <summary>It feels it still, where and as strongly as told.</summary>
-        public event Action<Touch> TouchMoved;
+        public event Action<HandTouch> TouchMoved;
 
         /// <summary>It feels it no more, as it was told last.</summary>
-        public event Action<Touch> TouchEnded;
+        public event Action<HandTouch> TouchEnded;
 
         /// <summary>
         /// The game stood still for longer than its lease while it was armed. It sounds again by itself if it was armed with
@@ -91,6 +93,7 @@ namespace Pacinian
             {
                 return;
             }
+            _thread = Environment.CurrentManagedThreadId;
             double still, worker;
             _shared.Heartbeat.Tick(Now, out still, out worker);
             _worker.Wake();

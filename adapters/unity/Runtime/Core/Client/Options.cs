@@ -5,7 +5,10 @@ namespace Pacinian
     /// <summary>How a client connects.</summary>
     public sealed class Options
     {
-        /// <summary>The connection file; where PACINIAN_CONNECTION says, or where the server writes it, unless given.</summary>
+        /// <summary>
+        /// The connection file; where PACINIAN_CONNECTION says, or where the server writes it, unless given. Or the file's content,
+        /// which begins with {: for a server whose files this program cannot read, as from a headset.
+        /// </summary>
         public string ConnectionPath = "";
 
         /// <summary>Who this is, for people: 1 to 64 characters.</summary>

@@ -109,6 +109,18 @@ namespace Pacinian
             };
         }
 
+        /// <summary>What was called from another thread than the game's, and did nothing.</summary>
+        public static Refusal WrongThread(string call)
+        {
+            return new Refusal
+            {
+                Code = "thread",
+                Message = "`" + call + "` was called from another thread than `Tick`, and did nothing",
+                Path = "",
+                Advice = "call it from the thread that calls Tick; only Stop may be called from any",
+            };
+        }
+
         /// <summary>A stop that was not confirmed.</summary>
         public static Refusal Unstopped(string problem)
         {

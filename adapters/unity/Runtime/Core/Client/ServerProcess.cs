@@ -52,6 +52,11 @@ namespace Pacinian
             {
                 return true;
             }
+            if (ConnectionFile.IsText(_connection))
+            {
+                Problem = "a connection that is given as text is of a server elsewhere: none is started here";
+                return false;
+            }
             _wanted = true;
             _pause = FirstPause;
             Problem = "";

@@ -10,21 +10,21 @@ namespace Pacinian
     /// </summary>
     internal sealed class Touches
     {
-        private readonly List<Touch> _now = new List<Touch>();
+        private readonly List<HandTouch> _now = new List<HandTouch>();
 
         /// <summary>Those there are.</summary>
-        public IReadOnlyList<Touch> Now
+        public IReadOnlyList<HandTouch> Now
         {
             get { return _now; }
         }
 
         /// <summary>Tells what has ended, begun and moved. state: the newest one; null: nothing is touched any more.</summary>
-        public void Follow(State state, Action<Touch> began, Action<Touch> moved, Action<Touch> ended)
+        public void Follow(State state, Action<HandTouch> began, Action<HandTouch> moved, Action<HandTouch> ended)
         {
             int count = state == null ? 0 : state.Touches.Count;
             for (int i = _now.Count - 1; i >= 0 && i < _now.Count; i--)
             {
-                Touch old = _now[i];
+                HandTouch old = _now[i];
                 if (Find(state, count, old) < 0)
                 {
                     _now.RemoveAt(i);
@@ -33,7 +33,7 @@ namespace Pacinian
             }
             for (int i = 0; i < count; i++)
             {
-                Touch touch = Touch.Of(state.Touches[i]);
+                HandTouch touch = HandTouch.Of(state.Touches[i]);
                 int known = Find(state.Touches[i]);
                 if (known < 0)
                 {
@@ -48,7 +48,7 @@ namespace Pacinian
             }
         }
 
-        private static int Find(State state, int count, Touch touch)
+        private static int Find(State state, int count, HandTouch touch)
         {
             for (int i = 0; i < count; i++)
             {

@@ -27,7 +27,7 @@ namespace Pacinian
         /// <summary>Why a file's secrets may be known to others, or may not be the server's; "" if all is well.</summary>
         public static string Danger(string path)
         {
-            if (Environment.OSVersion.Platform == PlatformID.Win32NT)
+            if (Environment.OSVersion.Platform == PlatformID.Win32NT || IsAndroid)
             {
                 return "";
             }
@@ -50,6 +50,15 @@ namespace Pacinian
             }
             uint user = BitConverter.ToUInt32(told, UserAt);
             return user == User() || user == 0 ? "" : "belongs to another user, whose server it may be";
+        }
+
+        /// <summary>
+        /// There a server runs on another machine; and the system keeps programs' files apart, but says of all that are in shared storage
+        /// that their group may read them.
+        /// </summary>
+        public static bool IsAndroid
+        {
+            get { return System.IO.File.Exists("/system/build.prop"); }
         }
 
         private static bool Missing(Exception error)

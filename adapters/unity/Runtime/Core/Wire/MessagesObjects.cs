@@ -18,10 +18,10 @@ namespace Pacinian.Wire
         public ITechnique Technique;
 
         /// <summary>Relation of depth and pressure.</summary>
-        public Material Material = new Material();
+        public HapticMaterial Material = new HapticMaterial();
 
         /// <summary>Motion of the object; by default it is at rest. null: not given.</summary>
-        public Motion Motion;
+        public HapticMotion Motion;
 
         /// <summary>Objects of higher priority get samples first. -1,000,000 to 1,000,000.</summary>
         public long Priority;
@@ -37,7 +37,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A bed of springs: the pressure grows in proportion to depth, up to the pressure of the object.</summary>
-    public sealed class Material : IMessage
+    public sealed class HapticMaterial : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("stiffness", "reach");
 
@@ -106,7 +106,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Motion of an object from the command's time on.</summary>
-    public sealed class Motion : IMessage
+    public sealed class HapticMotion : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("velocity", "angular_velocity");
 
@@ -258,14 +258,14 @@ namespace Pacinian.Wire
                         return true;
                     }
                     return Unions.Read(r, ref Technique);
-                case 5: return (Material = Material ?? new Material()).Read(r);
+                case 5: return (Material = Material ?? new HapticMaterial()).Read(r);
                 case 6:
                     if (r.Nil())
                     {
                         Motion = null;
                         return true;
                     }
-                    return (Motion = Motion ?? new Motion()).Read(r);
+                    return (Motion = Motion ?? new HapticMotion()).Read(r);
                 case 7: return r.Whole(ref Priority, -1000000, 1000000);
                 case 8: return r.Real(ref Duration, 0.0, 1000000.0, true);
                 case 9: return r.Fixed(ref Position, -10.0, 10.0);
@@ -294,7 +294,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x20) != 0)
             {
-                Material = new Material();
+                Material = new HapticMaterial();
             }
             if ((missing & 0x40) != 0)
             {
@@ -316,7 +316,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A curve that presses on the skin along it.</summary>
-    public sealed class Path : Felt
+    public sealed class HapticPath : Felt
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "width");
         private static readonly byte[][] Tag = Utf8.Of("path");
@@ -325,7 +325,7 @@ namespace Pacinian.Wire
         public ICurve Shape;
 
         /// <summary>Pose of that frame.</summary>
-        public Pose Pose = new Pose();
+        public HapticPose Pose = new HapticPose();
 
         /// <summary>Width of the curve; it presses on skin within half of this distance. more than 0, at most 10 [m].</summary>
         public double Width = 0.0085;
@@ -404,18 +404,18 @@ namespace Pacinian.Wire
                         return true;
                     }
                     return Unions.Read(r, ref Technique);
-                case 5: return (Material = Material ?? new Material()).Read(r);
+                case 5: return (Material = Material ?? new HapticMaterial()).Read(r);
                 case 6:
                     if (r.Nil())
                     {
                         Motion = null;
                         return true;
                     }
-                    return (Motion = Motion ?? new Motion()).Read(r);
+                    return (Motion = Motion ?? new HapticMotion()).Read(r);
                 case 7: return r.Whole(ref Priority, -1000000, 1000000);
                 case 8: return r.Real(ref Duration, 0.0, 1000000.0, true);
                 case 9: return Unions.Read(r, ref Shape);
-                case 10: return (Pose = Pose ?? new Pose()).Read(r);
+                case 10: return (Pose = Pose ?? new HapticPose()).Read(r);
                 case 11: return r.Real(ref Width, 0.0, 10.0, true);
                 default: return key == Reader.Other && r.Skip();
             }
@@ -441,7 +441,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x20) != 0)
             {
-                Material = new Material();
+                Material = new HapticMaterial();
             }
             if ((missing & 0x40) != 0)
             {
@@ -457,7 +457,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x400) != 0)
             {
-                Pose = new Pose();
+                Pose = new HapticPose();
             }
             if ((missing & 0x800) != 0)
             {
@@ -476,7 +476,7 @@ namespace Pacinian.Wire
         public Bulk Positions;
 
         /// <summary>Pose of that frame.</summary>
-        public Pose Pose = new Pose();
+        public HapticPose Pose = new HapticPose();
 
         /// <summary>Distance within which a point presses on the skin. more than 0, at most 10 [m].</summary>
         public double Radius = 0.00425;
@@ -555,18 +555,18 @@ namespace Pacinian.Wire
                         return true;
                     }
                     return Unions.Read(r, ref Technique);
-                case 5: return (Material = Material ?? new Material()).Read(r);
+                case 5: return (Material = Material ?? new HapticMaterial()).Read(r);
                 case 6:
                     if (r.Nil())
                     {
                         Motion = null;
                         return true;
                     }
-                    return (Motion = Motion ?? new Motion()).Read(r);
+                    return (Motion = Motion ?? new HapticMotion()).Read(r);
                 case 7: return r.Whole(ref Priority, -1000000, 1000000);
                 case 8: return r.Real(ref Duration, 0.0, 1000000.0, true);
                 case 9: return r.Binary(ref Positions, 0, 120000);
-                case 10: return (Pose = Pose ?? new Pose()).Read(r);
+                case 10: return (Pose = Pose ?? new HapticPose()).Read(r);
                 case 11: return r.Real(ref Radius, 0.0, 10.0, true);
                 default: return key == Reader.Other && r.Skip();
             }
@@ -592,7 +592,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x20) != 0)
             {
-                Material = new Material();
+                Material = new HapticMaterial();
             }
             if ((missing & 0x40) != 0)
             {
@@ -608,7 +608,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x400) != 0)
             {
-                Pose = new Pose();
+                Pose = new HapticPose();
             }
             if ((missing & 0x800) != 0)
             {
@@ -618,7 +618,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A factor on the pressure, over x and y of the object's own frame.</summary>
-    public sealed class Texture : IMessage
+    public sealed class HapticTexture : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("values", "grid", "size", "repeat");
 
@@ -708,10 +708,10 @@ namespace Pacinian.Wire
         public IShell Shape;
 
         /// <summary>Pose of that frame.</summary>
-        public Pose Pose = new Pose();
+        public HapticPose Pose = new HapticPose();
 
         /// <summary>Factor on the pressure; by default 1. null: not given.</summary>
-        public Texture Texture;
+        public HapticTexture Texture;
 
         /// <summary>Depth below the surface down to which a hand feels it. more than 0, at most 10 [m].</summary>
         public double Thickness = 0.02;
@@ -792,25 +792,25 @@ namespace Pacinian.Wire
                         return true;
                     }
                     return Unions.Read(r, ref Technique);
-                case 5: return (Material = Material ?? new Material()).Read(r);
+                case 5: return (Material = Material ?? new HapticMaterial()).Read(r);
                 case 6:
                     if (r.Nil())
                     {
                         Motion = null;
                         return true;
                     }
-                    return (Motion = Motion ?? new Motion()).Read(r);
+                    return (Motion = Motion ?? new HapticMotion()).Read(r);
                 case 7: return r.Whole(ref Priority, -1000000, 1000000);
                 case 8: return r.Real(ref Duration, 0.0, 1000000.0, true);
                 case 9: return Unions.Read(r, ref Shape);
-                case 10: return (Pose = Pose ?? new Pose()).Read(r);
+                case 10: return (Pose = Pose ?? new HapticPose()).Read(r);
                 case 11:
                     if (r.Nil())
                     {
                         Texture = null;
                         return true;
                     }
-                    return (Texture = Texture ?? new Texture()).Read(r);
+                    return (Texture = Texture ?? new HapticTexture()).Read(r);
                 case 12: return r.Real(ref Thickness, 0.0, 10.0, true);
                 default: return key == Reader.Other && r.Skip();
             }
@@ -836,7 +836,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x20) != 0)
             {
-                Material = new Material();
+                Material = new HapticMaterial();
             }
             if ((missing & 0x40) != 0)
             {
@@ -852,7 +852,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x400) != 0)
             {
-                Pose = new Pose();
+                Pose = new HapticPose();
             }
             if ((missing & 0x800) != 0)
             {
@@ -875,10 +875,10 @@ namespace Pacinian.Wire
         public ISolid Shape;
 
         /// <summary>Pose of that frame.</summary>
-        public Pose Pose = new Pose();
+        public HapticPose Pose = new HapticPose();
 
         /// <summary>Factor on the pressure; by default 1. null: not given.</summary>
-        public Texture Texture;
+        public HapticTexture Texture;
 
         /// <summary>Depth inside the volume down to which a hand feels it. more than 0, at most 10 [m].</summary>
         public double Thickness = 0.02;
@@ -964,25 +964,25 @@ namespace Pacinian.Wire
                         return true;
                     }
                     return Unions.Read(r, ref Technique);
-                case 5: return (Material = Material ?? new Material()).Read(r);
+                case 5: return (Material = Material ?? new HapticMaterial()).Read(r);
                 case 6:
                     if (r.Nil())
                     {
                         Motion = null;
                         return true;
                     }
-                    return (Motion = Motion ?? new Motion()).Read(r);
+                    return (Motion = Motion ?? new HapticMotion()).Read(r);
                 case 7: return r.Whole(ref Priority, -1000000, 1000000);
                 case 8: return r.Real(ref Duration, 0.0, 1000000.0, true);
                 case 9: return Unions.Read(r, ref Shape);
-                case 10: return (Pose = Pose ?? new Pose()).Read(r);
+                case 10: return (Pose = Pose ?? new HapticPose()).Read(r);
                 case 11:
                     if (r.Nil())
                     {
                         Texture = null;
                         return true;
                     }
-                    return (Texture = Texture ?? new Texture()).Read(r);
+                    return (Texture = Texture ?? new HapticTexture()).Read(r);
                 case 12: return r.Real(ref Thickness, 0.0, 10.0, true);
                 case 13: return Words.Read(r, ref Felt);
                 default: return key == Reader.Other && r.Skip();
@@ -1009,7 +1009,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x20) != 0)
             {
-                Material = new Material();
+                Material = new HapticMaterial();
             }
             if ((missing & 0x40) != 0)
             {
@@ -1025,7 +1025,7 @@ namespace Pacinian.Wire
             }
             if ((missing & 0x400) != 0)
             {
-                Pose = new Pose();
+                Pose = new HapticPose();
             }
             if ((missing & 0x800) != 0)
             {

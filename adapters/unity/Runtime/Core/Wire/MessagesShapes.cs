@@ -285,7 +285,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Position and orientation: a rotation about the origin of a frame, then a translation.</summary>
-    public sealed class Pose : IMessage
+    public sealed class HapticPose : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("position", "rotation");
 
@@ -616,7 +616,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A triangle mesh. A volume must be closed. A surface faces the side from which triangles run counter-clockwise.</summary>
-    public sealed class Mesh : IShell, IPrimitive, IPiece, ISolid
+    public sealed class HapticMesh : IShell, IPrimitive, IPiece, ISolid
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "vertices", "faces", "scale");
         private static readonly byte[][] Tag = Utf8.Of("mesh");
@@ -906,7 +906,7 @@ namespace Pacinian.Wire
         public IPrimitive Shape;
 
         /// <summary>Pose of that frame.</summary>
-        public Pose Pose = new Pose();
+        public HapticPose Pose = new HapticPose();
 
         /// <inheritdoc/>
         public void Write(Writer w)
@@ -955,7 +955,7 @@ namespace Pacinian.Wire
             {
                 case 0: return r.Expect(Tag);
                 case 1: return Unions.Read(r, ref Shape);
-                case 2: return (Pose = Pose ?? new Pose()).Read(r);
+                case 2: return (Pose = Pose ?? new HapticPose()).Read(r);
                 default: return key == Reader.Other && r.Skip();
             }
         }
@@ -964,7 +964,7 @@ namespace Pacinian.Wire
         {
             if ((missing & 0x4) != 0)
             {
-                Pose = new Pose();
+                Pose = new HapticPose();
             }
         }
     }

@@ -60,22 +60,22 @@ namespace Pacinian.Wire
     {
     }
 
-    /// <summary>One of Rectangle, Disc, Sphere, HeightMap, Mesh.</summary>
+    /// <summary>One of Rectangle, Disc, Sphere, HeightMap, HapticMesh.</summary>
     public interface IShell : IMessage
     {
     }
 
-    /// <summary>One of Sphere, Box, Capsule, Mesh, Voxels.</summary>
+    /// <summary>One of Sphere, Box, Capsule, HapticMesh, Voxels.</summary>
     public interface IPrimitive : IMessage
     {
     }
 
-    /// <summary>One of Sphere, Box, Capsule, Mesh, Voxels, Placed.</summary>
+    /// <summary>One of Sphere, Box, Capsule, HapticMesh, Voxels, Placed.</summary>
     public interface IPiece : IMessage
     {
     }
 
-    /// <summary>One of Sphere, Box, Capsule, Mesh, Voxels, Placed, Union, Intersection, Difference.</summary>
+    /// <summary>One of Sphere, Box, Capsule, HapticMesh, Voxels, Placed, Union, Intersection, Difference.</summary>
     public interface ISolid : IMessage
     {
     }
@@ -296,7 +296,7 @@ namespace Pacinian.Wire
                 }
                 case 4:
                 {
-                    Mesh made = value as Mesh ?? new Mesh();
+                    HapticMesh made = value as HapticMesh ?? new HapticMesh();
                     value = made;
                     return made.Read(r);
                 }
@@ -330,7 +330,7 @@ namespace Pacinian.Wire
                 }
                 case 3:
                 {
-                    Mesh made = value as Mesh ?? new Mesh();
+                    HapticMesh made = value as HapticMesh ?? new HapticMesh();
                     value = made;
                     return made.Read(r);
                 }
@@ -370,7 +370,7 @@ namespace Pacinian.Wire
                 }
                 case 3:
                 {
-                    Mesh made = value as Mesh ?? new Mesh();
+                    HapticMesh made = value as HapticMesh ?? new HapticMesh();
                     value = made;
                     return made.Read(r);
                 }
@@ -416,7 +416,7 @@ namespace Pacinian.Wire
                 }
                 case 3:
                 {
-                    Mesh made = value as Mesh ?? new Mesh();
+                    HapticMesh made = value as HapticMesh ?? new HapticMesh();
                     value = made;
                     return made.Read(r);
                 }
@@ -468,7 +468,7 @@ namespace Pacinian.Wire
                 }
                 case 1:
                 {
-                    Path made = value as Path ?? new Path();
+                    HapticPath made = value as HapticPath ?? new HapticPath();
                     value = made;
                     return made.Read(r);
                 }

@@ -10,6 +10,7 @@
 #include "HapticServerComponent.h"
 #include "Link.h"
 #include "Motion.h"
+#include "PacinianSettings.h"
 
 namespace wire = pacinian::wire;
 
@@ -59,6 +60,14 @@ void UHapticEffectComponent::SetForce(float NewForce) {
   Force = NewForce;
   Strength = EHapticStrength::Force;
   Refresh();
+}
+
+void UHapticEffectComponent::SetRelativeStrength(float Share) {
+  SetRadiationPressure(FMath::Clamp(Share, 0.0f, 1.0f) * GetDefault<UPacinianSettings>()->FullPressure);
+}
+
+float UHapticEffectComponent::GetRelativeStrength() const {
+  return FMath::Clamp(RadiationPressure / GetDefault<UPacinianSettings>()->FullPressure, 0.0f, 1.0f);
 }
 
 void UHapticEffectComponent::SetEnvelope(UHapticEnvelope* NewEnvelope) {
@@ -118,8 +127,10 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   const bool bScaled = !Owner->GetComponentScale().Equals(Sent->Scale, 1e-4);
   const pacinian::Rigid Before = Sent->Pose;
   Sent->Pose = Frame.Space.Into(Owner->GetComponentTransform());
-  if (Session != Frame.Session || bReshaped || bScaled) {
+  const uint64 Fingerprint = GetShapeFingerprint();
+  if (Session != Frame.Session || bReshaped || bScaled || Fingerprint != Sent->Fingerprint) {
     Sent->Scale = Owner->GetComponentScale();
+    Sent->Fingerprint = Fingerprint;
     bReshaped = bEnveloped = bMoving = false;
     bShown = Put(Frame);
     Session = Frame.Session;

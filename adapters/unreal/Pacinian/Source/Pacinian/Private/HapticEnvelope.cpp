@@ -1,5 +1,6 @@
 #include "HapticEnvelope.h"
 
+#include "Curves/CurveFloat.h"
 #include "Envelopes.h"
 
 THIRD_PARTY_INCLUDES_START
@@ -55,6 +56,28 @@ wire::Wave Wave(const UHapticEnvelope& Given) {
   return Made;
 }
 
+constexpr double Fine = 2000.0;  // [Hz], while a curve is short enough for that
+
+/// The time of a curve's last key [s]; 0 if there is none.
+float Length(const UCurveFloat* Curve) {
+  float First = 0.0f, Last = 0.0f;
+  if (Curve) Curve->GetTimeRange(First, Last);
+  return FMath::Max(Last, 0.0f);
+}
+
+wire::Wave Drawn(const UHapticEnvelope& Given, double Seconds) {
+  wire::Wave Made;
+  Made.rate = FMath::Max(1.0, FMath::Min(Fine, wire::MAX_VALUES / Seconds));
+  const int32 Count = FMath::Max(1, FMath::Min(FMath::RoundToInt32(Seconds * Made.rate), static_cast<int32>(wire::MAX_VALUES)));
+  for (int32 i = 0; i < Count; ++i) {
+    const float Level = FMath::Clamp(Given.Curve->GetFloatValue(static_cast<float>(i / Made.rate)), 0.0f, 1.0f);
+    wire::append(Made.samples, 2.0f * Level - 1.0f);
+  }
+  Made.loop = Given.bLoop;
+  Made.mode = wire::WaveMode::waveform;
+  return Made;
+}
+
 }  // namespace
 
 wire::Envelope ToWire(const UHapticEnvelope* Envelope) {
@@ -74,6 +97,9 @@ wire::Envelope ToWire(const UHapticEnvelope* Envelope) {
     case EHapticEnvelope::Wave:
       if (Given.Samples.Num() > 0) return Wave(Given);
       break;
+    case EHapticEnvelope::Curve:
+      if (const float Seconds = Length(Given.Curve); Seconds > 0.0f) return Drawn(Given, Seconds);
+      break;
     case EHapticEnvelope::Constant:
       break;
   }
@@ -83,6 +109,7 @@ wire::Envelope ToWire(const UHapticEnvelope* Envelope) {
 }  // namespace Haptic
 
 FString UHapticEnvelope::GetProblem() const {
+  if (Kind == EHapticEnvelope::Curve && Haptic::Length(Curve) <= 0.0f) return FString(TEXT("its curve has no key after 0 s"));
   if (Kind != EHapticEnvelope::Wave) return FString();
   if (Samples.Num() == 0) return FString(TEXT("has no samples"));
   const int32 Most = static_cast<int32>(wire::MAX_VALUES);

@@ -19,8 +19,20 @@ UHapticServerComponent::UHapticServerComponent() {
 
 void UHapticServerComponent::BeginPlay() {
   Super::BeginPlay();
-  if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Servers.AddUnique(this);
+  UHapticScene* Scene = UHapticScene::Of(this);
+  if (Scene) Scene->Servers.AddUnique(this);
   Exit = FCoreDelegates::OnEnginePreExit.AddUObject(this, &UHapticServerComponent::Leave);
+  bWaits = Scene && Scene->GetServer() != this;
+  if (bWaits) {
+    UE_LOG(LogPacinian, Log, TEXT("%s"), *GetWaiting());
+    return;
+  }
+  Start();
+}
+
+/// Also when the one that was used before has gone.
+void UHapticServerComponent::Start() {
+  bWaits = false;
   FString Problem;
   if (bStartServer) StartServer(Problem);
   if (bConnectOnPlay) Connect();
@@ -41,8 +53,8 @@ void UHapticServerComponent::BeginDestroy() {
 void UHapticServerComponent::Connect() {
   const UHapticScene* Scene = UHapticScene::Of(this);
   if (!HasBegunPlay() || !Scene || Scene->GetServer() != this) {
-    UE_LOG(LogPacinian, Warning, TEXT("%s does not connect: %s"), *GetName(),
-           HasBegunPlay() ? TEXT("the level has another haptic server component") : TEXT("press Play first"));
+    const FString Why = HasBegunPlay() ? GetWaiting() : FString(TEXT("press Play first"));
+    UE_LOG(LogPacinian, Warning, TEXT("%s does not connect: %s"), *GetName(), *Why);
     return;
   }
   Leave();
@@ -146,37 +158,15 @@ void UHapticServerComponent::ResetOutput() {
   if (Link) Link->Client.reset();
 }
 
-void UHapticServerComponent::SetIntensity(float NewIntensity) {
-  Intensity = FMath::Clamp(NewIntensity, 0.0f, 1.0f);
-  Choose(true, false, false);
-}
-
-void UHapticServerComponent::SetSolver(const FString& NewSolver) {
-  Solver = NewSolver;
-  Choose(false, true, false);
-}
-
-void UHapticServerComponent::SetBackend(const FString& NewBackend) {
-  Backend = NewBackend;
-  Choose(false, false, true);
-}
-
-void UHapticServerComponent::Choose(bool bIntensity, bool bSolver, bool bBackend) {
-  if (!IsConnected()) return;
-  wire::Select Choice;
-  if (bIntensity) Choice.intensity = FMath::Clamp(Intensity, 0.0f, 1.0f);
-  if (bSolver && !Solver.IsEmpty()) Choice.solver = wire::Choice{Haptic::Text(Solver), {}};
-  if (bBackend && !Backend.IsEmpty()) Choice.backend = wire::Choice{Haptic::Text(Backend), {}};
-  if (Choice.intensity || Choice.solver || Choice.backend) Link->Client.select(MoveTemp(Choice));
-}
-
 void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType, FActorComponentTickFunction* Tick) {
   Super::TickComponent(DeltaTime, TickType, Tick);
+  UHapticScene* Scene = UHapticScene::Of(this);
+  if (bWaits && Scene && Scene->GetServer() == this) Start();
+  if (bWaits) return;
   Haptic::TickServer(IsConnected());
   const TSharedPtr<FHapticLink> Held = Link;  // what it tells may end it
   if (!Held) return;
   Held->Client.tick();
-  UHapticScene* Scene = UHapticScene::Of(this);
   if (Link != Held || !IsConnected() || !Scene) return;
   Haptic::Remember(*Held);
   const UArrayOriginComponent* Origin = Scene->GetOrigin();
@@ -187,13 +177,3 @@ void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType,
   for (int32 i = Scene->Effects.Num() - 1; i >= 0; --i)
     if (i < Scene->Effects.Num()) Scene->Effects[i]->Send(Frame);
 }
-
-#if WITH_EDITOR
-void UHapticServerComponent::PostEditChangeProperty(FPropertyChangedEvent& Event) {
-  Super::PostEditChangeProperty(Event);
-  const FName Changed = Event.GetPropertyName();
-  Choose(Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Intensity),
-         Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Solver),
-         Changed == GET_MEMBER_NAME_CHECKED(UHapticServerComponent, Backend));
-}
-#endif

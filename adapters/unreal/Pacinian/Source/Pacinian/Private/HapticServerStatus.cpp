@@ -1,3 +1,5 @@
+#include "GameFramework/Actor.h"
+#include "HapticScene.h"
 #include "HapticServerComponent.h"
 #include "Link.h"
 #include "PacinianSettings.h"
@@ -26,7 +28,16 @@ EHapticStatus UHapticServerComponent::GetStatus() const {
   return EHapticStatus::Stopped;
 }
 
+FString UHapticServerComponent::GetWaiting() const {
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  const UHapticServerComponent* Used = Scene ? Scene->GetServer() : nullptr;
+  return FString::Printf(TEXT("the Haptic Server of %s waits, because that of %s is used. Remove one of them; this one takes "
+                              "over when the other is gone"),
+                         *GetOwner()->GetName(), Used ? *Used->GetOwner()->GetName() : TEXT("no actor"));
+}
+
 FString UHapticServerComponent::GetProblem() const {
+  if (bWaits) return GetWaiting();
   if (IsConnected()) return Complaint;
   const FString Server = Haptic::ServerProblem();
   if (!Server.IsEmpty()) return Server;

@@ -15,12 +15,16 @@ const USceneComponent* UHapticVolumeComponent::GetShapeOwner() const {
   return Found ? Found : this;
 }
 
+uint64 UHapticVolumeComponent::GetShapeFingerprint() const {
+  return Shape == EHapticVolume::Colliders ? Haptic::Fingerprint(Haptic::ColliderNear(*this)) : 0;
+}
+
 bool UHapticVolumeComponent::Describe(FHapticBody& Body, FString& Problem) const {
   wire::Volume Volume;
   Volume.thickness = FMath::Clamp(0.01 * Thickness, 1e-4, 10.0);
   Volume.felt = Felt == EHapticFelt::Interior ? wire::VolumeFelt::interior : wire::VolumeFelt::shell;
   if (Shape == EHapticVolume::Colliders) {
-    if (!Haptic::ToWire(Haptic::ColliderNear(*this), Body.Scale, Volume.shape, Problem)) return false;
+    if (!Haptic::ToWire(Haptic::ColliderNear(*this), Volume.shape, Problem)) return false;
   } else {
     const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
     wire::Mesh Made;

@@ -34,4 +34,5 @@ struct FHapticBody {
   pacinian::wire::Object Object;
   pacinian::Rigid Pose;
   FVector Scale = FVector::OneVector;
+  uint64 Fingerprint = 0;  ///< of its shape
 };

@@ -1,5 +1,8 @@
+#include <cstring>
+
 #include "Components/PrimitiveComponent.h"
 #include "GameFramework/Actor.h"
+#include "HapticVolumeComponent.h"
 #include "PhysicsEngine/BodySetup.h"
 #include "Shapes.h"
 #include "Space.h"
@@ -23,14 +26,64 @@ bool HasColliders(const UPrimitiveComponent* Component) {
   return All.SphereElems.Num() + All.BoxElems.Num() + All.SphylElems.Num() > 0;
 }
 
-/// A solid at its place, if that is not the origin.
-wire::Piece Piece(wire::Primitive Shape, const FVector& Center, const FRotator& Rotation) {
-  const pacinian::Rigid Pose = FHapticSpace::Metres(FTransform(Rotation, Center));
+/// A solid at its place in a frame.
+wire::Piece Piece(wire::Primitive Shape, const pacinian::Rigid& Frame, const FVector& Center, const FRotator& Rotation) {
+  const pacinian::Rigid Pose = Frame * FHapticSpace::Metres(FTransform(Rotation, Center));
   wire::Placed Made;
   Made.shape = MoveTemp(Shape);
   Made.pose = {{Pose.position.x, Pose.position.y, Pose.position.z},
                {Pose.rotation.x, Pose.rotation.y, Pose.rotation.z, Pose.rotation.w}};
   return Made;
+}
+
+/// Whether a haptic volume, which takes it, is attached to a component.
+bool IsTaken(const USceneComponent& Component) {
+  for (const TObjectPtr<USceneComponent>& Below : Component.GetAttachChildren())
+    if (Cast<UHapticVolumeComponent>(Below.Get())) return true;
+  return false;
+}
+
+/// A component's own, if it has some, and of all below it.
+void Gather(const USceneComponent& Component, TArray<const UPrimitiveComponent*>& Found) {
+  if (const auto* Own = Cast<UPrimitiveComponent>(&Component); HasColliders(Own)) Found.Add(Own);
+  for (const TObjectPtr<USceneComponent>& Below : Component.GetAttachChildren())
+    if (Below && !IsTaken(*Below)) Gather(*Below, Found);
+}
+
+/// The elements of one component. Frame: where it is in that of the whole.
+void Append(const UPrimitiveComponent& Component, const pacinian::Rigid& Frame, wire::Union& Parts) {
+  const FKAggregateGeom& All = const_cast<UPrimitiveComponent&>(Component).GetBodySetup()->AggGeom;
+  const FVector Scale = Component.GetComponentScale();
+  for (const FKSphereElem& Given : All.SphereElems) {
+    const FKSphereElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
+    Parts.parts.push_back(Piece(wire::Sphere{Metres * Elem.Radius}, Frame, Elem.Center, FRotator::ZeroRotator));
+  }
+  for (const FKBoxElem& Given : All.BoxElems) {
+    const FKBoxElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
+    const pacinian::Vec3 Size = pacinian::unreal::to_world(pacinian::Vec3{Elem.X, Elem.Y, Elem.Z});
+    Parts.parts.push_back(Piece(wire::Box{{Size.x, Size.y, Size.z}}, Frame, Elem.Center, Elem.Rotation));
+  }
+  for (const FKSphylElem& Given : All.SphylElems) {
+    const FKSphylElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
+    const bool bBall = Elem.Length <= 0.0f;
+    wire::Primitive Shape = wire::Sphere{Metres * Elem.Radius};
+    if (!bBall) Shape = wire::Capsule{Metres * Elem.Radius, Metres * Elem.Length};
+    Parts.parts.push_back(Piece(MoveTemp(Shape), Frame, Elem.Center, Elem.Rotation));
+  }
+}
+
+void Mix(uint64& Sum, double Value) {
+  uint64 Bits;
+  std::memcpy(&Bits, &Value, sizeof Bits);
+  Sum = (Sum ^ Bits) * 1099511628211ull + (Sum >> 57);
+}
+
+void Mix(uint64& Sum, const FVector& Value) {
+  for (const double Each : {Value.X, Value.Y, Value.Z}) Mix(Sum, Each);
+}
+
+void Mix(uint64& Sum, const FRotator& Value) {
+  for (const double Each : {Value.Pitch, Value.Yaw, Value.Roll}) Mix(Sum, Each);
 }
 
 }  // namespace
@@ -45,31 +98,19 @@ const UPrimitiveComponent* ColliderNear(const USceneComponent& Component) {
   return nullptr;
 }
 
-bool ToWire(const UPrimitiveComponent* Collider, const FVector& Scale, wire::Solid& Made, FString& Problem) {
+bool ToWire(const UPrimitiveComponent* Collider, wire::Solid& Made, FString& Problem) {
   if (!HasColliders(Collider)) {
     Problem = TEXT("there is no sphere, box or capsule to collide with on the actor: add one, or set Shape to Mesh");
     return false;
   }
-  const FKAggregateGeom& All = const_cast<UPrimitiveComponent*>(Collider)->GetBodySetup()->AggGeom;
+  TArray<const UPrimitiveComponent*> Found;
+  Gather(*Collider, Found);
+  const pacinian::Rigid Whole = pacinian::inverse(FHapticSpace::Metres(Collider->GetComponentTransform()));
   wire::Union Parts;
-  for (const FKSphereElem& Given : All.SphereElems) {
-    const FKSphereElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
-    Parts.parts.push_back(Piece(wire::Sphere{Metres * Elem.Radius}, Elem.Center, FRotator::ZeroRotator));
-  }
-  for (const FKBoxElem& Given : All.BoxElems) {
-    const FKBoxElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
-    const pacinian::Vec3 Size = pacinian::unreal::to_world(pacinian::Vec3{Elem.X, Elem.Y, Elem.Z});
-    Parts.parts.push_back(Piece(wire::Box{{Size.x, Size.y, Size.z}}, Elem.Center, Elem.Rotation));
-  }
-  for (const FKSphylElem& Given : All.SphylElems) {
-    const FKSphylElem Elem = Given.GetFinalScaled(Scale, FTransform::Identity);
-    const bool bBall = Elem.Length <= 0.0f;
-    wire::Primitive Shape = wire::Sphere{Metres * Elem.Radius};
-    if (!bBall) Shape = wire::Capsule{Metres * Elem.Radius, Metres * Elem.Length};
-    Parts.parts.push_back(Piece(MoveTemp(Shape), Elem.Center, Elem.Rotation));
-  }
+  for (const UPrimitiveComponent* Each : Found)
+    Append(*Each, Each == Collider ? pacinian::Rigid() : Whole * FHapticSpace::Metres(Each->GetComponentTransform()), Parts);
   if (Parts.parts.size() > wire::MAX_PARTS) {
-    Problem = TEXT("it has more than 16 spheres, boxes and capsules: use fewer, or set Shape to Mesh");
+    Problem = TEXT("it has more than 16 spheres, boxes and capsules, with those attached to it: use fewer, or set Shape to Mesh");
     return false;
   }
   if (Parts.parts.size() > 1)
@@ -77,6 +118,26 @@ bool ToWire(const UPrimitiveComponent* Collider, const FVector& Scale, wire::Sol
   else if (auto* Only = std::get_if<wire::Placed>(&Parts.parts.front()))
     Made = MoveTemp(*Only);
   return true;
+}
+
+uint64 Fingerprint(const UPrimitiveComponent* Collider) {
+  TArray<const UPrimitiveComponent*> Found;
+  if (Collider) Gather(*Collider, Found);
+  uint64 Sum = Found.Num();
+  for (const UPrimitiveComponent* Each : Found) {
+    const FKAggregateGeom& All = const_cast<UPrimitiveComponent*>(Each)->GetBodySetup()->AggGeom;
+    for (const FKSphereElem& Elem : All.SphereElems) Mix(Sum, Elem.Center), Mix(Sum, Elem.Radius);
+    for (const FKBoxElem& Elem : All.BoxElems)
+      Mix(Sum, Elem.Center), Mix(Sum, Elem.Rotation), Mix(Sum, FVector(Elem.X, Elem.Y, Elem.Z));
+    for (const FKSphylElem& Elem : All.SphylElems)
+      Mix(Sum, Elem.Center), Mix(Sum, Elem.Rotation), Mix(Sum, FVector(Elem.Radius, Elem.Length, 0.0));
+    for (const USceneComponent* At = Each; At && At != Collider; At = At->GetAttachParent()) {
+      const FTransform Inside = At->GetRelativeTransform();
+      const FQuat Turn = Inside.GetRotation();
+      Mix(Sum, Inside.GetLocation()), Mix(Sum, FVector(Turn.X, Turn.Y, Turn.Z)), Mix(Sum, Inside.GetScale3D());
+    }
+  }
+  return Sum;
 }
 
 }  // namespace Haptic

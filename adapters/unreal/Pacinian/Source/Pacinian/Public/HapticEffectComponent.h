@@ -31,7 +31,7 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   EHapticStrength Strength = EHapticStrength::RadiationPressure;
 
   /** How hard it presses where it is touched [Pa]. */
-  UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (ClampMin = "0", EditCondition = "Strength == EHapticStrength::RadiationPressure", EditConditionHides))
+  UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (ClampMin = "0", UIMax = "20", EditCondition = "Strength == EHapticStrength::RadiationPressure", EditConditionHides))
   float RadiationPressure = 8.0f;
 
   /** How hard it presses altogether [N]. */
@@ -107,6 +107,13 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetForce(float NewForce);
 
+  /** The radiation pressure, from 0 to 1: its share of the full one in Project Settings, Plugins, Pacinian. */
+  UFUNCTION(BlueprintCallable, Category = "Haptics")
+  void SetRelativeStrength(float Share);
+
+  UFUNCTION(BlueprintPure, Category = "Haptics")
+  float GetRelativeStrength() const;
+
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetEnvelope(UHapticEnvelope* NewEnvelope);
 
@@ -135,6 +142,9 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
  protected:
   /** Its shape, as the server knows it. False, with the problem, if it has none. */
   virtual bool Describe(FHapticBody&, FString&) const PURE_VIRTUAL(UHapticEffectComponent::Describe, return false;);
+
+  /** A number that is another if its shape is, but for its scale. */
+  virtual uint64 GetShapeFingerprint() const { return 0; }
 
   /** What its shape is part of and moves with. */
   virtual const USceneComponent* GetShapeOwner() const { return this; }

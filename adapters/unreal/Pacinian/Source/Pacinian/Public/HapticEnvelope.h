@@ -5,9 +5,11 @@
 
 #include "HapticEnvelope.generated.h"
 
+class UCurveFloat;
+
 /** How an effect's strength changes with time. */
 UENUM(BlueprintType)
-enum class EHapticEnvelope : uint8 { Constant, Sine, Square, Pulse, Noise, Preset, Wave };
+enum class EHapticEnvelope : uint8 { Constant, Sine, Square, Pulse, Noise, Preset, Wave, Curve };
 
 /** Textures of Hasegawa and Shinoda. */
 UENUM(BlueprintType)
@@ -90,8 +92,12 @@ class PACINIAN_API UHapticEnvelope : public UDataAsset {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (ClampMin = "1", Units = "Hz", EditCondition = "Kind == EHapticEnvelope::Wave", EditConditionHides))
   float Rate = 1000.0f;
 
+  /** Strength, 0 to 1, over time [s], from 0 to its last key. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (EditCondition = "Kind == EHapticEnvelope::Curve", EditConditionHides))
+  TObjectPtr<UCurveFloat> Curve;
+
   /** Again and again, or once. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (EditCondition = "Kind == EHapticEnvelope::Wave", EditConditionHides))
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (EditCondition = "Kind == EHapticEnvelope::Wave || Kind == EHapticEnvelope::Curve", EditConditionHides))
   bool bLoop = true;
 
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (EditCondition = "Kind == EHapticEnvelope::Wave", EditConditionHides))

@@ -22,7 +22,8 @@ struct Refusal;
 struct FHapticLink;
 
 /**
- * The connection to `pacinian serve`, which lets the level's haptic components be felt. One in each level.
+ * The connection to `pacinian serve`, which lets the level's haptic components be felt. Of several in a level the first is used;
+ * the others wait, say so, and one takes over when it goes.
  *
  * It tells the server in each frame that the game is alive: a game that hangs, crashes or is paused in a debugger falls
  * silent. The game's thread never waits for the server; only the end of a connection may take up to half a second.
@@ -34,7 +35,8 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
  public:
   UHapticServerComponent();
 
-  /** The server's connection file. Empty: that of PACINIAN_CONNECTION, or where `pacinian serve` writes it. */
+  /** The server's connection file, or its content, which begins with {, as on a headset. Empty: that of PACINIAN_CONNECTION, or
+   * where `pacinian serve` writes it. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   FString ConnectionFile;
 
@@ -221,6 +223,8 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   const TSharedPtr<FHapticLink>& GetLink() const { return Link; }
 
  private:
+  void Start();
+  FString GetWaiting() const;
   void Begun();
   void Refused(const pacinian::Refusal& Told);
   void Ended(const FString& Code, const FString& Message);
@@ -232,5 +236,6 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   FDelegateHandle Exit;
   FString Complaint;     ///< what the server last refused in this session
   bool bFirst = false;   ///< no session since Connect
+  bool bWaits = false;   ///< until the one that is used is gone
   bool bWanted = false;  ///< armed, and not disarmed since
 };

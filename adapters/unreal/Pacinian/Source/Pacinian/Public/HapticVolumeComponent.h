@@ -31,7 +31,8 @@ class PACINIAN_API UHapticVolumeComponent : public UHapticEffectComponent {
   GENERATED_BODY()
 
  public:
-  /** Colliders are those of the component that this one is attached to, or else of the actor's first that has some. */
+  /** Colliders are those of the component that this one is attached to, or else of the actor's first that has some, and of
+   * all that are attached below that one. A change of them is noticed. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticVolume Shape = EHapticVolume::Colliders;
 
@@ -49,4 +50,5 @@ class PACINIAN_API UHapticVolumeComponent : public UHapticEffectComponent {
  protected:
   virtual bool Describe(FHapticBody& Body, FString& Problem) const override;
   virtual const USceneComponent* GetShapeOwner() const override;
+  virtual uint64 GetShapeFingerprint() const override;
 };

@@ -22,6 +22,10 @@ class PACINIAN_API UPacinianSettings : public UDeveloperSettings {
   UPROPERTY(Config, EditAnywhere, Category = "Server")
   TArray<FString> ServerArguments;
 
+  /** The radiation pressure of an effect whose relative strength is 1 [Pa]. */
+  UPROPERTY(Config, EditAnywhere, Category = "Effects", meta = (ClampMin = "0.001"))
+  float FullPressure = 20.0f;
+
   /** Solvers to choose from; those of the last server that was connected. */
   UPROPERTY(Transient)
   TArray<FString> Solvers;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "checking.h"
 #include "inside.h"
 #include "pacinian/wire/bulk.h"
 
@@ -38,7 +39,16 @@ double steady_clock() {
 
 template <class Act>
 bool Client::Inside::tell(Act act) {
-  return worker && worker->mailbox().tell(session, act);
+  return is_games_thread("a call") && worker && worker->mailbox().tell(session, act);
+}
+
+/// Whether a call comes from the thread that ticked last, or none has; if not, that is told, once.
+bool Client::Inside::is_games_thread(const char* call) {
+  const std::thread::id game = thread.load();
+  if (game == std::thread::id() || game == std::this_thread::get_id()) return true;
+  const std::lock_guard<std::mutex> guard(lock);
+  if (!std::exchange(told_thread, true)) wrong_call = call;
+  return false;
 }
 
 template <class Act>
@@ -53,7 +63,7 @@ bool Client::Inside::ask(Request request) {
 
 /// Refuses aloud what is lost without a session: once, until the next. Not what is sent in each frame.
 bool Client::Inside::told(const char* what, bool done) {
-  if (done || std::exchange(told_no_session, true)) return done;
+  if (done || !is_games_thread(what) || std::exchange(told_no_session, true)) return done;
   const std::string start = worker ? "" : "call start, and ";
   refusals.push_back({"session", std::string("`") + what + "` was asked for, but there is no session", "",
                       start + "do it when on.connected is called"});
@@ -61,6 +71,11 @@ bool Client::Inside::told(const char* what, bool done) {
 }
 
 bool Client::put(std::string_view name, wire::Object object) {
+  Refusal why;
+  if (in_->is_games_thread("put") && client::refuse(name, object, why)) {
+    in_->refusals.push_back(std::move(why));
+    return false;
+  }
   return in_->told("put", in_->command([&](Outbox& box, Stamp stamp) {
     box.put(name, std::move(object), stamp);
   }));

@@ -51,9 +51,10 @@ void Client::tick() {
   Inside& in = *in_;
   if (in.ticks) return;  // called by one of the events
   in.ticks = true;
+  in.thread = std::this_thread::get_id();
   const int closed = in.closed;
   bool newer = false;
-  std::string problem;
+  std::string problem, wrong;
   if (in.worker) {
     const auto pause = in.worker->mailbox().tick(in.options.clock());
     if (in.view.armed && pause.game > in.view.lease && on.stood_still)
@@ -65,8 +66,12 @@ void Client::tick() {
   {
     const std::lock_guard<std::mutex> guard(in.lock);
     std::swap(problem, in.stop_problem);
+    std::swap(wrong, in.wrong_call);
   }
   if (!problem.empty() && on.refused) on.refused({"stop", problem, "", "try again"});
+  if (!wrong.empty() && on.refused)
+    on.refused({"thread", "`" + wrong + "` was called from another thread than `tick`, and did nothing", "",
+                "call it from the thread that calls tick; only stop may be called from any"});
   for (const Refusal& refusal : std::exchange(in.refusals, {}))
     if (on.refused) on.refused(refusal);
   for (Event& event : in.events)

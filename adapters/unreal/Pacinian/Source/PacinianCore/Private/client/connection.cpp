@@ -49,9 +49,15 @@ bool decode(const std::string& content, Connection& out, std::string& problem) {
 
 }  // namespace
 
+bool is_text(const std::string& path) { return !path.empty() && path.front() == '{'; }
+
 bool Connection::read(const std::string& path, std::string& problem) {
-  const std::string at = where(path);
   std::string content, why;
+  if (is_text(path)) {
+    if (decode(path, *this, why)) return true;
+    return problem = "the text of the connection is no connection file: " + why, false;
+  }
+  const std::string at = where(path);
   switch (read_secret(at, wire::FlatJson::longest, content, why)) {
     case Secret::absent:
       return problem = at + ": no connection file; " + fix, false;

@@ -22,9 +22,13 @@ struct Connection {
     return channel == Channel::control ? control : channel == Channel::command ? command : state;
   }
 
-  /// Reads the file of a running server. False, with the problem and the fix, if there is none.
+  /// Reads the file of a running server, or its content, whose server may be on another machine. False, with the problem and
+  /// the fix, if there is none.
   bool read(const std::string& path, std::string& problem);
 };
+
+/// Whether that is the content of a connection file, and not its path.
+bool is_text(const std::string& path);
 
 /// The connection file: `path`, or as the environment variable PACINIAN_CONNECTION says, or where the
 /// server of this user writes it.

@@ -135,7 +135,6 @@ bool Dialogue::flush(Outbox& outbox, double now, Outlet& outlet) {
   if (!connected()) return true;
   Courier courier{outlet, welcome.session, sequence_, writer_};
   const bool all = outbox.flush(now, courier);
-  for (Refusal& refusal : courier.refused) tell(Event::Kind::refused, std::move(refusal));
   return all;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "pacinian/client.h"
@@ -22,6 +24,7 @@ struct Client::Inside {
   bool command(Act act);
   bool ask(client::Request request);
   bool told(const char* what, bool done);
+  bool is_games_thread(const char* call);
   void dispatch(client::Event& event, const Events& on);
   void stopped(const std::string& problem);
 
@@ -38,6 +41,9 @@ struct Client::Inside {
   std::mutex lock;  ///< of what stops from other threads need
   std::unique_ptr<client::Worker> worker;
   std::string stop_problem;
+  std::string wrong_call;  ///< that came from another thread than the game's
+  bool told_thread = false;
+  std::atomic<std::thread::id> thread{std::thread::id()};  ///< that ticked last
   client::Stopper stopper;  ///< destroyed first: it uses the others
 };
 

@@ -1,7 +1,6 @@
 #include "outbox.h"
 #include "pacinian/wire/bulk.h"
 #include "pacinian/wire/protocol.h"
-#include "pacinian/wire/reader.h"
 #include "pacinian/wire/writer.h"
 
 namespace pacinian::client {
@@ -10,28 +9,13 @@ namespace {
 
 constexpr std::size_t most = wire::MAX_OBJECTS;  // in one message
 constexpr std::size_t full = 900'000;     // [bytes] of objects in one message
-constexpr std::size_t largest = wire::MAX_COMMAND_BYTES - 1024;  // [bytes] of one object: the rest is for other fields
 constexpr std::size_t kept = 1024;        // names that are remembered: more than a server takes
 constexpr double moment = 0.01;           // [s] within which what was asked for is of one time
 
-/// Whether a reader would take it: one wrong object must not take the others of its message with it.
-bool acceptable(const std::string& name, const wire::Object& object, std::size_t& size, Courier& courier) {
+std::size_t measure(const wire::Object& object) {
   wire::Writer writer;
   writer.put(object);
-  size = writer.size();
-  wire::Reader reader(writer.data(), size);
-  wire::Object again;
-  const std::string path = "$.objects[" + name + "]";
-  if (size > largest) {
-    const std::string problem = "is " + std::to_string(size) + " bytes: keep to ";
-    courier.refused.push_back({"limit", problem + std::to_string(largest), path, ""});
-    return false;
-  }
-  if (reader.one_of(again) && reader.done()) return true;
-  const wire::WireError error = reader.error();
-  const std::string inside = error.path.empty() ? "" : error.path.substr(1);  // after "$"
-  courier.refused.push_back({"malformed", error.problem, path + inside, ""});
-  return false;
+  return writer.size();
 }
 
 }  // namespace
@@ -85,19 +69,15 @@ bool Outbox::send_puts(Courier& courier) {
   while (gather(&Waiting::put)) {
     wire::Put message;
     std::size_t filled = 0, count = 0;
-    for (Entry*& entry : batch_) {
-      std::size_t size = 0;
-      if (!acceptable(entry->first, entry->second.object, size, courier)) {
-        entry->second.put.waits = false;
-        continue;
-      }
+    for (const Entry* entry : batch_) {
+      const std::size_t size = measure(entry->second.object);
       if (count > 0 && filled + size > full) break;
       message.objects.emplace_back(entry->first, entry->second.object);
       filled += size;
-      std::swap(entry, batch_[count++]);
+      ++count;
     }
     batch_.resize(count);
-    if (count > 0 && !courier.send(message, stamp_)) return false;
+    if (!courier.send(message, stamp_)) return false;
     sent(&Waiting::put);
   }
   return true;

@@ -31,7 +31,6 @@ struct Courier {
   const wire::Bytes& session;
   std::int64_t& sequence;
   wire::Writer& writer;
-  std::vector<Refusal> refused = {};  ///< what no server would take, and was not sent
 
   /// False if there is no room.
   template <class Command>

@@ -76,6 +76,8 @@ ServerProcess::~ServerProcess() { stop(); }
 bool ServerProcess::start() {
   Inside& in = *in_;
   if (runs()) return true;
+  if (client::is_text(in.options.connection_path))
+    return in.problem = "a connection that is given as text is of a server elsewhere: none is started here", false;
   const double now = steady_clock();
   in.wanted = true;
   in.pause = first_pause;

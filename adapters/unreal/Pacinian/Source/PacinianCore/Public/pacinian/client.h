@@ -19,7 +19,8 @@
 
 namespace pacinian {
 
-/// A session with `pacinian serve`. Belongs to one thread, the game's, but for `stop`; never blocks it.
+/// A session with `pacinian serve`. Belongs to one thread, the game's, but for `stop`; never blocks it. Calls from another
+/// thread than the one that ticks do nothing, and `on.refused` tells that.
 ///
 /// A thread of its own connects, and again after each loss, sends, and listens. Of what has not been sent yet only the
 /// newest for each object is kept. The lease is renewed only as long as `tick` is called, so that a game that hangs
@@ -68,7 +69,8 @@ class Client {
   /// How long ago a state was published [s]; right to half of the shortest round trip.
   PACINIANCORE_API double age(const wire::State& state) const;
 
-  /// An object of that name: new, or in place of the one before.
+  /// An object of that name: new, or in place of the one before. What the server would refuse is refused here, by name:
+  /// false, and `on.refused` is called by the next tick.
   PACINIANCORE_API bool put(std::string_view name, wire::Object object);
   /// A new pose. motion: from now on; unless given it stands still. What is beyond 10 m or 100 m/s is taken for that.
   PACINIANCORE_API bool move(std::string_view name, const wire::Pose& pose,

@@ -13,7 +13,9 @@ PACINIANCORE_API double steady_clock();
 
 /// How to connect, and as whom.
 struct Options {
-  std::string connection_path;  ///< unless given, that of PACINIAN_CONNECTION, or where the server writes it
+  /// Unless given, that of PACINIAN_CONNECTION, or where the server writes it. Or the file's content, which begins with {: for a
+  /// server whose files this program cannot read, as from a headset.
+  std::string connection_path;
   std::string name = "game";    ///< of the client, for people
   std::string scene;            ///< clients of one name share a scene; one of its own unless given
   std::optional<double> lease;  ///< from the last tick to silence [s]; at most, and unless given, the server's

@@ -3,7 +3,7 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>A hand that feels an object, as the server renders it. Lengths in the array's frame [m].</summary>
-    public struct Touch
+    public struct HandTouch
     {
         /// <summary>Name of the object.</summary>
         public string Object;
@@ -20,9 +20,9 @@ namespace Pacinian
         /// <summary>That pressure over the object's own, 0..1.</summary>
         public double Strength;
 
-        internal static Touch Of(TouchState state)
+        internal static HandTouch Of(TouchState state)
         {
-            return new Touch
+            return new HandTouch
             {
                 Object = state.Object, Hand = state.Hand, Position = state.Position,
                 Pressure = state.Pressure, Strength = state.Strength,

@@ -1,0 +1,60 @@
+using Leap;
+#if !PACINIAN_ULTRALEAP_7
+using Leap.Unity;
+#endif
+using UnityEngine;
+
+namespace Pacinian.Haptics
+{
+    /// <summary>A hand of Ultraleap's tracker, by its Unity plugin (com.ultraleap.tracking).</summary>
+    [AddComponentMenu("Pacinian/Leap Hand")]
+    public sealed class LeapHandProvider : HandProvider
+    {
+        [SerializeField, Tooltip("A left hand.")] private bool left;
+        [SerializeField, Tooltip("Empty: the scene's.")] private LeapProvider tracker;
+
+        private readonly Vector3[] _bones = new Vector3[2 * LeapHand.Digits * LeapHand.Bones];
+        private readonly float[] _widths = new float[LeapHand.Digits * LeapHand.Bones];
+
+        /// <inheritdoc/>
+        public override bool TryGet(Vector3[] positions, float[] radii)
+        {
+            tracker = tracker == null ? Hands.Provider : tracker;
+            Frame frame = tracker == null ? null : tracker.CurrentFrame;
+            for (int i = 0; frame != null && i < frame.Hands.Count; i++)
+            {
+                if (frame.Hands[i].IsLeft == left)
+                {
+                    return Write(frame.Hands[i], positions, radii);
+                }
+            }
+            return false;
+        }
+
+        /// <summary>The plugin tells hands in the world: an origin is not needed.</summary>
+        public override void Follow(bool left, Transform origin)
+        {
+            this.left = left;
+        }
+
+        private bool Write(Hand hand, Vector3[] positions, float[] radii)
+        {
+            for (int digit = 0; digit < LeapHand.Digits; digit++)
+            {
+#if PACINIAN_ULTRALEAP_7
+                Finger finger = hand.fingers[digit];
+#else
+                Finger finger = hand.Fingers[digit];
+#endif
+                for (int bone = 0; bone < LeapHand.Bones; bone++)
+                {
+                    int index = (digit * LeapHand.Bones) + bone;
+                    _bones[2 * index] = finger.bones[bone].PrevJoint;
+                    _bones[(2 * index) + 1] = finger.bones[bone].NextJoint;
+                    _widths[index] = finger.bones[bone].Width;
+                }
+            }
+            return LeapHand.Write(_bones, _widths, hand.Arm.NextJoint, positions, radii);
+        }
+    }
+}

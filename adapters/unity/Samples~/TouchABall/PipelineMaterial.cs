@@ -1,0 +1,20 @@
+using UnityEngine;
+using UnityEngine.Rendering;
+
+namespace Pacinian.Samples
+{
+    /// <summary>Gives its object the default material of the render pipeline, so that nothing is pink with URP or HDRP.</summary>
+    [ExecuteAlways]
+    [AddComponentMenu("Pacinian/Samples/Pipeline Material")]
+    public sealed class PipelineMaterial : MonoBehaviour
+    {
+        private void OnEnable()
+        {
+            RenderPipelineAsset pipeline = GraphicsSettings.currentRenderPipeline; // none: the built-in one
+            if (pipeline != null && pipeline.defaultMaterial != null)
+            {
+                GetComponent<Renderer>().sharedMaterial = pipeline.defaultMaterial;
+            }
+        }
+    }
+}

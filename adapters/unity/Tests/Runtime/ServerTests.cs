@@ -1,0 +1,82 @@
+using System.IO;
+using NUnit.Framework;
+using UnityEngine;
+
+namespace Pacinian.Haptics.Tests
+{
+    public sealed class ServerTests
+    {
+        private readonly GameObject _first = new GameObject("first"), _second = new GameObject("second");
+
+        [TearDown]
+        public void Clean()
+        {
+            UnityEngine.Object.DestroyImmediate(_first);
+            UnityEngine.Object.DestroyImmediate(_second);
+            HapticServer.StopServer();
+            PacinianSettings.Forget();
+        }
+
+        [Test]
+        public void ASecondOneSaysWhyItWaitsAndTakesOver()
+        {
+            HapticServer first = Server(_first), second = Server(_second);
+            Assert.IsTrue(HapticServer.Current == first);
+            Assert.AreEqual("", first.Problem);
+            Assert.IsTrue(second.Problem.Contains("that of \"first\" is used"), second.Problem);
+            Assert.AreEqual(second.Problem, second.Silence);
+            second.Connect();
+            Assert.IsTrue(second.Status == ClientStatus.Stopped);
+            first.enabled = false;
+            Assert.IsTrue(HapticServer.Current == second);
+            second.SendMessage("Update");
+            Assert.AreEqual("", second.Problem);
+        }
+
+        [Test]
+        public void TheFirstMayStayWhenAnotherSceneIsLoaded()
+        {
+            int before = UnityEngine.Object.Kept.Count;
+            _second.transform.SetParent(_first.transform, false);
+            _second.SetActive(false);
+            HapticServer server = Server(_second);
+            server.KeepAcrossScenes = true;
+            _second.SetActive(true);
+            Assert.AreEqual(before + 1, UnityEngine.Object.Kept.Count);
+            Assert.IsTrue(UnityEngine.Object.Kept[before] == _first, "with all that is above");
+        }
+
+        [Test]
+        public void AnArrayOriginThatGoesLeavesItsPlaceToTheNext()
+        {
+            ArrayOrigin first = _first.AddComponent<ArrayOrigin>(), second = _second.AddComponent<ArrayOrigin>();
+            Assert.IsTrue(ArrayOrigin.Current == first);
+            first.enabled = false;
+            Assert.IsTrue(ArrayOrigin.Current == second);
+        }
+
+        [Test]
+        public void TheServerThatIsStartedIsTheProjectsOwnOrTheOneThatItNames()
+        {
+            PacinianSettings.Current.ServerCommand = "elsewhere/pacinian";
+            Assert.AreEqual("elsewhere/pacinian", StartedServer.Program);
+            string folder = Path.Combine(Path.GetTempPath(), "pacinian-test-" + System.Guid.NewGuid().ToString("N"));
+            string before = Application.streamingAssetsPath;
+            Application.streamingAssetsPath = folder;
+            Directory.CreateDirectory(Path.Combine(folder, "pacinian"));
+            string own = Path.Combine(Path.Combine(folder, "pacinian"), Path.DirectorySeparatorChar == '/' ? "pacinian" : "pacinian.exe");
+            File.WriteAllText(own, "");
+            Assert.AreEqual(own, StartedServer.Program);
+            Directory.Delete(folder, true);
+            Application.streamingAssetsPath = before;
+        }
+
+        private static HapticServer Server(GameObject owner)
+        {
+            HapticServer server = owner.AddComponent<HapticServer>();
+            server.ConnectOnPlay = false;
+            server.Disconnect();
+            return server;
+        }
+    }
+}
