@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import signal
 from typing import TYPE_CHECKING
 
 import pytest
+import zmq
 
 import pacinian as pc
+from pacinian.client import link, server_session
 from pacinian_lab.server.faults.device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.server import Server
 
+from ..waiting import eventually
 from .game import LEASE, Game
 
 if TYPE_CHECKING:
@@ -18,6 +22,8 @@ if TYPE_CHECKING:
 
 HASTY = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 8.0\n"
 """A guard that may sound hangs after an eighth of it."""
+RENEWALS = 1500
+"""Of a game at 1 kHz, until its link ends because nothing answers."""
 
 
 @pytest.mark.parametrize("part", ["render", "bus", "guard"])
@@ -57,6 +63,21 @@ def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> 
         finally:
             server.signal("control", signal.SIGCONT)
         game.sound()
+
+
+def test_a_control_that_stood_still_goes_on_whatever_a_client_sent_before_it_left(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """libzmq would end it, at a heartbeat behind a full queue of a closed connection."""
+    monkeypatch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_IVL, 1)
+    monkeypatch.setattr(server_session, "FAREWELL", 0.0)
+    sent = itertools.count()
+    with pc.Client(server.file) as client:
+        server.signal("control", signal.SIGSTOP)
+        eventually(lambda: next(sent) > RENEWALS, client.renew)
+    server.signal("control", signal.SIGCONT)
+    with Game(server):
+        assert server.process.poll() is None
 
 
 def test_a_device_that_is_unplugged_is_a_fault_until_it_is_back_and_reset(game: Game) -> None:

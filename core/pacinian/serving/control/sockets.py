@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 # Longest message from a subscriber [bytes]; its handshake is the longest.
 SUBSCRIPTION = 4096
+# Number of requests that may wait from one client: more than a game sends at 1 kHz until its heartbeat notices that
+# control stands still. libzmq 4.3 aborts (`!_io_error`) at a heartbeat behind a full queue of a closed connection.
+WAITING = 2048
 # Number of states queued for a slow subscriber before it misses some.
 FRESH = 8
 REFUSED = {
@@ -61,6 +64,7 @@ class ControlSockets(Closing):
             self._state = stack.enter_context(context.socket(zmq.PUB))
             gate.protect(self._control, MAX_CONTROL_BYTES)
             gate.protect(self._state, SUBSCRIPTION)
+            self._control.rcvhwm = WAITING
             self._state.sndhwm = FRESH
             self._monitors = [
                 stack.enter_context(socket.get_monitor_socket(WATCHED))
