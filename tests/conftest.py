@@ -6,8 +6,9 @@ import importlib
 import os
 import shutil
 import signal
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import settings
@@ -25,6 +26,10 @@ PATH = f"{os.environ.get('PATH', '')}{os.pathsep}/usr/sbin"  # QEMU's helpers ar
 # long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# The processes that tests start would compile all of Pacinian, each time that one starts.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 if (
     signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 ):  # run in the background: programs that we start would ignore it, too
@@ -32,10 +37,13 @@ if (
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None, database=None, print_blob=True)
+FEW = 4  # of the examples of a property, one in so many is tried; the deep tests try all of them
+FEWEST = 5
+SETTINGS = "_hypothesis_internal_use_settings"  # of a property; it has no public name
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Use random examples in the deep tests and fixed ones in all others. Build the kernels once."""
+    """Use random examples in the deep tests, and a few fixed ones in all others. Build the kernels once."""
     if not config.getoption("--hypothesis-profile"):
         settings.load_profile("random" if is_deep(config) else "fixed")
     if config.option.numprocesses and not config.option.collectonly:  # only in the main process
@@ -50,13 +58,28 @@ def is_deep(config: pytest.Config) -> bool:
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects tests
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Sort tests into tiers. Files whose tests share a slow fixture come first."""
+    properties = set()
     for item in items:
+        test = getattr(item, "obj", None)
         if item.path.is_relative_to(BENCHMARKS):
             item.add_marker("benchmark")
-        elif is_deep(config) and getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
-            item.add_marker("deep")
+        elif getattr(test, "is_hypothesis_test", False):
+            properties.add(test)
+            if is_deep(config):
+                item.add_marker("deep")
+    if not is_deep(config) and not config.getoption("--hypothesis-profile"):
+        for test in properties:
+            try_fewer_examples(test)
     first = {item.path for item in items if shares_fixtures(item)}
     items.sort(key=lambda item: item.path not in first)
+
+
+def try_fewer_examples(test: Any) -> None:
+    """Limit the examples of a property. State machines, which are classes, keep theirs."""
+    own = getattr(test, SETTINGS, None)
+    if own is not None:
+        fewer = max(own.max_examples // FEW, min(own.max_examples, FEWEST))
+        setattr(test, SETTINGS, settings(own, max_examples=fewer))
 
 
 def shares_fixtures(item: pytest.Item) -> bool:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import pytest
 
 from pacinian_lab.server.faults.server import Server
 from pacinian_lab.server.fuzz import run, tables
 
 from ..waiting import PATIENCE
 
-if TYPE_CHECKING:
-    import pytest
-
 MESSAGES, SECONDS = 5_000, 600.0
 BUSY = 10  # times what is aimed at: the tests' machine does other things, too
 
 
+@pytest.mark.deep
 def test_a_flood_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     terminate = Server.terminate
     monkeypatch.setattr(Server, "terminate", lambda self, wait=PATIENCE: terminate(self, wait))

@@ -12,6 +12,8 @@ from pacinian_plugins.backends.autd3 import Autd3
 from ...waiting import PATIENCE
 from .loopback import PATIENT, frame, lost
 
+SHORT = 0.1  # [s]
+
 
 def test_on_the_emulator() -> None:
     check_backend(
@@ -25,6 +27,7 @@ def test_on_the_units_own_software() -> None:
         """End it; that it is gone is known when it has not answered for long enough."""
         backend.line.units = None
         lost(backend, lambda: frame(next(sequence)))
+        backend.line._timeout = SHORT  # it is silenced and closed without waiting for answers
 
     sequence = iter(range(1, 1 << 20))
     check_backend(lambda: Autd3(link="loopback", **PATIENT), lose=lose, limit=PATIENCE)
