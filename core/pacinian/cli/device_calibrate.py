@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 from pacinian.cli.doctor_rules import Finding
 
@@ -71,6 +70,8 @@ def calibrate(
     the microphone, better 12, at different heights. The result has standard errors. It replaces all strengths, phases
     and dead channels of FILE. This command drives no device; docs/devices.md explains how to measure.
     """
+    import numpy as np
+
     from pacinian.acoustics.air import Air
     from pacinian.checks import check_number
     from pacinian.cli.doctor import print_findings
@@ -143,6 +144,8 @@ def _judge_strength(
     fit: ScanFit, scan: Scan, device: DeviceDescription, sensitivity_error: float
 ) -> Finding:
     """Return P0 and what to do about it. sensitivity_error: relative standard error of the microphone's sensitivity."""
+    import numpy as np
+
     described, error = device.transducer.pressure, np.hypot(fit.pressure_error, sensitivity_error)
     text = f"P0 is {fit.pressure:.4g} {scan.unit or 'units'} m"
     if scan.unit != "Pa":
@@ -159,6 +162,8 @@ def _judge_strength(
 
 def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
     """Return the findings of a fit. names: of the transducers. known: errors of the pose before, (6,) [m], [rad]."""
+    import numpy as np
+
     from pacinian.acoustics.air import Air
 
     good = ~fit.dead & ~fit.unseen

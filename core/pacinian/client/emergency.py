@@ -1,19 +1,14 @@
-"""An emergency stop that needs no session, from any thread or program."""
+"""An emergency stop that needs no session, from any thread or program. It loads little, because it is urgent."""
 
 from __future__ import annotations
 
+import contextlib
 import time
 from typing import TYPE_CHECKING
 
-import zmq
-
 from pacinian.client.connection_file import resolve_connection
-from pacinian.client.link import Link, milliseconds
 from pacinian.errors import ConnectionLost, Refused
-from pacinian.wire.codec import encode
-from pacinian.wire.control import Stop
 from pacinian.wire.emergency import request_stop
-from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,26 +33,31 @@ def emergency_stop(
     given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
     if given.stop and request_stop(given.stop, given.secret, timeout):
         return
-    with zmq.Context() as context:
-        link = Link(context, given, given.control)
-        try:
-            _ask(link, deadline, timeout)
-        finally:
-            link.close()
+    _stop_by_connection(given, deadline, timeout)
 
 
-def _ask(link: Link, deadline: float, timeout: float) -> None:
-    poller = zmq.Poller()
-    poller.register(link.socket, zmq.POLLIN)
-    poller.register(link.monitor, zmq.POLLIN)
-    sent = link.send(encode(Stop(id=1)), timeout)
-    while sent and (left := deadline - time.perf_counter()) > 0.0:
-        ready = dict(poller.poll(milliseconds(left)))
-        for reply in link.receive() if link.socket in ready else ():
-            if isinstance(reply, Ok) and reply.id == 1:
-                return
-            if isinstance(reply, Error):
-                raise Refused(reply.code, reply.message, reply.path, reply.advice)
-        if link.monitor in ready:
-            raise link.read_loss()
-    raise ConnectionLost(f"the server at {link.at} has not confirmed the stop in {timeout:g} s")
+def _stop_by_connection(given: Connection, deadline: float, timeout: float) -> None:
+    import zmq
+
+    from pacinian.client.link import Link, milliseconds
+    from pacinian.wire.codec import encode
+    from pacinian.wire.control import Stop
+    from pacinian.wire.replies import Error, Ok
+
+    with zmq.Context() as context, contextlib.closing(Link(context, given, given.control)) as link:
+        poller = zmq.Poller()
+        poller.register(link.socket, zmq.POLLIN)
+        poller.register(link.monitor, zmq.POLLIN)
+        sent = link.send(encode(Stop(id=1)), timeout)
+        while sent and (left := deadline - time.perf_counter()) > 0.0:
+            ready = dict(poller.poll(milliseconds(left)))
+            for reply in link.receive() if link.socket in ready else ():
+                if isinstance(reply, Ok) and reply.id == 1:
+                    return
+                if isinstance(reply, Error):
+                    raise Refused(reply.code, reply.message, reply.path, reply.advice)
+            if link.monitor in ready:
+                raise link.read_loss()
+    raise ConnectionLost(
+        f"the server at {given.control} has not confirmed the stop in {timeout:g} s"
+    )

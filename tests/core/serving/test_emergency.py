@@ -33,6 +33,12 @@ if TYPE_CHECKING:
 
 posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
 FEW = 64  # open files
+COMMAND = f"""
+import sys
+from pacinian.cli.main import cli
+cli(["stop", "--connection", sys.argv[1], "--timeout", "{int(PATIENCE / 2)}"], standalone_mode=False)
+print(*sys.modules)
+"""
 STRANGERS = 200
 
 
@@ -46,9 +52,21 @@ def test_it_stops_without_a_connection_and_is_confirmed_when_it_is_done(server: 
 
 
 def test_a_client_needs_nothing_else(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("pacinian.client.emergency.Link", None)
+    monkeypatch.setattr("pacinian.client.link.Link", None)
     emergency_stop(server.path, timeout=PATIENCE)
     assert server.permit().stopped == 1
+
+
+def test_the_command_loads_little_because_on_a_busy_machine_that_takes_seconds(server: Any) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND, str(server.path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert server.permit().stopped == 1
+    assert not {"numpy", "zmq", "asyncio", "pacinian.wire.codec"} & set(done.stdout.split())
 
 
 def test_who_has_not_the_secret_is_not_answered_and_does_not_stop(server: Any) -> None:
