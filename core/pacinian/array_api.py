@@ -2,7 +2,7 @@
 
 The functions use only the array API standard (https://data-apis.org/array-api), and the device and precision of their
 arguments. With PyTorch or JAX, gradients flow through them. Libraries that do not follow the standard by themselves
-need array-api-compat: `pip install "pacinian[arrays]"`. For NumPy on a CPU, `pacinian.field` and `pacinian.solve` are
+need array-api-compat, the extra `arrays`. For NumPy on a CPU, `pacinian.field` and `pacinian.solve` are
 faster.
 """
 

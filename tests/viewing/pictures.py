@@ -18,6 +18,7 @@ import pacinian as pc
 from pacinian.scene.setup import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing.server import run_server
+from pacinian.viewing import slices
 
 from .browser import chromium, seen
 from .watching import viewer
@@ -73,6 +74,7 @@ class Game:
 def pictures() -> Iterator[tuple[str, bytes]]:
     """Name and PNG of each."""
     settings = Settings(array=Units(3, 3), safety=Safety(lease=10.0))
+    slices.CALM = 0  # the field comes also if the machine is busy
     with (
         run_server(settings) as server,
         viewer(server.connection) as url,
@@ -80,7 +82,6 @@ def pictures() -> Iterator[tuple[str, bytes]]:
         seen(browser, url, SIZE) as shown,
     ):
         page = shown.page
-        page.select_option("#slice-size", "0.1")
         with Game(server.connection, BALL, HAND):
             settle(shown, "ball")
             yield "viewer-hand", page.screenshot()
@@ -116,6 +117,8 @@ def settle(shown: Seen, name: str) -> None:
     for button in ("[data-from=home]", "[data-from=near]"):
         shown.page.click(button)
     shown.page.wait_for_timeout(SETTLED)
+    before = shown.get("slices")
+    shown.until(lambda: shown.get("slices") > before + 1)
 
 
 def reduced(data: bytes) -> Image.Image:

@@ -20,15 +20,20 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
-    from pacinian.types import Gains
+    from pacinian.types import Floats, Gains
 
 ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
 SAMPLE_MARGIN = 0.13  # margin around the samples in the view from below [m]
 DOT = 0.005  # diameter of a sample [m]
-LONE_DOT = 0.009  # the same where nothing else is above the array [m]
+LONE_DOT, RIM = (
+    0.014,
+    1.4,
+)  # [m] the same where nothing else is above the array, and its rim's share of that
 ZOOMS, LONE_ZOOM = (1.42, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
+APART = 0.65  # largest diameter of a sample, over the distance to the next
 MAP = "inferno"
+INK = 0.12, 0.14, 0.18
 
 
 def scene(
@@ -65,6 +70,12 @@ def scene(
     return page
 
 
+def _find_dot(q: Floats) -> float:
+    """Return the diameter of samples at q, (M, 3) [m], so that those of a curve stay apart [m]."""
+    away = np.sqrt(((q[:, None] - q) ** 2).sum(axis=2)) + np.diag(np.full(len(q), np.inf))
+    return min(LONE_DOT, APART * float(away.min(initial=np.inf)))
+
+
 def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) -> list[View]:
     """Draw the array with everything above it, and a close-up of the samples if something touches them."""
     from matplotlib.cm import ScalarMappable
@@ -80,7 +91,8 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
         hand.lost for hand in scene.hands
     )
     colours = np.asarray(scale.to_rgba(P)).reshape(-1, 4)
-    felt = Discs(q, colours, np.full(len(q), LONE_DOT if lone else DOT)).only(P > 0.0)
+    size = _find_dot(q) if lone else DOT
+    felt = Discs(q, colours, np.full(len(q), size)).only(P > 0.0)
     looks = (
         [(ABOVE, boxes[0], LONE_ZOOM)]
         if lone
@@ -98,6 +110,7 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
                 things.append(make_object(item, pose, eye))
         if lone:
             view.draw([array_of(array)])
+            view.draw([Discs.of(felt.points, INK, RIM * size)])  # pale colours need a rim
             view.draw([felt])
         elif k == 0:
             view.draw([array_of(array), *hands, *things, felt])

@@ -29,7 +29,8 @@ class Skips(NamedTuple):
     def __str__(self) -> str:
         told = [f"{count:,} {reason}" for reason, count in self.problems.items()]
         if self.saved:
-            told.append(f"work saved {sum(self.saved.values()):,} times")
+            times = sum(self.saved.values())
+            told.append("work saved once" if times == 1 else f"work saved {times:,} times")
         return "; ".join(told) or "nothing"
 
 

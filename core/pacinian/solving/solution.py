@@ -156,8 +156,8 @@ class Solution(SolutionValues):
         """Return a pandas data frame with one row for each point.
 
         Its columns are x, y, z [m], target, sound_pressure (amplitudes) [Pa], phase [rad], radiation_pressure [Pa],
-        and region if there are regions. Its `attrs` hold the solver, the status and more. Raises MissingExtra:
-        `pip install "pacinian[tables]"`.
+        and region if there are regions. Its `attrs` hold the solver, the status and more. Raises MissingExtra
+        without the extra `tables`.
         """
         from pacinian.solving.solution_tables import to_dataframe
 
@@ -167,8 +167,8 @@ class Solution(SolutionValues):
         """Return an xarray dataset with the dimensions `point` and `transducer`.
 
         Its variables are the columns of `to_dataframe`, and gain_amplitude and gain_phase [rad] of each transducer,
-        each with its unit. All are real, so that it can be written as netCDF. Raises MissingExtra:
-        `pip install "pacinian[tables]"`.
+        each with its unit. All are real, so that it can be written as netCDF. Raises MissingExtra
+        without the extra `tables`.
         """
         from pacinian.solving.solution_tables import to_xarray
 

@@ -115,7 +115,7 @@ class SolutionValues:
             error = f"up to {most:.4g} Pa, error of the proportions {self.shape_error:.2g}"
         return (
             f"<Solution by {self.solver}: {self.status.name}, {error} "
-            f"at {len(t)} points{asked}, {len(self.gains)} transducers{held}, "
+            f"at {len(t)} point{'' if len(t) == 1 else 's'}{asked}, {len(self.gains)} transducers{held}, "
             f"{self.iterations} iterations, {1e3 * self.seconds:.2f} ms>"
         )
 

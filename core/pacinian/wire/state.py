@@ -13,6 +13,7 @@ from pacinian.wire.time import Technique
 
 STATE, FRAME = b"state", b"frame"
 MAX_LISTED_FAULTS = 3
+OWN_SCENE = "own "  # beginning of the name of a scene that belongs to one client
 HAND_BYTES = 26 * 3 * 4  # size of the joints of one hand in `State.hands` [bytes]
 
 Output = Literal[
@@ -56,7 +57,7 @@ class ClientState(Struct, frozen=True, kw_only=True):
 
         words = ["owner"] if self.owner else []
         words += [
-            f"scene {self.scene}",
+            _describe_scene(self.scene),
             count(self.objects, "object"),
             count(self.commands, "command"),
         ]
@@ -176,7 +177,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
         if self.silence is not None:
             rows["why"] = self.silence.text
         rows |= {
-            "owner": f"{self.owner}, scene {self.scene}" if self.owner else "nobody",
+            "owner": f"{self.owner}, {_describe_scene(self.scene)}" if self.owner else "nobody",
             "solver, backend": f"{self.solver or 'none'}, {self.backend or 'none'}",
             "technique, strength": f"{self.technique or 'of each object'}, {self.intensity:.0%}",
             "rendered": f"{count(samples, 'sample')} of {count(len(self.objects), 'object')}, {count(hands, 'hand')}",
@@ -231,6 +232,10 @@ class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame
     def __repr__(self) -> str:
         row = f"a row of {len(self.phase) // 2} levels" if self.phase else "silent"
         return f"<FrameState {self.sequence}: {row}>"
+
+
+def _describe_scene(scene: str) -> str:
+    return "its own scene" if scene.startswith(OWN_SCENE) else f"scene {scene}"
 
 
 STATES = State, FrameState

@@ -160,7 +160,7 @@ export class FieldPanel {
   }
 
   private showLevel(): void {
-    say(element("level-value"), `${digits(this.space.level, 2)} Pa`);
+    say(element("level-value"), this.space.slice.plane ? `${digits(this.space.level, 2)} Pa` : "–");
     input("level").setAttribute("aria-valuetext", `${digits(this.space.level, 2)} Pa`);
   }
 }

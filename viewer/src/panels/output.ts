@@ -164,6 +164,7 @@ function forPage(text: string): string {
   return text
     .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
     .replace("call arm()", "press Arm, or start a program that arms")
+    .replace("call put()", "a program puts them there")
     .replace("call select(intensity=1.0)", "raise it under Rendering")
     .replaceAll("`", "");
 }
