@@ -30,7 +30,6 @@ def csharp_core(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def csharp_driver(csharp_core: Path) -> Path:
     """A game in C# that does as its standard input says."""
     sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json")]
-    sources.append(tools.CSHARP / "example" / "OpenHand.cs")
     return tools.csharp(csharp_core.with_name("ClientDriver.exe"), sources, csharp_core)
 
 

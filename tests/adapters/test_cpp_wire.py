@@ -158,6 +158,14 @@ def test_calibration_against_singular_values(programs: Path, mirrored: bool) -> 
     assert compared > 80
 
 
+def test_the_readmes_game_compiles(tmp_path: Path) -> None:
+    (game,) = tools.read_examples(tools.CPP / "README.md", "cpp", "int main()")
+    source = tmp_path / "game.cpp"
+    source.write_text(game, encoding="utf-8")
+    public = tools.ADAPTERS / "unreal" / "Pacinian" / "Source" / "PacinianCore" / "Public"
+    tools.run("g++", "-std=c++17", "-Wall", "-Werror", "-fsyntax-only", f"-I{public}", source)
+
+
 def test_hands_are_those_of_python(programs: Path) -> None:
     turns = Rotation.random(4, random_state=3).as_quat()
     chance = np.random.default_rng(4)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import subprocess
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+
+import pacinian as pc
 
 from . import tools
 
@@ -68,6 +70,14 @@ def applied(frame: Array, places: Any) -> Array:
 
 def near(made: Any, wanted: Any, error: float = 1e-12) -> None:
     assert np.asarray(made) == pytest.approx(np.asarray(wanted), abs=error)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_an_open_hand_is_that_of_python(ask: Ask, side: Literal["left", "right"]) -> None:
+    made = ask(f"open{side}", PLACES[:3], QUATERNIONS[:3])
+    for row, place, turn in zip(made, PLACES, QUATERNIONS, strict=False):
+        hand = pc.Hand.open(side, pc.Pose(tuple(place), tuple(turn)))
+        near(row, np.concatenate([np.ravel(hand.joints), hand.radii]), 1e-6)
 
 
 def test_unity_s_places_and_rotations(ask: Ask) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -77,6 +78,12 @@ def cmake(kind: str, targets: Iterable[str], *settings: str, source: Path = CPP)
 def watched(*targets: str) -> Path:
     """The folder with `play` of the Unreal plugin's stand-ins, and that of the client's programs in it: `core`."""
     return cmake("watched", targets, *RACES, JOINED, source=CPP / "stubs")
+
+
+def read_examples(page: Path, language: str, having: str) -> list[str]:
+    """The examples of a page in a language that contain some text."""
+    found = re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return [example for example in found if having in example]
 
 
 def environment() -> dict[str, str]:

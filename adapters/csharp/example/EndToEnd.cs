@@ -20,7 +20,7 @@ namespace Pacinian.Example
 
         private readonly Figures _hand = new Figures(), _calls = new Figures();
         private readonly List<HandFrame> _hands = new List<HandFrame>();
-        private readonly OpenHand _open = new OpenHand();
+        private readonly HandFrame _open = new HandFrame();
         private readonly HapticClient _client;
         private readonly double _seconds;
         private MeteredTransport _transport;
@@ -111,7 +111,9 @@ namespace Pacinian.Example
             double begin = _client.Now;
             _client.Tick();
             _hands.Clear();
-            _hands.Add(_open.At(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * begin), 0.0, Height + 0.02));
+            Vec3 palm = new Vec3(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * begin), 0.0, Height + 0.02);
+            OpenHand.Write(_open, HandFrameSide.Right, new Rigid(palm, Quat.Identity));
+            _hands.Add(_open);
             _client.Hands(_hands);
             double end = _client.Now;
             if (steady)

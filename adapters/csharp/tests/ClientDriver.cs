@@ -3,7 +3,6 @@ using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Globalization;
 using System.Threading;
-using Pacinian.Example;
 using Pacinian.Wire;
 
 namespace Pacinian.Tests
@@ -20,7 +19,7 @@ namespace Pacinian.Tests
         private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
         private HapticClient _client;
         private readonly List<HandFrame> _hands = new List<HandFrame>();
-        private readonly OpenHand _hand = new OpenHand();
+        private readonly HandFrame _hand = new HandFrame();
         private readonly Func<double> _steady;
         private readonly ManualResetEvent _held = new ManualResetEvent(true);
         private readonly AutoResetEvent _stands = new AutoResetEvent(false);
@@ -82,7 +81,9 @@ namespace Pacinian.Tests
             {
                 double now = _client.Now;
                 _hands.Clear();
-                _hands.Add(_hand.At(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * now), 0.0, 0.2));
+                Vec3 palm = new Vec3(0.02 * Math.Sin(2.0 * Math.PI * 0.5 * now), 0.0, 0.2);
+                OpenHand.Write(_hand, HandFrameSide.Right, new Rigid(palm, Quat.Identity));
+                _hands.Add(_hand);
                 _client.Hands(_hands);
             }
         }

@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Globalization;
 using Pacinian;
+using Pacinian.Wire;
 
 /// <summary>Reads lines of an operation and numbers, and writes the numbers that it gives.</summary>
 internal static class Space
@@ -38,9 +39,24 @@ internal static class Space
             case "point": return Of(Frame().Point(Vec()));
             case "back": return Of(Frame().Inverse.Point(Vec()));
             case "direction": return Of(Frame().Inverse.Direction(Vec()));
+            case "openleft": return Open(HandFrameSide.Left);
+            case "openright": return Open(HandFrameSide.Right);
             case "chain": return Of(Frame() * Frame());
             default: return Fitted();
         }
+    }
+
+    /// <summary>Joints and radii, with the palm in a frame.</summary>
+    private static double[] Open(HandFrameSide side)
+    {
+        HandFrame frame = new HandFrame();
+        OpenHand.Write(frame, side, Frame());
+        double[] made = new double[4 * OpenHand.Count];
+        for (int i = 0; i < made.Length; i++)
+        {
+            made[i] = i < frame.Joints.Numbers ? frame.Joints.Single(i) : frame.Radii.Single(i - frame.Joints.Numbers);
+        }
+        return made;
     }
 
     private static double[] Fitted()

@@ -117,7 +117,7 @@ namespace Pacinian.Haptics
             switch (source)
             {
                 case HapticHandSource.Game: return _given && Finite();
-                case HapticHandSource.Open: return OpenHand.Write(transform, side, _positions, _radii);
+                case HapticHandSource.Open: return Open();
                 default:
                     provider = provider == null ? GetComponent<HandProvider>() : provider;
                     return provider != null && provider.isActiveAndEnabled && provider.TryGet(_positions, _radii) && Finite();
