@@ -100,6 +100,7 @@ class Session:
         limits: Limits | None = None,
         scale: str = "exact",
         deadline: float | None = None,
+        solver: Solver | None = None,
         out: Complexes | None = None,
     ) -> Solution:
         """Find gains that produce `amplitudes` at `points`.
@@ -116,7 +117,8 @@ class Session:
         from the sound that reaches the point. If no sound reaches it, the status is `unreachable`.
         limits: `Limits(gain=1.0)` by default. scale: "exact" (these pressures) or "max" (as strong as the solver can
         make them, in these proportions). deadline: time from now [s]; the solver then returns its best result so far.
-        out: array to write the gains to: contiguous, complex64 (complex128 in double precision), shape (N,).
+        solver: for this solve, in place of the session's. out: array to write the gains to: contiguous, complex64
+        (complex128 in double precision), shape (N,).
 
         The session measures the evidence in the result (pressures, residual, status) on the returned gains and does
         not rely on the solver's report. Gains are always finite, and |g| <= limits.gain always holds.
@@ -129,11 +131,14 @@ class Session:
         check_kind("limits", limits, Limits)
         if facing is not None:
             check_kind("facing", facing, SkinFacing)
+        if solver is None:
+            solver = self._solver  # other threads may set another one at any time
+        check_kind("solver", solver, Solver)
         q, targets = self._problem(points, amplitudes, phases, scale, regions)
         out = self._check_out_array(out)
         warm, self.last = self.last, None
-        ready = self._place(q, facing, limits, budget)
-        if warm is not None and (c := self._multiple(targets, limits)) == c:
+        ready = self._place(q, facing, limits, budget, solver)
+        if warm is not None and (c := self._multiple(targets, limits, solver)) == c:
             self.last = self._scale_last(c, targets, out, start)
             return self.last
         if warm is not None:
@@ -142,8 +147,10 @@ class Session:
                 if len(warm.targets.amplitudes) and len(q)
                 else None
             )
-        self.last = self._base = self._solve_anew(targets, limits, warm, budget, out, start, ready)
-        self._solved_with = (self._solver, limits, self.propagator.version, self.tilt)
+        self.last = self._base = self._solve_anew(
+            targets, limits, warm, budget, out, start, ready, solver
+        )
+        self._solved_with = (solver, limits, self.propagator.version, self.tilt)
         return self.last
 
     def _carry_over(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
@@ -214,13 +221,15 @@ class Session:
         check_near("points", q, self.propagator.origin)
         return q, Targets.make_checked(len(q), amplitudes, phases, scale, regions)
 
-    def _place(self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget) -> bool:
+    def _place(
+        self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget, solver: Solver
+    ) -> bool:
         """Pass the points and the quiet points (which are in the free field) to the propagators.
 
         Returns whether the quiet zones are prepared.
         """
-        if limits.solver_limits and (unkept := limits.solver_limits - self._solver.keeps):
-            raise UnsupportedLimit(self._solver.name, min(unkept))
+        if limits.solver_limits and (unkept := limits.solver_limits - solver.keeps):
+            raise UnsupportedLimit(solver.name, min(unkept))
         if limits.exact is not None:
             limits.exact_mask(len(q))
         propagator = self.propagator
@@ -243,11 +252,11 @@ class Session:
                 propagator.version += 1
         return nulls is not None or not limits.zones
 
-    def _multiple(self, targets: Targets, limits: Limits) -> float:
+    def _multiple(self, targets: Targets, limits: Limits, solver: Solver) -> float:
         """Return the c for which c times the last solved gains are the solution; NaN if there is none."""
         base = self._base
         if base is None or self._solved_with != (
-            self._solver, limits, self.propagator.version, self.tilt
+            solver, limits, self.propagator.version, self.tilt
         ):  # fmt: skip
             return math.nan
         c = targets.multiple(base.targets)
@@ -256,7 +265,7 @@ class Session:
         met = base.status in (Status.ok, Status.approximate) and targets.scale == "exact"
         met = met and not (base.late and base.targets.regions is not None)
         if (
-            not (met and self._solver.linear)
+            not (met and solver.linear)
             or limits.solver_limits
             or limits.power is not None
             or (limits.zones and c > 1.0)  # the residual sound in the zones would be louder, too
@@ -286,10 +295,10 @@ class Session:
 
     def _solve_anew(
         self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
-        out: Complexes, start: float, ready: bool,
+        out: Complexes, start: float, ready: bool, solver: Solver,
     ) -> Solution:  # fmt: skip
         """Return a new solution; zero gains if the quiet zones are not ready."""
-        solver, propagator = self._solver, self.propagator
+        propagator = self.propagator
         if targets.scale == "max" and limits.gain is None and limits.power is None:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # not `out`, which may hold the gains of `warm`

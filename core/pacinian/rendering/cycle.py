@@ -14,18 +14,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
-from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.bands import Bands
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
-from pacinian.solving.problem import Targets, number_regions
 
 if TYPE_CHECKING:
+    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.types import Flags, Floats, Gains
+    from pacinian.types import Flags, Floats
 
 INTEGRATED = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
 MAX_FRAMES = 4  # default limit of the frames in a cycle
@@ -84,7 +83,8 @@ class Cycle:
         self.samples = no_samples()
         """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
-        self._asked = np.zeros(0)
+        self.asked = np.zeros(0)
+        """Target of all frames together, (M,) [Pa]."""
 
     @property
     def count(self) -> int:
@@ -106,7 +106,7 @@ class Cycle:
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved = True
-        self.samples, self._asked = samples, samples.radiation_pressure.copy()
+        self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._shares = self._bands.shares(samples, self.budget, most)
         self._banded = self._shares.shape[1] > 1
         self._tilted = self._tilted and not self._banded and most >= len(TILTS)
@@ -147,7 +147,7 @@ class Cycle:
             self.parts.append(Part(session, ReachabilityFilter(session)))
         for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
             part.rounds = part.tries = 0
-            part.session.tilt, part.session.solver = tilt, first.solver
+            part.session.tilt = tilt
 
     def due(self) -> Part | None:
         """Return the part to solve next, which is the one solved least recently; None if all have converged."""
@@ -163,7 +163,7 @@ class Cycle:
 
         own: mask of these samples, (M,). P: target of the whole cycle there, (M',) [Pa].
         """
-        self._asked[own] = P
+        self.asked[own] = P
         K, q = self.count, self.samples.positions[own]
         part.session.propagator.set_points(q, facing)
         others = np.zeros(len(q))
@@ -186,28 +186,17 @@ class Cycle:
         part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
         part.rounds += solved.final
 
-    def row(self, number: int) -> CachedSolution | None:
-        """Return the solution that row `number` plays; None before the first solve."""
-        here = self.parts[number % self.count].solved
-        return here or next((part.solved for part in self.parts if part.solved), None)
+    @property
+    def frames(self) -> tuple[CachedSolution, ...]:
+        """What the frames play, in their order. One that is not solved yet plays what another one does."""
+        solved = [part.solved for part in self.parts]
+        first = next((one for one in solved if one is not None), None)
+        return tuple(one or first for one in solved) if first is not None else ()
 
     @property
-    def sounding(self) -> list[Gains]:
-        """Gains of the frames in the cycle, each (N,)."""
-        return [part.solved.gains for part in self.parts if part.solved is not None]
-
-    @property
-    def targets(self) -> Targets:
-        """Targets of all frames together."""
-        t = sound_pressure(self._asked, self._first.session.medium)
-        return Targets.make_unchecked(t, number_regions(len(t), self.samples.regions))
-
-    @property
-    def facing(self) -> SkinFacing | None:
-        """Facing of the skin at the samples; None if they are not on skin."""
-        if self.samples.capsules is None:
-            return None
-        return SkinFacing.of(self.samples.normals, self.samples.capsules)
+    def complete(self) -> bool:
+        """Whether all frames are solved."""
+        return all(part.solved is not None for part in self.parts)
 
 
 def split_frames(most: int, rate: float) -> int:

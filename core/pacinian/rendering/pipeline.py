@@ -1,15 +1,21 @@
-"""Make a frame from a scene: sample, solve, modulate and quantise, as far as time allows."""
+"""Make a frame from a scene: sample, solve, modulate and quantise, as far as time allows.
+
+Sampling and solving are one job. It runs in the tick, or in a thread beside the ticks if these would be late. Only its
+result (`Outcome`) passes to the rest of the tick.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pacinian.errors import ArgumentError
+from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.budget_controller import BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
 from pacinian.rendering.deviations import (
@@ -22,10 +28,12 @@ from pacinian.rendering.deviations import (
     WEAKENED,
     mark,
 )
-from pacinian.rendering.modulator import Modulator, limits_join
+from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.probe import Probe
 from pacinian.rendering.quantiser import Quantiser
-from pacinian.rendering.tick_alternation import TickAlternation
+from pacinian.rendering.report import StageTimer
+from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
+from pacinian.rendering.solve_schedule import SOLVE_TICKS, SolveSchedule
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.account import (
     FAR,
@@ -42,36 +50,45 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Capability, Frame
+    from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.deviations import Reasons
-    from pacinian.rendering.report import StageTimer
+    from pacinian.rendering.recording_clock import RecordingClock
     from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
-    from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.types import Complexes, Floats, Gains
+    from pacinian.types import Floats, Gains
 
-DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick
+DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or to the ticks that it may take
+MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or twice its time if longer [s]
 MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 
 
-class Sampled(NamedTuple):
-    """A scene with its samples, and their account."""
+class Outcome(NamedTuple):
+    """The result of sampling and solving for a scene.
+
+    account: of the samples. solver: that solved. fresh: the solutions that are new. seconds: that it took beside the
+    ticks [s]; NaN in a tick.
+    """
 
     scene: Scene
-    samples: Samples
     account: Account
+    solved: Solved
+    solver: Solver
+    fresh: tuple[CachedSolution, ...] = ()
+    seconds: float = math.nan
 
 
 class Pipeline:
     """Makes the frames of one render loop.
 
     session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
-    period: of a tick [s]. governed: whether to reduce the number of samples, except those of regions, if ticks would be
-    late. most: largest number of frames in a cycle. peak: largest target of such a frame [Pa]. stages: stage timer,
-    which also holds the report. strict: never leave anything out, and give solves all the time they need. Raises
-    ArgumentError.
+    period: of a tick [s]. governed: whether to solve beside the ticks if these would be late, and to reduce the number
+    of samples, except those of regions, if solves take long. most: largest number of frames in a cycle. peak: largest
+    target of such a frame [Pa]. stages: stage timer, which also holds the report. tape: clock of the ticks. job_tape:
+    clock of sampling and solving; `session` uses it, too. strict: never leave anything out, and give solves all the
+    time they need. start_thread: starts the thread that solves beside the ticks. Raises ArgumentError.
     """
 
     def __init__(
@@ -85,34 +102,46 @@ class Pipeline:
         most: int,
         peak: float,
         stages: StageTimer,
+        tape: RecordingClock,
+        job_tape: RecordingClock,
         strict: bool = False,
+        start_thread: Callable[[Callable[[], object], str], None] = start_daemon,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
+        self._tape, self._job_tape = tape, job_tape
         sampler.prepare(session.array, session.medium)
         self.strict = sampler.strict = strict
         sampler.peak = peak
-        self._deadline = math.inf if strict else DEADLINE_SHARE * period  # of a solve [s]
         times, gap = row_times(capability, period)
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
-        self.player = Modulator(session, times, gap, smoothing, stages.report.skipped, cycle)
+        self.solver = SampleSolver(session, times, cycle)
+        self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
+        self.player = Modulator(times, gap, smoothing, len(session.array))
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
-        self.governor = (
-            BudgetController(period, sampler.budget) if governed and not strict else None
-        )
+        self._governed = governed and not strict
+        self.governor = BudgetController(period, sampler.budget) if self._governed else None
+        self.background = BackgroundSolve[Outcome](start_thread)
+        self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
         self.probe = Probe(session)
-        self._unlooked = TICKS_PER_LOOK  # ticks since the last measurement
         self._begin()
 
     def _begin(self) -> None:
-        self.turns = TickAlternation(self.period)
-        self._sampled = self._played = self._before = Sampled(Scene(), no_samples(), Account())
-        self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
+        self.schedule = SolveSchedule(self.period)
+        empty = Outcome(Scene(), Account(), Solved(no_samples(), self.limits), self.session.solver)
+        self.played = self._before = empty
+        """The result that the last frame plays."""
+        self._taken: Outcome | None = None  # of this tick
+        self._job_time = 0.0  # time of the scene for which a job runs beside the ticks [s]
         self._seen: Scene | None = None
-        self._changed = True  # whether the scene changed since it was sampled
+        self._changed = True  # whether the scene has changed since the last job began
+        self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
         self._made: tuple[object, ...] = ()  # inputs of the last frame
+        self._unlooked = TICKS_PER_LOOK  # ticks since the last measurement
+        self.job_readings: list[float] = []
+        """Clock readings of the jobs whose results this tick has taken [s]."""
         self._frame: Frame
 
     def warm_up(self, scene: Callable[[float], Scene], limits: Limits) -> Scene | None:
@@ -124,7 +153,7 @@ class Pipeline:
         try:
             self.quantise_gains(try_out(self.session).gains)
             first, self.limits = scene(0.0), limits
-            self._set_sampler()
+            self._set_sampler(limits, self.session.solver)
             self.sampler.sample(first)
             load_envelopes(first, self.player.times)
         except Exception:
@@ -133,34 +162,35 @@ class Pipeline:
             return None
         return first
 
-    def count(self) -> None:
-        """Count in the current report of the stage timer from now on."""
-        self.sampler.skipped = self.player.skipped = self.stages.report.skipped
-
     def use(self, capability: Capability) -> None:
         """Make frames for a device with this capability from now on. Raises ArgumentError."""
         if capability == self.quantiser.capability:
             return
         times, gap = row_times(capability, self.period)
+        self._discard_job()
         self.player.retime(times, gap)
-        self.player.cycle.most = split_frames(self._most, capability.rate)
+        self.solver.times = times
+        self.solver.cycle.most = split_frames(self._most, capability.rate)
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
         """Discard all state and start from silence."""
+        self._discard_job()
+        self._skipped.clear()
         self.sampler.reset()
+        self.solver.reset()
         self.player.reset()
         self.session.forget()
+        self._job_tape.take()
         self._begin()
         if self.governor is not None:
             self.governor = BudgetController(self.period, self.sampler.budget)
             self.sampler.allowed = self.sampler.budget
 
-    @property
-    def shown(self) -> Scene:
-        """Scene of the last frame; not always the newest if sampling and solving alternate. Empty before the first."""
-        return self._played.scene
+    def close(self) -> None:
+        """Let the thread that solves beside the ticks end."""
+        self.background.close()
 
     @property
     def sent(self) -> Frame | None:
@@ -174,49 +204,127 @@ class Pipeline:
 
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
-        self.stages.enter("sample")
-        self.limits = limits
-        samples = self._sample(scene, t)
-        skipped, kept = self.stages.report.skipped, "solve, nothing moved"
-        made = samples, limits, self.session.solver
-        if self.player.steady and self._made == made:
-            self.player.fresh.clear()
-            self._look()
-            skipped[kept] += 1
+        self.limits, self._taken, self.job_readings = limits, None, []
+        self._changed, self._seen = self._changed or scene is not self._seen, scene
+        solver = self.session.solver  # other threads may set another one at any time
+        if beside := self._may_wait(limits, solver):
+            self._solve_beside(scene, limits, solver, t)
+        else:
+            self._solve_now(scene, limits, solver, t)
+        self._look()
+        play, skipped = self.played.solved, self.stages.report.skipped
+        made = play.samples, limits, solver
+        if self.player.steady and self._made == made and not self._fresh:
             skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
-        self.stages.enter("solve")
-        before = skipped[kept]
-        self.player.solve(samples, t, limits, self._deadline, self.turns.solves)
-        if not self.turns.solves:  # not known whether anything moved
-            skipped[kept] = before
-        self._look()
         self.stages.enter("drive")
-        rows = self.player.rows(t, 2 if self.turns.taking else 1)
+        rows = self.player.rows(play, t, self.schedule.ticks if beside else 1)
         self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
         self._made = made
         return self._frame
 
+    def _may_wait(self, limits: Limits, solver: Solver) -> bool:
+        """Return whether the solve for this tick may run beside it, because an older result is still right to play."""
+        last = self.played
+        same = last.solved.limits is limits and last.solver is solver
+        return self.schedule.beside and same and not last.solved.brief
+
+    def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
+        """Sample and solve in this tick."""
+        self._discard_job()
+        self.stages.enter("sample")
+        job = self._make_job(scene, limits, solver, t, self.stages, beside=False)
+        self._play(job())
+
+    def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
+        """Take the result of the job beside the ticks, if there is one, and start the next."""
+        if self.background.running:
+            if not self._is_done(t):
+                self.stages.report.skipped["solve, still under way"] += 1
+                return
+            try:
+                self._play(self.background.take())
+            except BaseException:
+                self.stages.stage = self._job_stages.stage
+                raise
+        # a thread must not enter the tick's stages
+        self._job_stages.begin("sample", self.stages.report, self.stages.now())
+        self._job_time = t
+        job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
+        self.background.deferred = self._tape.replays
+        self.background.start(job)
+
+    def _is_done(self, t: float) -> bool:
+        """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
+        old = t - self._job_time >= max(MAX_AGE, 2 * SOLVE_TICKS * self.period)
+        return bool(self._tape.note(lambda: float(old or self.background.done)))
+
+    def _discard_job(self) -> None:
+        """Wait for the job beside the ticks, if one runs, and drop its result."""
+        if self.background.running:
+            with suppress(Exception):  # the next job will raise it again
+                self.background.take()
+            self.job_readings += self._job_tape.take()
+
+    def _make_job(
+        self, scene: Scene, limits: Limits, solver: Solver, t: float, stages: StageTimer, *, beside: bool
+    ) -> Callable[[], Outcome]:  # fmt: skip
+        """Return a function that samples and solves. beside: whether it runs beside the ticks."""
+        if self._changed:  # even if it has changed back since
+            self.sampler.invalidate()
+        self._changed = False
+        self._set_sampler(limits, solver)
+        time = (SOLVE_TICKS if beside else 1) * self.period
+        deadline = math.inf if self.strict else DEADLINE_SHARE * time
+        last = self.sampler.account
+
+        def run() -> Outcome:
+            begin = self._job_tape.now() if beside else math.nan
+            samples = self.sampler.sample(scene, t)
+            account = self.sampler.account
+            if account is not last and len(account.samples):
+                self._note_unreachable(account)
+            stages.enter("solve")
+            solved = self.solver.solve(samples, t, limits, solver, deadline)
+            seconds = self._job_tape.now() - begin if beside else math.nan
+            return Outcome(scene, account, solved, solver, tuple(self.solver.fresh), seconds)
+
+        return run
+
+    def _play(self, outcome: Outcome) -> None:
+        """Play the result of a job from now on."""
+        self.job_readings += self._job_tape.take()
+        report = self.stages.report
+        report.skipped.update(self._skipped)
+        self._skipped.clear()
+        for one in outcome.fresh:
+            report.count_solve(one.solution.status)
+        self._before, self.played, self._taken = self.played, outcome, outcome
+
+    @property
+    def _fresh(self) -> tuple[CachedSolution, ...]:
+        return () if self._taken is None else self._taken.fresh
+
     @property
     def account(self) -> Account:
         """What the objects of the last frame asked for."""
-        return self._played.account
+        return self.played.account
 
     @property
     def labels(self) -> set[str]:
         """Labels of all objects that the last frame concerns, those included that it ends."""
-        found = {*self._played.account.labels, *self._before.account.labels}
-        for one in self._played, self._before:
-            found.update(label_samples(one.samples))
+        found = {*self.played.account.labels, *self._before.account.labels}
+        for one in self.played, self._before:
+            found.update(label_samples(one.solved.samples))
         return found
 
     @property
     def deviations(self) -> Reasons:
         """What the last frame leaves out or changes, by object and reason."""
-        player, account = self.player, self._played.account
+        player, account, play = self.player, self.played.account, self.played.solved
         weakened: set[CachedSolution] = set()
         ran_out_of_time = averaged = False
-        for one in set(player.solved):
+        for one in set(play.rows):
             ran_out_of_time, averaged = (
                 ran_out_of_time or one.ran_out_of_time,
                 averaged or one.averaged,
@@ -224,7 +332,7 @@ class Pipeline:
             if one.weakened:
                 weakened.add(one)
         reasons: list[str] = []
-        if self.turns.taking and self._moves:
+        if self.schedule.beside and self._moves:
             reasons.append(INTERPOLATED)
         if ran_out_of_time:
             reasons.append(OUT_OF_TIME)
@@ -232,11 +340,11 @@ class Pipeline:
             reasons.append(AVERAGED)
         if player.held_back:
             reasons.append(SLEW_LIMITED)
-        if player.cycle.hurried:
+        if play.hurried:
             reasons.append(FEWER_FRAMES)
         if account.clean and not reasons and not weakened:
             return NOTHING
-        key = account, id(self._before.samples), id(self._played.samples), reasons, weakened
+        key = account, id(self._before), id(self.played), reasons, weakened
         if self._described[0] != key:
             made: Reasons = account.deviations
             for label, count in _count_weakened(weakened).items():
@@ -248,56 +356,46 @@ class Pipeline:
 
     @property
     def _moves(self) -> bool:
-        """Whether, while ticks alternate, the last frame lies between the solutions for different samples."""
-        shown = self._played.samples
-        return self._sampled.samples is not shown or self._before.samples is not shown
+        """Whether, while solves run beside the ticks, the last frame lies between those for different samples."""
+        return self._before.solved.samples is not self.played.solved.samples
 
     def same(self, frame: Frame) -> bool:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
     def govern(self, seconds: float) -> None:
-        """Adapt alternation and sample budget to the duration of this tick, `seconds` [s]."""
-        fresh = self.player.fresh
-        if self.governor is None or self.turns.tick(seconds, bool(fresh)) or not fresh:
+        """Adapt schedule and sample budget to the duration of this tick, `seconds` [s]."""
+        taken = self._taken
+        if self.governor is None or taken is None:
             return
-        if any((one.samples.regions >= 0).any() for one in fresh):
+        if not math.isnan(taken.seconds):
+            self.schedule.note_solve(taken.seconds)
+            seconds = taken.seconds / SOLVE_TICKS
+        elif not taken.solved.brief:
+            if taken.fresh:
+                self.schedule.note_tick(seconds)
+            return
+        if not taken.fresh:
+            return
+        if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
-        samples = max(len(one.samples) for one in fresh)
+        samples = max(len(one.samples) for one in taken.fresh)
         self.sampler.allowed = self.governor.tick(seconds, samples)
 
     def quantise_gains(self, gains: Gains) -> Gains:
         """Return gains, (N,), as rounded by the device; the array is reused."""
         return self.quantiser.quantise_gains(gains, self._ceiling, self._down)
 
-    def _sample(self, scene: Scene, t: float) -> Samples:
-        """Sample the scene, if it is this tick's turn, and return the samples to solve for."""
-        self._changed = self._changed or scene is not self._seen
-        self._seen = scene
-        self._set_sampler()
-        if self.turns.samples:
-            if self._changed:  # even if it has changed back since
-                self.sampler.invalidate()
-            last, samples = self._sampled.account, self.sampler.sample(scene, t)
-            if (account := self.sampler.account) is not last and len(account.samples):
-                self._note_unreachable(account)
-            self._sampled, self._changed = Sampled(scene, samples, account), False
-        if self.turns.solves:
-            self._before, self._played = self._played, self._sampled
-        else:
-            self.stages.report.skipped["solve, in turn with sampling"] += 1
-        return self._played.samples
-
-    def _set_sampler(self) -> None:
-        """Set what the sampler must know of this tick's limits and solver."""
-        alone, solver = limits_join(self.limits), self.session.solver
-        self.sampler.bands = 1 if alone else self.player.cycle.allowed
+    def _set_sampler(self, limits: Limits, solver: Solver) -> None:
+        """Set what the sampler must know of a tick's limits and solver."""
+        alone = limits_join(limits)
+        self.sampler.bands = 1 if alone else self.solver.cycle.allowed
         self.sampler.surround = solver.surrounds and not alone
         self.sampler.even = 0.0 if alone else solver.even
 
     def _note_unreachable(self, account: Account) -> None:
         """Note the samples that no sound can reach."""
-        unreachable = self.player.reach.find_unreachable(account.samples.positions)
+        unreachable = self.solver.reach.find_unreachable(account.samples.positions)
         if unreachable is None:
             return
         far, on = unreachable
@@ -306,43 +404,28 @@ class Pipeline:
                 account.drop(reason, found)
 
     def _look(self) -> None:
-        """Count the solves; every LOOK ticks, measure the emitted field at the samples and between them."""
-        report, placed = self.stages.report, self.player.placed
-        for one in self.player.fresh:
-            report.count_solve(one.solution.status)
+        """Every TICKS_PER_LOOK ticks, measure the emitted field at the samples and between them."""
         self._unlooked += 1
-        cycle = self.player.cycle
-        several = cycle.count > 1 and len(cycle.sounding) == cycle.count
-        if self._unlooked < TICKS_PER_LOOK or not (
-            several or (placed is not None and len(placed.samples))
-        ):
+        play = self.played.solved
+        samples, targets = play.shown, play.targets
+        if self._unlooked < TICKS_PER_LOOK or samples is None or not len(samples):
             return
-        if several:
-            samples, targets, facing = cycle.samples, cycle.targets, cycle.facing
-            gains = self.sounding
-            p: Complexes | Floats = self.probe.hear(samples.positions, facing, gains)
-        else:
-            assert placed is not None
-            samples, targets = placed.samples, placed.solution.targets
-            if not self.player.fresh and targets.regions is None:
-                return  # nothing new to measure
-            propagator = self.session.propagator
-            facing, gains = propagator.facing, self.quantise_gains(placed.gains)[None]
-            p = propagator.apply(gains[0])
+        if not play.complete or targets is None or (targets.regions is None and not self._fresh):
+            return  # nothing new to measure
+        facing, gains = play.facing, self.sounding
+        p = self.probe.hear(samples.positions, facing, gains)
         self._unlooked = 0
-        report.add_measurement(
+        self.stages.report.add_measurement(
             targets.relative_error(p), self.probe.look(samples, targets, facing, gains)
         )
 
     @property
     def sounding(self) -> Gains:
         """Gains of the frames of the cycle, as rounded by the device, (K, N)."""
-        every = self.player.cycle.sounding if self.player.cycle.count > 1 else []
-        if not every and self.player.solved:
-            every = [self.player.solved[-1].gains]
-        N = len(self.session.array)
-        made = [self.quantise_gains(gains).copy() for gains in every]
-        return np.array(made, np.complex64).reshape(-1, N)
+        play = self.played.solved
+        every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
+        made = [self.quantise_gains(one.gains).copy() for one in every]
+        return np.array(made, np.complex64).reshape(-1, len(self.session.array))
 
     @property
     def _ceiling(self) -> float:

@@ -47,16 +47,17 @@ class Tick:
     """One tick of a recording.
 
     frame: as sent. time: of the scene [s]. asked: scene, solver and limits; None if they could not be recorded.
-    clock: the tick's clock readings [s], which determine its decisions. begins: whether the renderer was reset just
-    before. sent: clock reading after the frame was sent [s]; `frame.time` is when it was due. objects: what each object
-    asked for, and what of it was rendered, by its label. deviations: what was not as asked, by label and reason, as in
-    `Report.deviations`.
+    clock: the tick's clock readings [s], which determine its decisions. job_clock: those of sampling and solving, for
+    the results that the tick took. begins: whether the renderer was reset just before. sent: clock reading after the
+    frame was sent [s]; `frame.time` is when it was due. objects: what each object asked for, and what of it was
+    rendered, by its label. deviations: what was not as asked, by label and reason, as in `Report.deviations`.
     """
 
     frame: Frame
     time: float = 0.0
     asked: TickInput | None = None
     clock: tuple[float, ...] = ()
+    job_clock: tuple[float, ...] = ()
     begins: bool = False
     sent: float = math.nan
     objects: Mapping[str, ObjectAccount] = field(default_factory=dict)
@@ -113,18 +114,21 @@ class Recorder:
         frame: Frame,
         time: float = 0.0,
         asked: TickInput | None = None,
-        clock: list[float] | None = None,
+        readings: tuple[list[float], list[float]] | None = None,
         outcome: TickOutcome | None = None,
         *,
         same: bool = False,
     ) -> None:
-        """Append a tick; same: whether its frame repeats the levels of the one before."""
+        """Append a tick.
+
+        readings: of the tick's clock, and of the jobs' [s]. same: whether its frame repeats the levels before it.
+        """
         values: dict[str, Any] = {"sequence": frame.sequence, "time": frame.time, "t": time}
         if not same:
             values["phase"] = frame.phase.astype("<u2", copy=False).tobytes()
             values["amplitude"] = frame.amplitude.astype("<u2", copy=False).tobytes()
-        if clock is not None:
-            values["clock"] = clock
+        if readings is not None:
+            values["clock"], values["job_clock"] = readings
         if outcome is not None:
             values["sent"] = outcome.sent
             if outcome.account is not self._account:
@@ -301,7 +305,9 @@ class Recording:
         asked = None
         if reader is not None and "new" in values:
             asked = reader.next(values["new"])
-        clock = tuple(map(float, values.get("clock", ())))
+        clock, job_clock = (
+            tuple(map(float, values.get(name, ()))) for name in ("clock", "job_clock")
+        )
         frame = Frame(int(values["sequence"]), time, phase, amplitude)
         objects = {} if last is None else last.objects
         if "objects" in values:
@@ -311,7 +317,7 @@ class Recording:
             deviations = {str(k): _read_counts(v) for k, v in values["deviations"].items()}
         sent = float(values.get("sent", math.nan))
         begins = bool(values.get("begins", False))
-        return Tick(frame, t, asked, clock, begins, sent, objects, deviations)
+        return Tick(frame, t, asked, clock, job_clock, begins, sent, objects, deviations)
 
     def _maps(self) -> Iterator[dict[str, Any]]:
         if not self.path.is_file():

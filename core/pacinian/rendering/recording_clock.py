@@ -20,12 +20,21 @@ class RecordingClock:
         self._told: list[float] | None = None
         self._place = 0
 
+    @property
+    def replays(self) -> bool:
+        """Whether recorded readings are replayed."""
+        return self._told is not None
+
     def now(self) -> float:
         """Return the time [s]. Raises LookupError if a replay reads the clock more often than was recorded."""
+        return self.note(self._now)
+
+    def note(self, read: Callable[[], float]) -> float:
+        """Return `read()`, or in a replay what it returned when it was recorded. Raises LookupError as `now` does."""
         if self._told is None:
-            time = self._now()
-            self._noted.append(time)
-            return time
+            value = read()
+            self._noted.append(value)
+            return value
         if self._place >= len(self._told):
             raise LookupError("the clock is read more often than in the recording")
         self._place += 1

@@ -14,6 +14,7 @@ from pacinian.closing import Closing
 from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
+from pacinian.rendering.background_solve import start_daemon
 from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
 from pacinian.rendering.cycle import MAX_FRAMES
 from pacinian.rendering.deviations import HALTED, LATE, MISSED, NOTHING, mark
@@ -44,7 +45,8 @@ if TYPE_CHECKING:
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
-    from pacinian.rendering.tick_alternation import TickAlternation
+    from pacinian.rendering.sample_solver import SampleSolver, Solved
+    from pacinian.rendering.solve_schedule import SolveSchedule
     from pacinian.scene.sampling.account import ObjectAccount
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
@@ -66,8 +68,9 @@ class Renderer(Closing):
     Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet zones, exact samples) and
     objects have different envelopes, each envelope is replaced by its mean over the tick.
 
-    Every tick sends a frame. governed: if ticks would be late, sampling and solving alternate from tick to tick. If
-    that does not suffice, samples of the lowest priority are dropped until there is time again.
+    Every tick sends a frame. governed: if ticks would be late, sampling and solving run in a thread beside them. Frames
+    then stay on time, and move evenly from one solution to the next. If a solve takes more than four ticks, samples of
+    the lowest priority that belong to no region are dropped until there is time again.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -79,6 +82,8 @@ class Renderer(Closing):
     from two sides if transducers are at their limit. While most solves for moving samples are late, only one frame is
     used. 1 disables cycles. peak: the frames of a cycle press more strongly than their mean. `peak` limits the target
     of each frame [Pa], but not below the target that a single frame would have.
+
+    start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
 
     Use the renderer as a context manager, or call `run`, which opens and closes it. A fault, for example an exception
     in a plug-in or a lost device, silences the output until `reset`; the loop continues and counts ticks.
@@ -103,6 +108,7 @@ class Renderer(Closing):
         peak: float = math.inf,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
+        start_thread: Callable[[Callable[[], object], str], None] = start_daemon,
     ) -> None:
         if not (isinstance(scene, Scene) or callable(scene)):
             raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")
@@ -111,7 +117,8 @@ class Renderer(Closing):
         self.scene = scene
         self.clock = clock or SystemClock()
         self.tape = RecordingClock(self.clock.now)
-        self.session = Session(array, medium, solver, clock=self.tape.now)
+        self.job_tape = RecordingClock(self.clock.now)
+        self.session = Session(array, medium, solver, clock=self.job_tape.now)
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
         self.limits = Limits() if limits is None else limits
@@ -130,7 +137,8 @@ class Renderer(Closing):
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
             self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
-            self.peak, self._stages, self.strict,
+            self.peak, self._stages, self.tape, self.job_tape, self.strict,
+            start_thread,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
         self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
@@ -183,28 +191,34 @@ class Renderer(Closing):
         return self._pipeline.governor
 
     @property
-    def turns(self) -> TickAlternation:
-        """The controller that lets sampling and solving alternate."""
-        return self._pipeline.turns
+    def schedule(self) -> SolveSchedule:
+        """Decides whether solves run beside the ticks."""
+        return self._pipeline.schedule
+
+    @property
+    def played(self) -> Solved:
+        """What the last frame plays, with its samples and targets."""
+        return self._pipeline.played.solved
+
+    @property
+    def sample_solver(self) -> SampleSolver:
+        """Solves for the samples. While solves run beside the ticks, a thread uses it."""
+        return self._pipeline.solver
 
     @property
     def solution(self) -> Solution | None:
         """The last solution; None before the first."""
-        return self.player.solved[-1].solution if self.player.solved else None
+        return self.played.rows[-1].solution if self.played.rows else None
 
     @property
     def samples(self) -> Samples | None:
         """Samples of the last solution, or of all frames of a cycle together; None before the first solution."""
-        if self.player.cycle.count > 1:
-            return self.player.cycle.samples
-        return self.player.solved[-1].samples if self.player.solved else None
+        return self.played.shown
 
     @property
     def targets(self) -> Targets | None:
         """Targets of the last solution, or of all frames of a cycle together; None before the first solution."""
-        if self.player.cycle.count > 1:
-            return self.player.cycle.targets
-        return None if self.solution is None else self.solution.targets
+        return self.played.targets
 
     def open(self) -> None:
         """Open the device, silently, and warm up, so that the first tick is not slow."""
@@ -223,7 +237,6 @@ class Renderer(Closing):
             raise
         self.report = self._stages.report = Report()
         self._warn(first)
-        self._pipeline.count()
         self.reset()
         self.start = self.clock.now()
 
@@ -268,6 +281,7 @@ class Renderer(Closing):
         try:
             self._emitter.close()
         finally:
+            self._pipeline.close()
             if self.recorder is not None:
                 self._emitter.attempt("record", self.recorder.close)
 
@@ -349,8 +363,8 @@ class Renderer(Closing):
 
     @property
     def shown(self) -> Scene:
-        """Scene of the last frame; not always the newest if sampling and solving alternate. Empty before the first."""
-        return self._pipeline.shown
+        """Scene of the last frame; older than the newest while solves run beside the ticks. Empty before the first."""
+        return self._pipeline.played.scene
 
     @property
     def emitted(self) -> Gains:
@@ -382,7 +396,8 @@ class Renderer(Closing):
         pipeline, stages = self._pipeline, self._stages
         if pipeline.sent is not None and not self._emitter.loud:  # the end of a run silenced it
             self.reset()
-        stages.begin(begin := self.tape.now())
+        begin = self.tape.now()
+        stages.begin("scene", self.report, begin)
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
         limits, solver = self.limits, self.session.solver  # other threads may set them at any time
@@ -396,7 +411,8 @@ class Renderer(Closing):
         noted = self.tape.take()
         if self.recorder is not None:
             asked = TickInput(scene, solver, limits)
-            self.recorder.write(frame, t, asked, noted, self._outcome, same=pipeline.same(frame))
+            readings = noted, pipeline.job_readings
+            self.recorder.write(frame, t, asked, readings, self._outcome, same=pipeline.same(frame))
         stages.enter("scene")
 
     def _judge(self, due: float) -> TickOutcome:

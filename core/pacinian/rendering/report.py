@@ -232,15 +232,15 @@ class StageTimer:
     def __init__(self, now: Callable[[], float], report: Report) -> None:
         self.report = report
         self.stage: Stage = "open"
-        self._now = now
+        self.now = now
         self._entered = 0.0  # [s]
 
-    def begin(self, time: float) -> None:
-        """Begin a tick at `time` [s], with the stage "scene"."""
-        self.stage, self._entered = "scene", time
+    def begin(self, stage: Stage, report: Report, time: float) -> None:
+        """Begin with this stage at `time` [s], and count in this report."""
+        self.report, self.stage, self._entered = report, stage, time
 
     def enter(self, stage: Stage) -> None:
         """End the present stage and begin the next."""
-        now = self._now()
+        now = self.now()
         self.report.add_stage_time(self.stage, now - self._entered)
         self.stage, self._entered = stage, now

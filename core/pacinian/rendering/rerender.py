@@ -161,6 +161,7 @@ def iterate_rerendered(
             renderer.scene, renderer.limits = tick.asked.scene, tick.asked.limits
             renderer.session.solver = tick.asked.solver
             renderer.tape.tell(list(tick.clock))
+            renderer.job_tape.tell(list(tick.job_clock))
             clock.time = tick.time
             renderer.tick(tick.time)
             if renderer.halted is not None:

@@ -42,7 +42,7 @@ def skips() -> list[Skip]:
         *(_known(f"{words}: only the envelope changed", name, TREMBLE, 0.1) for name, words in STILL.items()),
         Skip(
             "STM: reuse solutions of known steps",
-            *_same(gallery.stm_circle), lambda renderer: renderer.player.reset(),
+            *_same(gallery.stm_circle), lambda renderer: renderer.sample_solver.reset(),
         ),
         Skip(
             "1 of 41 samples moved: update one row",

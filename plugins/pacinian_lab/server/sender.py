@@ -35,7 +35,7 @@ RENEW = 0.05  # [s]
 ALONE = 8.0  # [s] maximum; the server forgets a session that does not renew for 10 s
 WARM = 5.0  # [s] maximum warm-up, which is not counted; never longer than the measurement
 SETTLE = 0.2  # [s] after the last hand until its effect is known
-TURNS = "solve, in turn with sampling"
+WAITING = "solve, still under way"
 
 
 class Task(Struct, frozen=True):
@@ -53,8 +53,8 @@ class Times(Struct, frozen=True):
     bus: from sent to received; loop: from received to emitted; whole: both. sent: number of hands; reached: number of
     them that reached the device (of several hands in a tick, only the newest does). samples: minimum, median,
     maximum. sounding: fraction of states. tick_ms: median and 99 % quantile at the end; late: fraction of ticks;
-    turns: fraction of ticks that only sampled because solving too would have made them late, which delays a hand by a
-    tick. size: of a message [bytes].
+    waiting: fraction of ticks during which a solve beside them was still under way, which delays a hand. size: of a
+    message [bytes].
     """
 
     rate: float
@@ -69,7 +69,7 @@ class Times(Struct, frozen=True):
     sounding: float
     tick_ms: tuple[float, float]
     late: float
-    turns: float
+    waiting: float
     size: int
 
 
@@ -182,7 +182,7 @@ class Sender:
             sounding=sum(s.output == "sounding" for s in self.seen) / len(self.seen),
             tick_ms=end.tick_ms[:2],
             late=(end.late - begin.late) / ticks,
-            turns=(end.skipped.get(TURNS, 0) - begin.skipped.get(TURNS, 0)) / ticks,
+            waiting=(end.skipped.get(WAITING, 0) - begin.skipped.get(WAITING, 0)) / ticks,
             size=len(self.payload),
         )
 

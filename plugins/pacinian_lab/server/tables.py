@@ -43,13 +43,13 @@ def latency(found: Sequence[Times]) -> list[Table]:
             f"{times.rate:g} Hz", f"{100 * times.reached / max(1, times.sent):.1f}",
             "-".join(map(str, times.samples)), f"{100 * times.sounding:.1f}",
             f"{times.tick_ms[0]:.2f}", f"{times.tick_ms[1]:.2f}", f"{100 * times.late:.2f}",
-            f"{100 * times.turns:.1f}",
+            f"{100 * times.waiting:.1f}",
         ]
         for times in found
     ]  # fmt: skip
     head = [
         "", "reached\n[%]", "samples\nmin-med-max", "sounding\n[%]", "tick p50\n[ms]",
-        "tick p99\n[ms]", "late\n[%]", "turns\n[%]",
+        "tick p99\n[ms]", "late\n[%]", "waiting\n[%]",
     ]  # fmt: skip
     return [*made, plain_table("The server during the run", head, lines)]
 

@@ -74,7 +74,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=most)
     P = press(NINE, sent(renderer, 80, 4), places)
     mean = P.mean(axis=0)
-    for solved in renderer.player.solved:
+    for solved in renderer.played.rows:
         assert len(solved.samples) <= renderer.sampler.budget
     if most == 1:
         assert (mean < 0.5).mean() > 0.1
@@ -125,7 +125,7 @@ def test_what_is_weak_or_has_no_region_or_other_limits_stays_in_one_frame() -> N
         with renderer:
             for k in range(10):
                 renderer.tick(k * PERIOD)
-        assert renderer.player.cycle.count == 1
+        assert renderer.sample_solver.cycle.count == 1
 
 
 def test_a_cycle_that_stands_still_is_solved_no_more_and_goes_on_in_turn() -> None:
@@ -148,11 +148,11 @@ def test_a_new_strength_a_reset_and_another_device_begin_anew() -> None:
     with renderer:
         for k in range(20):
             renderer.tick(k * PERIOD)
-        assert renderer.player.cycle.count == 2
+        assert renderer.sample_solver.cycle.count == 2
         scene[0] = pc.Scene((surface(ONE, pc.Disc(0.01), 0.01 * pressure, name="disc"),))
         for k in range(20, 60):
             renderer.tick(k * PERIOD)
-        assert renderer.player.cycle.count == 1
+        assert renderer.sample_solver.cycle.count == 1
         renderer.reset()
         assert len(renderer.sounding) == 0
         scene[0] = pc.Scene()
@@ -171,14 +171,14 @@ def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
             renderer.tick(k * PERIOD)
             assert k < 5 or renderer.sent.amplitude.any()
     assert not renderer.report.faults
-    assert renderer.player.cycle.count > 1
-    assert all(len(solved.samples) <= renderer.sampler.budget for solved in renderer.player.solved)
+    assert renderer.sample_solver.cycle.count > 1
+    assert all(len(solved.samples) <= renderer.sampler.budget for solved in renderer.played.rows)
 
 
 def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     """Though the frame that is left had not been solved since a reset."""
     renderer = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2)
-    cycle = renderer.player.cycle
+    cycle = renderer.sample_solver.cycle
     cycle.reset()
     sampler = pc.Sampler()
     sampler.prepare(ONE, AIR)
@@ -190,12 +190,12 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     cycle.keep(cycle.parts[1], free)
     cycle.consider(free)
     assert cycle.count == 1
-    assert cycle.row(0) is free
+    assert cycle.frames == (free,)
 
 
 def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
     """And several again when they are in time; solves for what stands still do not count."""
-    cycle = pc.Renderer(NINE, pc.Scene(), clock=ManualClock(), cycle=4).player.cycle
+    cycle = pc.Renderer(NINE, pc.Scene(), clock=ManualClock(), cycle=4).sample_solver.cycle
     sampler = pc.Sampler(256)
     sampler.bands = 4
     sampler.prepare(NINE, AIR)
@@ -239,7 +239,7 @@ def test_where_limits_join_all_gains_one_frame_stays_one() -> None:
             if k == 10:
                 renderer.reset()
             renderer.tick(k * PERIOD)
-            assert renderer.player.cycle.count == 1
+            assert renderer.sample_solver.cycle.count == 1
         assert renderer.solution is not None
         assert renderer.solution.saturation > 0.02
     assert not renderer.report.faults
@@ -257,7 +257,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
             clock.time = (k + 1) * PERIOD
             if k < 20 or k % 3:
                 continue
-            samples = renderer.player.solved[-1].samples
+            samples = renderer.played.rows[-1].samples
             x = float(samples.positions[:, 0].mean() - NINE.centre[0])
             seen.add(round(x, 4))
             moved = places + np.array([x, 0.0, 0.0])
@@ -273,7 +273,7 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.5),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=4, peak=peak)
     sent(renderer, 40, 4)
-    cycle = renderer.player.cycle
+    cycle = renderer.sample_solver.cycle
     assert cycle.count > 1
     asked = [part.solved.solution.targets.amplitudes.max() for part in cycle.parts if part.solved]
     most = max(pc.radiation_pressure(t, AIR) for t in asked)

@@ -14,8 +14,10 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering import modulator as module
+from pacinian.rendering import sample_solver as module
+from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.modulator import Modulator
+from pacinian.rendering.sample_solver import SampleSolver
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.presentation import present
@@ -41,16 +43,17 @@ class Loop:
         self.times = np.arange(rows) * self.gap
         self.sampler, self.ticks = pc.Sampler(), 0
         self.skipped: Counter[str] = Counter()
-        self.player = Modulator(
-            pc.Session(ARRAY), self.times, self.gap, Smoothing(rate=rate), self.skipped
-        )
+        self.session = pc.Session(ARRAY)
+        self.solver = SampleSolver(self.session, self.times, Cycle(self.session), self.skipped)
+        self.player = Modulator(self.times, self.gap, Smoothing(rate=rate), len(ARRAY))
 
     def tick(self, limits: pc.Limits = FULL) -> Any:
         """Rows of gains of the next tick, (K, N)."""
         t = self.ticks * TICK
-        self.player.solve(self.sampler.sample(self.scene(t), t), t, limits, 60.0)
+        samples = self.sampler.sample(self.scene(t), t)
+        self.played = self.solver.solve(samples, t, limits, self.session.solver, 60.0)
         self.ticks += 1
-        return self.player.rows(t).copy()
+        return self.player.rows(self.played, t).copy()
 
     def run(self, ticks: int, limits: pc.Limits = FULL) -> tuple[Any, Any]:
         """Times of rows, (R,) [s], and their gains, (R, N)."""
@@ -103,9 +106,9 @@ def test_at_full_strength_all_is_as_it_was_solved_and_at_none_silent() -> None:
     strength = envelope.at(t)
     np.testing.assert_allclose(strength, other.at(t), atol=1e-12)
     on, off = strength > 1.0 - 1e-9, strength < 1e-9
-    assert len(loop.player.solved) == 1
-    assert loop.player.solved[0].parts is not None
-    solved = loop.player.solved[0].gains
+    assert len(loop.played.rows) == 1
+    assert loop.played.rows[0].parts is not None
+    solved = loop.played.rows[0].gains
     np.testing.assert_allclose(rows[on], np.broadcast_to(solved, rows[on].shape), atol=1e-6)
     assert not np.abs(rows[off]).max() > 1e-4
     assert on.sum() == off.sum() == 16
@@ -115,7 +118,7 @@ def test_one_envelope_for_all_scales_the_gains_by_its_root() -> None:
     wave = pc.Sine(frequency=130.0)
     loop = Loop(pc.Scene((point(LEFT, envelope=wave), point(RIGHT, envelope=wave))))
     t, rows = loop.run(20)
-    expected = np.sqrt(wave.at(t))[:, None] * loop.player.solved[0].gains
+    expected = np.sqrt(wave.at(t))[:, None] * loop.played.rows[0].gains
     np.testing.assert_allclose(rows, expected, atol=1e-6)
     assert loop.skipped["solve, nothing moved"] == 19
 
@@ -157,11 +160,11 @@ def test_the_steps_of_a_modulation_are_solved_once_and_equal_fresh_solves() -> N
     )
     loop = Loop(scene)
     _, first = loop.run(10)  # one period
-    assert len(loop.player._steps) == 20
-    solved = loop.player.session.propagator.work.solved
+    assert len(loop.solver._steps) == 20
+    solved = loop.session.propagator.work.solved
     _, second = loop.run(30)
-    assert loop.player.session.propagator.work.solved == solved
-    assert not loop.player.fresh
+    assert loop.session.propagator.work.solved == solved
+    assert not loop.solver.fresh
     assert loop.skipped["solve, step of a modulation known"] == 60
     inner = (np.tile(first, (3, 1)) * second.conj()).sum(axis=1)  # but for a phase of all gains
     np.testing.assert_allclose(np.abs(inner), (np.abs(second) ** 2).sum(axis=1), rtol=1e-4)
@@ -177,7 +180,7 @@ def test_amplitude_modulation_comes_on_top_of_the_envelope() -> None:
     t, rows = loop.run(10)
     expected = np.column_stack([2.0 * am.factor(t), np.full(len(t), 4.0)])
     np.testing.assert_allclose(pressures(rows, [LEFT, RIGHT]), expected, atol=0.08)
-    assert loop.player.session.propagator.work.solved == 1
+    assert loop.session.propagator.work.solved == 1
 
 
 def test_one_object_runs_round_while_another_stays_and_trembles() -> None:
@@ -201,9 +204,9 @@ def test_two_modulations_of_one_rhythm_are_known_after_one_period() -> None:
     ]
     loop = Loop(pc.Scene(tuple(items)))
     loop.run(20)
-    solved = loop.player.session.propagator.work.solved
+    solved = loop.session.propagator.work.solved
     loop.run(20)
-    assert loop.player.session.propagator.work.solved == solved <= 40
+    assert loop.session.propagator.work.solved == solved <= 40
 
 
 def test_the_steps_that_are_kept_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,7 +215,7 @@ def test_the_steps_that_are_kept_have_a_limit(monkeypatch: pytest.MonkeyPatch) -
     loop = Loop(pc.Scene((runs, point(RIGHT, envelope=pc.Sine(frequency=30.0)))))
     for _ in range(20):
         loop.tick()
-        assert sum(one.nbytes for one in loop.player._steps.values()) <= module.CACHE_BYTES
+        assert sum(one.nbytes for one in loop.solver._steps.values()) <= module.CACHE_BYTES
 
 
 QUIET = [[0.0, -0.05, 0.12], [0.0, -0.06, 0.12]]
@@ -273,9 +276,9 @@ def test_limits_that_join_all_gains_need_no_solve_where_nothing_changes() -> Non
     loop = Loop(pc.Scene(items))
     limits = pc.Limits(power=100.0)
     loop.run(1, limits)
-    assert len(loop.player.fresh) == 1
+    assert len(loop.solver.fresh) == 1
     loop.run(3, limits)
-    assert not loop.player.fresh
+    assert not loop.solver.fresh
     assert loop.player.steady
 
 
@@ -313,7 +316,7 @@ def test_different_envelopes_that_stand_still_change_no_faster_either() -> None:
     rate = 100.0
     loop = Loop(lambda t: pc.Scene(items if t < 0.02 else items[:1]), 2, rate)
     _, played = loop.run(20)
-    assert loop.player.solved[0].parts is not None
+    assert loop.played.rows[0].parts is not None
     change = np.abs(np.diff(played, axis=0)).max()
     assert change <= rate * TICK / 2 * 1.05
     P = pressures(played[-1:], [LEFT, RIGHT])[0]
@@ -367,18 +370,18 @@ def test_what_never_changes_becomes_steady(
 def test_a_change_of_samples_limits_or_solver_is_solved_anew_and_nothing_else() -> None:
     loop = Loop(STILL)
     loop.run(2)
-    assert not loop.player.fresh
+    assert not loop.solver.fresh
     limits = pc.Limits(power=1.0)
     loop.tick(limits)
-    assert len(loop.player.fresh) == 1
-    loop.player.session.solver = "gs-pat"  # type: ignore[assignment]
+    assert len(loop.solver.fresh) == 1
+    loop.session.solver = "gs-pat"  # type: ignore[assignment]
     loop.tick(limits)
-    assert loop.player.fresh[0].solution.solver == "gs-pat"
+    assert loop.solver.fresh[0].solution.solver == "gs-pat"
     loop.scene = lambda t: pc.Scene(STILL.objects)
     loop.tick(limits)
-    assert len(loop.player.fresh) == 1
+    assert len(loop.solver.fresh) == 1
     loop.tick(limits)
-    assert not loop.player.steady or len(loop.player.fresh) == 0
+    assert not loop.player.steady or len(loop.solver.fresh) == 0
 
 
 def test_what_cannot_be_reached_is_left_out_and_counted() -> None:
@@ -387,7 +390,7 @@ def test_what_cannot_be_reached_is_left_out_and_counted() -> None:
     loop = Loop(pc.Scene((on, far, point(LEFT))))
     loop.sampler = pc.Sampler()  # without an array, it leaves nothing out
     rows = loop.tick()
-    assert len(loop.player.solved[0].samples) == 1
+    assert len(loop.played.rows[0].samples) == 1
     assert loop.skipped["samples on a transducer"] == loop.skipped["samples out of reach"] == 1
     assert pressures(rows, [LEFT])[0, 0] == pytest.approx(4.0, rel=0.02)
 
@@ -400,11 +403,11 @@ def test_on_a_hand_each_envelope_is_followed_too() -> None:
     balls = replace(left, envelope=wave), right
     loop = Loop(pc.Scene(balls, hands=(hand,)))
     t, rows = loop.run(10)
-    solved = loop.player.solved[0]
+    solved = loop.played.rows[0]
     assert solved.voices is not None
     index = solved.voices.index
     assert set(index.tolist()) == {0, 1}
-    B = loop.player.session.propagator.B  # weighted by what presses on the skin
+    B = loop.session.propagator.B  # weighted by what presses on the skin
     P = pc.radiation_pressure(rows @ B.T, AIR)
     full = pc.radiation_pressure(np.asarray(solved.solution.sound_pressure), AIR)
     expected = np.where(index == 0, wave.at(t)[:, None], 1.0) * full
@@ -419,8 +422,8 @@ def test_what_is_well_seen_is_asked_for_in_full_however_far_another_hand_is() ->
     ]
     loop = Loop(pc.Scene(tuple(balls), hands=(near, far)))
     loop.tick()
-    samples = loop.player.solved[0].samples
+    samples = loop.played.rows[0].samples
     assert np.ptp(samples.positions[:, 2]) > 0.7
-    asked = pc.radiation_pressure(loop.player.solved[0].solution.targets.amplitudes, AIR)
+    asked = pc.radiation_pressure(loop.played.rows[0].solution.targets.amplitudes, AIR)
     seen = samples.normals[:, 2] < -0.9
     np.testing.assert_allclose(asked[seen], samples.radiation_pressure[seen], rtol=1e-6)

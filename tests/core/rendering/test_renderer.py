@@ -17,10 +17,13 @@ from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
 from pacinian.rendering.pipeline import TICKS_PER_LOOK
 from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.solve_schedule import SOLVE_TICKS
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
+
+from .by_hand import ByHand
 
 ARRAY = pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
@@ -592,6 +595,7 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         backend=Simulated(rate=2000.0),
     )
     with renderer:
+        renderer._pipeline.background = ByHand()
         assert renderer.samples is None
         renderer.tick()
         assert renderer.samples is not None
@@ -601,9 +605,10 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
             renderer.tick()
         few = len(renderer.samples)
         assert (few < whole) is governed
-        assert not governed or (few >= 16 and few * cost * solves <= renderer.period)
-        late = renderer.report.late_ticks
-        assert governed is (late < 60)
+        beside = SOLVE_TICKS if technique.still else 1  # ticks that a solve may take
+        assert not governed or (few >= 16 and few * cost * solves <= beside * renderer.period)
+        late = renderer.report.late_ticks  # the test runs solves beside the ticks within them
+        assert governed is (late < 60) or (governed and technique.still)
         cost = 1e-7
         for _ in range(2000):
             renderer.tick()

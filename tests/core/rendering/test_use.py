@@ -15,6 +15,8 @@ from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
+from .by_hand import solve_beside
+
 ARRAY = pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 TREMBLE = pc.Point(
@@ -128,14 +130,15 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
     with renderer:
         assert not renderer.shown.objects
         scenes.clear()
-        for k in range(8):
-            renderer.turns.taking, renderer.turns.samples = True, k % 2 == 0
-            renderer.turns.solves = not renderer.turns.samples
+        renderer.tick(0.0)
+        assert renderer.shown is scenes[-1]
+        background = solve_beside(renderer)
+        for k in range(1, 9):  # a solve begins in the ticks 1, 3, 5, 7
+            background.ready = k % 2 == 1
             renderer.tick(k * 0.001)
-            if k:
-                assert renderer.shown is scenes[(k - 1) // 2 * 2]
-        for k in range(8, 12):
-            renderer.turns.taking, renderer.turns.samples, renderer.turns.solves = False, True, True
+            assert renderer.shown is scenes[0 if k < 3 else (k - 3) // 2 * 2 + 1]
+        renderer.schedule.beside = False
+        for k in range(9, 12):
             renderer.tick(k * 0.001)
             assert renderer.shown is scenes[-1]
 

@@ -187,7 +187,7 @@ def test_the_loop_plays_any_of_them_within_the_limit(what: str) -> None:
         sent = renderer.sent.gains(renderer.backend.capability)
         assert np.isfinite(sent).all()
         assert np.abs(sent).max() <= 1.0 + 1e-6
-        assert len(renderer.player.solved[0].samples) <= FADING * renderer.sampler.budget
-        status = renderer.player.solved[0].solution.status
+        assert len(renderer.played.rows[0].samples) <= FADING * renderer.sampler.budget
+        status = renderer.played.rows[0].solution.status
     wanted = {"of a micrometre": pc.Status.ok, "10 m wide": pc.Status.limited}
     assert status is wanted.get(what, pc.Status.unreachable)

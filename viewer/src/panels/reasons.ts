@@ -11,7 +11,7 @@ const SAVED: Record<string, string> = {
 
 const PROBLEMS: Record<string, string> = {
   "missed ticks": "The machine was too busy for a tick: close other programs.",
-  "solve, in turn with sampling": "A tick's work takes longer than a tick: sampling and solving alternate.",
+  "solve, still under way": "A solve takes longer than a tick, and runs beside the ticks: frames move evenly to its result.",
   "samples over budget": "More places are touched than can be solved in time: lower the number of objects, or raise the budget.",
   "samples out of reach": "The array cannot send sound there: bring the object nearer.",
   "samples hardly reached": "Little sound arrives there: bring the object nearer, or turn the hand to the array.",

@@ -17,6 +17,7 @@ from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.serving.ipc import messages
+from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import status
 from pacinian.serving.render.change_decoding import decode_changes
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from pacinian.wire.time import Technique as WireTechnique
 
 FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
-EARLY = 0.01  # lead time of the fade before a permit expires [s]
+EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
 MAX_RESULTS = 64  # number of results of orders kept
@@ -109,6 +110,7 @@ class BetweenTicks:
             cycle=settings.cycle,
             peak=settings.safety.pressure,
             clock=self.clock,
+            start_thread=start_background_thread,
         )
         limits = Limits(gain=settings.gain, power=settings.power)
         self._quiet = True

@@ -8,7 +8,6 @@ from __future__ import annotations
 import _thread
 import functools
 import signal
-import sys
 import time
 from contextlib import ExitStack
 
@@ -26,8 +25,6 @@ from pacinian.serving.render.between_ticks import FILES, BetweenTicks
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.render.warmup import warm_up
 
-# Thread switch interval [s]: background threads must not delay a tick.
-SWITCH = 1e-4
 CHECK_INTERVAL = 0.002  # interval between two checks for a device [s]
 
 
@@ -36,7 +33,6 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     told = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
     configure(told.settings.log, "render")
-    sys.setswitchinterval(SWITCH)
     try:
         _render(told)
     except KeyboardInterrupt:

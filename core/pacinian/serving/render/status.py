@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Floats
 
 # Number of measurements averaged for `felt`, which take about a second.
 LOOKS = 20
@@ -56,19 +56,13 @@ def find_hands(renderer: Renderer, t: float) -> list[Hand]:
 
 def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]:
     """Return the samples and the pressures on them, at full envelope."""
-    player, session = renderer.player, renderer.session
-    if renderer.halted is not None or not player.solved:
+    play, solution, samples = renderer.played, renderer.solution, renderer.samples
+    if renderer.halted is not None or solution is None or samples is None:
         return {}
-    solved = player.solved[-1]
-    samples, solution, targets = solved.samples, solved.solution, solved.solution.targets
     if not len(samples):
         return {"status": solution.status.name}
-    p: Complexes | Floats = solution.sound_pressure
-    if player.cycle.count > 1:
-        samples, targets = player.cycle.samples, player.cycle.targets
-        p = renderer.hear(samples.positions, player.cycle.facing)
-    elif solved is player.placed:  # otherwise a step of a modulation; report it as solved
-        p = session.propagator.apply(renderer.emitted)
+    targets, p = play.targets, renderer.hear(samples.positions, play.facing)
+    assert targets is not None
     error, shown = targets.relative_error(p), samples.regions != BESIDE
     samples, p = samples.only(shown), p[shown]
     used, index = np.unique(samples.objects, return_inverse=True)
@@ -76,7 +70,7 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
         "points": samples.positions.astype("<f4").tobytes(),
         "normals": samples.normals.astype("<f4").tobytes(),
         "asked": samples.radiation_pressure.astype("<f4").tobytes(),
-        "achieved": radiation_pressure(p, session.medium).astype("<f4").tobytes(),
+        "achieved": radiation_pressure(p, renderer.session.medium).astype("<f4").tobytes(),
         "index": index.astype("<i4").tobytes(),
         "objects": tuple(samples.items[i].name for i in used.tolist()),
         "error": error,

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.errors import PacinianError
+from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.serving.guard import process as guard_process
 from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Safety
@@ -77,7 +78,7 @@ FAULTS = (
         TICK,
         "delivery and two rounds",
     ),
-    Fault("solver never returns", parts.hang_solver, STALE, "stale"),
+    Fault("solver never returns", parts.hang_solver, STALE + MAX_AGE, "age of a solve, stale"),
     Fault("solver holds the interpreter", parts.hold_solver, STALE, "stale"),
     Fault("renderer killed -9", parts.kill_render, STALE, "stale"),
     Fault("renderer stopped", parts.stop_render, STALE, "stale"),

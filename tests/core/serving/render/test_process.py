@@ -41,6 +41,7 @@ from pacinian.wire.shapes import Polyline
 from pacinian.wire.time import AM, STM
 
 from ....waiting import PATIENCE, eventually
+from ...rendering.by_hand import solve_beside
 
 ARRAY, AIR = pc.autd(), pc.Air()
 N = len(ARRAY)
@@ -240,7 +241,7 @@ def test_it_lets_go_softly(server: Server, end: str) -> None:
     elif end == "none":
         server.arm(armed=0)
     else:
-        server.tick(69)  # the last but 10 ms
+        server.tick(59)  # all but the last 20 ms
     assert server.sounds
     server.tick()
     fading = [server.sounds]
@@ -259,10 +260,12 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
     server.put(ball)
     server.arm()
     server.tick(3)
-    turns = server.loop.renderer.turns
     played = []
     for k in range(1, 9):
-        turns.taking, turns.samples, turns.solves = k > 4, k <= 4 or k % 2 == 1, k <= 4 or k % 2 == 0  # fmt: skip
+        if k == 5:
+            background = solve_beside(server.loop.renderer)
+        if k >= 5:
+            background.ready = k % 2 == 1
         moved = (joints + np.array([1e-3 * k, 0.0, 0.0])).astype("<f4").tobytes()
         info = HandInfo("right", "a", moved, b"", b"", server.clock.now())
         server.change(SetHands((info,), True, k, 0.1 * k, 0.2 * k))
@@ -271,8 +274,8 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
         head = server.frame[0]
         assert (head.sent, head.received) == pytest.approx((0.1 * head.input, 0.2 * head.input))
         played.append(head.input)
-    # from the fifth on by turns: sampled in one tick, solved and sent in the next
-    assert played == [1, 2, 3, 4, 4, 5, 5, 7]
+    # from the fifth on beside the ticks: begun in one tick, taken and sent two ticks later
+    assert played == [1, 2, 3, 4, 4, 4, 5, 5]
 
 
 def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_anew(

@@ -1,0 +1,85 @@
+"""Sample and solve in a thread of its own, while the loop sends frames on time."""
+
+from __future__ import annotations
+
+import atexit
+import queue
+import threading
+from concurrent.futures import Future, wait
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+T = TypeVar("T")
+MAX_CLOSING = 2.0  # longest wait for a job that still runs when its renderer is closed [s]
+
+
+def start_daemon(work: Callable[[], object], name: str) -> None:
+    """Run `work` in a new thread, which does not keep the process from ending."""
+    threading.Thread(target=work, name=name, daemon=True).start()
+
+
+class BackgroundSolve(Generic[T]):
+    """Runs one job at a time in a thread, which begins with the first job.
+
+    start_thread: runs a function in a new thread of this name. If `deferred`, there is no thread: a job runs when its
+    result is taken, so that a recording can be rendered again.
+    """
+
+    def __init__(
+        self, start_thread: Callable[[Callable[[], object], str], None] = start_daemon
+    ) -> None:
+        self.deferred = False
+        self._start_thread = start_thread
+        self._job: tuple[Callable[[], T], Future[T]] | None = None
+        self._jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None] | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether a job was started whose result is not taken yet."""
+        return self._job is not None
+
+    @property
+    def done(self) -> bool:
+        """Whether `take` returns at once."""
+        return self._job is not None and self._job[1].done()
+
+    def start(self, job: Callable[[], T]) -> None:
+        """Start a job. The result of the last one must have been taken."""
+        self._job = job, Future()
+        if self.deferred:
+            return
+        if self._jobs is None:
+            jobs = self._jobs = queue.SimpleQueue()
+            self._start_thread(lambda: _run_jobs(jobs), "solve")
+            atexit.register(self.close)  # a thread in a kernel must not outlive the interpreter
+        self._jobs.put(self._job)
+
+    def take(self) -> T:
+        """Wait for the job that runs, and return its result, or raise its exception."""
+        assert self._job is not None
+        (job, future), self._job = self._job, None
+        if self.deferred:
+            return job()
+        return future.result()
+
+    def close(self) -> None:
+        """End the thread after the job that runs, if any; wait for that, but not for ever."""
+        if self._jobs is None:
+            return
+        atexit.unregister(self.close)
+        self._jobs.put(None)
+        self._jobs = None
+        if self._job is not None:
+            wait([self._job[1]], MAX_CLOSING)
+            self._job = None
+
+
+def _run_jobs(jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None]) -> None:
+    while (job := jobs.get()) is not None:
+        work, future = job
+        try:
+            future.set_result(work())
+        except BaseException as error:  # a plug-in can raise anything; the loop raises it again
+            future.set_exception(error)

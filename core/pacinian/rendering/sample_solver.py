@@ -1,0 +1,299 @@
+"""Solve for the samples of a scene; reuse solutions while nothing moves."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.cached_solution import CachedSolution
+from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
+from pacinian.rendering.reachability import HARDLY_REACHED
+from pacinian.scene.modulation.presentation import present
+from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
+from pacinian.solving.problem import Limits, Targets, number_regions
+
+if TYPE_CHECKING:
+    from pacinian.plugins.solver import Solver
+    from pacinian.rendering.cycle import Cycle, Part
+    from pacinian.rendering.reachability import ReachabilityFilter
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.session import Session
+    from pacinian.types import Floats
+
+MIN_POWER = 1e-30  # smallest power used as a divisor
+CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
+BETTER = 0.99  # largest ratio of new to old error at which a late solution counts as improved
+TRIES = 6  # most successive solves without improvement; a busy processor may spoil some
+
+Step = tuple[object, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What to play for some samples.
+
+    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are several.
+    each: whether each of them belongs to one row of one tick, because a technique moves the samples. cycle: whether
+    they are the frames of a cycle, and people feel their mean. complete: whether all frames of the cycle are solved.
+    asked: target of all frames together, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by
+    which the gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get
+    fewer frames than they could have, for want of time.
+    """
+
+    samples: Samples
+    limits: Limits
+    rows: tuple[CachedSolution, ...] = ()
+    each: bool = False
+    cycle: bool = False
+    complete: bool = True
+    asked: Floats | None = None
+    brief: bool = False
+    growth: float = 1.0
+    hurried: bool = False
+
+    @property
+    def shown(self) -> Samples | None:
+        """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
+        if self.cycle:
+            return self.samples
+        return self.rows[-1].samples if self.rows else None
+
+    @property
+    def targets(self) -> Targets | None:
+        """Targets of the last solution, or of all frames of a cycle together; None without a solution."""
+        if self.cycle:
+            assert self.asked is not None
+            t = sound_pressure(self.asked, self.rows[-1].solution.medium)
+            return Targets.make_unchecked(t, number_regions(len(t), self.samples.regions))
+        return self.rows[-1].solution.targets if self.rows else None
+
+    @property
+    def facing(self) -> SkinFacing | None:
+        """Facing of the skin at `shown`; None if that is not on skin."""
+        if not self.cycle:
+            return self.rows[-1].solution.facing if self.rows else None
+        if self.samples.capsules is None:
+            return None
+        return SkinFacing.of(self.samples.normals, self.samples.capsules)
+
+
+@dataclass
+class SampleSolver:
+    """Solves for samples.
+
+    session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
+    allowed. fresh: the solutions of the last call of `solve` that are new. skipped: counts work that was not needed,
+    by reason.
+    """
+
+    session: Session
+    times: Floats
+    cycle: Cycle
+    skipped: Counter[str] = field(default_factory=Counter[str])
+    fresh: list[CachedSolution] = field(default_factory=list[CachedSolution], init=False)
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @property
+    def reach(self) -> ReachabilityFilter:
+        """The reachability filter of the first frame."""
+        return self.cycle.parts[0].reach
+
+    def reset(self) -> None:
+        """Discard all solutions."""
+        self._key: tuple[object, ...] = ()
+        self._steps: dict[Step, CachedSolution] = {}
+        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
+        self._growth = 1.0
+        self._last: Solved | None = None
+        self.fresh = []
+        self.cycle.reset()
+
+    def solve(
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
+    ) -> Solved:
+        """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
+
+        deadline: from now [s]; may be infinite.
+        """
+        self.fresh = []
+        key = samples, limits, solver
+        if self._key != key:
+            self._key, self._steps, self._parts = key, {}, _parts(samples)
+            self._last, self._growth = None, _growth(samples)
+            alone = bool(self._parts[1]) or limits_join(limits)
+            self.cycle.begin(samples, 1 if alone else None)
+        last = self._last
+        if last is not None and last.rows[0].final and not last.brief:
+            self.skipped["solve, nothing moved"] += 1
+            return last
+        if self.cycle.count > 1:
+            return self._in_turn(samples, limits, solver, deadline)
+        base, parts = self._parts
+        if not parts:
+            found = self._found((), base, t, limits, solver, deadline)
+            self.cycle.consider(found)
+            self._last = self._make(samples, limits, (found,))
+            return self._last
+        solved: list[CachedSolution] = []
+        for now in (t + self.times).tolist():
+            step = tuple(item.technique.step(now) for item, _ in parts)
+            kept = self._steps.get(step)
+            if kept is None or not kept.final:
+                row = join_samples(
+                    [base, *(_present_item(item, part, now) for item, part in parts)]
+                )
+                kept = self._found(step, row, t, limits, solver, deadline / len(self.times))
+            else:
+                self.skipped["solve, step of a modulation known"] += 1
+            solved.append(kept)
+        return self._make(samples, limits, tuple(solved), each=True, brief=True)
+
+    def _make(
+        self, samples: Samples, limits: Limits, rows: tuple[CachedSolution, ...],
+        *, each: bool = False, brief: bool = False,
+    ) -> Solved:  # fmt: skip
+        brief = brief or any(one.averaged for one in rows)
+        return Solved(
+            samples,
+            limits,
+            rows,
+            each,
+            brief=brief,
+            growth=self._growth,
+            hurried=self.cycle.hurried,
+        )
+
+    def _found(
+        self, step: Step, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
+    ) -> CachedSolution:  # fmt: skip
+        """Return the solution for `samples`, from the cache or new.
+
+        If limits couple all gains (power, quiet zones, exact samples), gains cannot be combined from those of each
+        voice. Then the solve uses each voice's mean strength over the tick.
+        """
+        voices = EnvelopeGroups(samples)
+        P = samples.radiation_pressure
+        joint = len(voices) > 1 and limits_join(limits)
+        if joint:
+            strength = voices.strength(t + self.times).mean(axis=1)
+            P, step = P * strength[voices.index], (*step, strength.tobytes())
+        kept = self._steps.get(step)
+        if kept is not None and kept.final:
+            self.skipped["solve, nothing moved"] += 1
+            return kept
+        made = self._solve_part(
+            self.cycle.parts[0], samples, P, voices, joint, limits, solver, deadline
+        )
+        if kept is not None and made.solution.error > BETTER * kept.solution.error:
+            vain = kept.vain + 1
+            final = made.final or vain == TRIES
+            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
+        self.fresh.append(made)
+        if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
+            self._steps = {}
+        self._steps[step] = made
+        return made
+
+    def _in_turn(
+        self, samples: Samples, limits: Limits, solver: Solver, deadline: float
+    ) -> Solved:  # fmt: skip
+        """Return the frames of a cycle; first solve for one of them, if any needs it."""
+        cycle = self.cycle
+        part = cycle.due()
+        if part is None:
+            self.skipped["solve, nothing moved"] += 1
+        else:
+            P, voices = samples.radiation_pressure, EnvelopeGroups(samples)
+            made = self._solve_part(part, samples, P, voices, False, limits, solver, deadline)
+            cycle.keep(part, made)
+            cycle.consider(made)
+            self.fresh.append(made)
+        return Solved(
+            samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
+            asked=cycle.asked.copy(), growth=self._growth, hurried=cycle.hurried,
+        )  # fmt: skip
+
+    def _solve_part(
+        self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
+        solver: Solver, deadline: float,
+    ) -> CachedSolution:  # fmt: skip
+        """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
+
+        joint: whether P already contains the voices' strengths.
+        """
+        several = self.cycle.count > 1
+        q = samples.positions
+        sounded = (P > 0.0) | (samples.regions == BESIDE)
+        sounded &= part.reach.find_reachable(q, self.skipped)
+        if several:
+            sounded &= self.cycle.sounds(part)
+        index = voices.index
+        if limits.exact is not None:  # flags for the remaining samples
+            exact = limits.exact_mask(len(q))[sounded] if len(q) else None
+            limits = replace(limits, exact=exact)
+        if not sounded.all():
+            samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
+        facing = None
+        weakened: tuple[tuple[int, int], ...] = ()
+        if samples.capsules is not None and len(q):
+            facing = SkinFacing.of(samples.normals, samples.capsules)
+            share = part.reach.share(q, facing, self.skipped)
+            hardly = samples.objects[(share < HARDLY_REACHED) & (samples.regions != BESIDE)]
+            weakened = tuple(Counter(hardly.tolist()).items()) if len(hardly) else ()
+            P = P * share
+        if several:
+            P = self.cycle.compute_rest(part, sounded, P, facing)
+        session = part.session
+        solution = session.solve(
+            q,
+            sound_pressure(P, session.medium),
+            limits=limits,
+            deadline=None if deadline == math.inf else deadline,
+            solver=solver,
+            facing=facing,
+            regions=samples.regions,
+        )
+        voices.index = index
+        parts = None
+        if len(voices) > 1 and not joint and len(q):
+            parts = split_contributions(solution, session.propagator, index, len(voices))
+        sounding, averaged = None if joint else voices, joint and not voices.steady
+        made = CachedSolution(
+            solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
+        )
+        final = not made.ran_out_of_time
+        return replace(made, steady=voices.steady and final, final=final)
+
+
+def limits_join(limits: Limits) -> bool:
+    """Return whether limits couple all gains, so that these cannot be combined from the parts of voices."""
+    return limits.power is not None or bool(limits.solver_limits)
+
+
+def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
+    """Return the samples of objects that sound as a whole, and separately those of each object with a technique."""
+    items = samples.items
+    moving = sorted(i for i in set(samples.objects.tolist()) if not items[i].technique.still)
+    if not moving:
+        return samples, []
+    parts = [(items[i], samples.only(samples.objects == i)) for i in moving]
+    return samples.only(~np.isin(samples.objects, moving)), parts
+
+
+def _growth(samples: Samples) -> float:
+    """Return the factor by which the gains will grow once the samples reach the full pressure of their objects."""
+    P, most = float(samples.radiation_pressure.sum()), float(samples.most.sum())
+    return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
+
+
+def _present_item(item: Object, samples: Samples, t: float) -> Samples:
+    return present(item.technique, samples, t, item.pose.matrix)

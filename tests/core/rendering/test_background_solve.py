@@ -1,0 +1,353 @@
+"""Solves beside the ticks: frames are on time whatever a solve takes, and nothing else changes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.gallery import SCENES
+from pacinian.rendering.background_solve import BackgroundSolve
+from pacinian.rendering.pipeline import MAX_AGE
+from pacinian.rendering.rerender import rerender
+from pacinian.rendering.solve_schedule import SOLVE_TICKS
+from pacinian.scene.modulation.technique import AM
+from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+from .by_hand import ByHand, solve_beside
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ARRAY = pc.autd()
+AIR = pc.Air()
+TICK = 1e-3  # [s]
+POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0, name="point")
+
+
+def at(x: float, **options: Any) -> pc.Scene:
+    return pc.Scene((replace(POINT, position=(x, 0.0, 0.15), **options),))
+
+
+def make(scene: Any, **options: Any) -> tuple[pc.Renderer, Simulated]:
+    device = Simulated(rate=2000.0, keep=1000)
+    options.setdefault("clock", ManualClock())
+    return pc.Renderer(ARRAY, scene, backend=device, **options), device
+
+
+def press(frame: Any, device: Simulated, points: Any) -> Any:
+    """Radiation pressure of each row at each point, (K, M) [Pa]."""
+    B = pc.matrix(ARRAY, points, AIR)
+    return pc.radiation_pressure(frame.gains(device.capability) @ B.T, AIR)
+
+
+def test_frames_go_on_while_a_solve_takes_its_time_and_follow_it_when_it_is_done() -> None:
+    scene = [at(-0.01)]
+    renderer, device = make(lambda t: scene[0])
+    points = [[-0.01, 0.0, 0.15], [0.02, 0.0, 0.15]]
+    with renderer:
+        for k in range(10):
+            renderer.tick(k * TICK)
+        background = solve_beside(renderer)
+        background.ready = False
+        scene[0] = at(0.02)
+        for k in range(10, 25):
+            renderer.tick(k * TICK)
+            assert press(renderer.sent, device, points)[-1] == pytest.approx([5.0, 0.0], abs=0.3)
+        assert background.started == 1
+        assert renderer.shown.objects[0].pose.position[0] == -0.01
+        background.ready = True
+        for k in range(25, 45):
+            renderer.tick(k * TICK)
+        assert press(renderer.sent, device, points)[-1] == pytest.approx([0.0, 5.0], abs=0.3)
+        assert renderer.shown is scene[0]
+        report = renderer.report
+        assert report.frames_sent == report.ticks == 45
+        assert report.skipped["solve, still under way"] == 14
+        assert not report.faults
+
+
+def test_what_it_says_of_moving_samples_is_that_they_are_interpolated() -> None:
+    renderer, _ = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        assert not renderer.report.deviations.totals
+        solve_beside(renderer)
+        for k in range(1, 30):
+            renderer.tick(k * TICK)
+        assert renderer.report.deviations.totals["point"]["interpolated"].ticks >= 28
+
+
+def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
+    """By the rows that were sent: the focus is never lost between two solutions."""
+    renderer, device = make(lambda t: at(0.2 * t))
+    with renderer:
+        for k in range(10):
+            renderer.tick(k * TICK)
+        background = solve_beside(renderer)
+        for k in range(10, 100):
+            background.ready = k % 4 == 0
+            renderer.tick(k * TICK)
+            renderer.schedule.beside, renderer.schedule.ticks = True, 4
+            x = np.linspace(0.2 * (k - 12) * TICK, 0.2 * k * TICK, 25)
+            points = np.column_stack([x, np.zeros(25), np.full(25, 0.15)])
+            assert k < 20 or press(renderer.sent, device, points).max(axis=1).min() > 4.5
+
+
+def test_a_still_scene_ends_as_it_does_in_ticks() -> None:
+    heard = []
+    disc = pc.Surface(shape=pc.Disc(0.01), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=1.0)
+    for beside in (False, True):
+        renderer, _ = make(pc.Scene((disc, POINT)))
+        with renderer:
+            renderer.tick(0.0)
+            if beside:
+                solve_beside(renderer)
+            for k in range(1, 60):
+                renderer.tick(k * TICK)
+            assert renderer.samples is not None
+            heard.append(renderer.hear(renderer.samples.positions, renderer.played.facing))
+    np.testing.assert_allclose(heard[1], heard[0], atol=0.02 * heard[0].max())
+
+
+@pytest.mark.parametrize("stage", ["sample", "solve"])
+def test_an_error_in_a_solve_beside_the_ticks_silences_and_is_told_as_in_a_tick(stage: str) -> None:
+    class Fails(pc.Solver):
+        name = "fails"
+        broken = False
+
+        def solve(self, propagator: Any, targets: Any, *rest: Any) -> pc.Result:
+            if self.broken:
+                raise RuntimeError("in the middle")
+            rest[-1][:] = 0.5
+            return pc.Result()
+
+    class Breaks(pc.Sampler):
+        broken = False
+
+        def sample(self, *args: Any) -> Any:
+            if self.broken:
+                raise RuntimeError("in the middle")
+            return super().sample(*args)
+
+    solver, sampler = Fails(), Breaks()
+    renderer, device = make(at, solver=solver, sampler=sampler)
+    with renderer:
+        renderer.tick(0.0)
+        renderer.schedule.beside = True
+        renderer.tick(TICK)
+        (solver if stage == "solve" else sampler).broken = True
+        for k in range(2, 200):
+            renderer.tick(k * TICK)
+            if renderer.halted is not None:
+                break
+        assert renderer.halted is not None
+        assert renderer.halted.stage == stage
+        assert "in the middle" in renderer.halted.message
+        assert device.silent
+        solver.broken = sampler.broken = False
+        renderer.reset()
+        renderer.tick(0.3)
+        assert renderer.halted is None
+        assert not device.silent
+
+
+def test_new_limits_hold_from_the_first_row_on() -> None:
+    renderer, device = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        background.ready = False
+        for k in range(1, 9):
+            renderer.tick(k * TICK)
+        renderer.limits = pc.Limits(power=1e-4)
+        for k in range(9, 12):
+            renderer.tick(k * TICK)
+            g = renderer.sent.gains(device.capability)
+            assert (np.abs(g) ** 2).sum(axis=1).max() <= 1e-4 * 1.001
+        renderer.session.solver = "gs-pat"
+        renderer.tick(12 * TICK)
+        assert renderer.solution is not None
+        assert renderer.solution.solver == "gs-pat"
+
+
+def test_what_is_right_for_one_tick_only_is_solved_in_that_tick() -> None:
+    renderer, _ = make(SCENES["stm-circle"])
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        technique = SCENES["stm-circle"](0.0).objects[0].technique
+        for k in range(1, 50):
+            renderer.tick(k * TICK)
+            x, y = renderer.played.rows[0].samples.positions[0, :2].tolist()
+            assert np.hypot(x, y) == pytest.approx(0.015, abs=1e-6)
+            assert technique.step(k * TICK) is not None
+        assert background.started == 0
+
+
+def test_an_envelope_is_followed_while_the_solve_is_under_way() -> None:
+    wave = AM(frequency=125.0)
+    scene = [at(0.0, technique=wave)]
+    renderer, device = make(lambda t: scene[0])
+    with renderer:
+        for k in range(8):
+            renderer.tick(k * TICK)
+        background = solve_beside(renderer)
+        background.ready = False
+        scene[0] = at(0.001, technique=wave)
+        for k in range(8, 26):
+            renderer.tick(k * TICK)
+            t = k * TICK + np.arange(2) * TICK / 2
+            P = press(renderer.sent, device, [[0.0, 0.0, 0.15]])[:, 0]
+            np.testing.assert_allclose(P, 5.0 * wave.factor(t), atol=0.15)
+
+
+def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
+    """A solver that hangs then holds the loop up, so that whoever expects frames notices."""
+    renderer, _ = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        background.ready = False
+        for k in range(1, 300):
+            renderer.tick(k * TICK)
+            x = renderer.shown.objects[0].pose.position[0]
+            assert k * TICK - x <= 2.0 * MAX_AGE + 2 * TICK
+        assert renderer.report.solves >= 3
+
+
+def test_a_deadline_is_longer_beside_the_ticks() -> None:
+    seen = []
+
+    class Notes(pc.Solver):
+        name = "notes"
+
+        def solve(self, propagator: Any, targets: Any, *rest: Any) -> pc.Result:
+            *_, budget, g = rest
+            seen.append(budget.due - budget.clock())
+            g[:] = 0.1
+            return pc.Result()
+
+    renderer, _ = make(at, solver=Notes())
+    with renderer:
+        renderer.tick(0.0)
+        renderer.tick(TICK)
+        inside = seen[-1]
+        solve_beside(renderer)
+        renderer.tick(2 * TICK)
+        renderer.tick(3 * TICK)
+    assert seen[-1] == pytest.approx(SOLVE_TICKS * inside)
+
+
+def test_a_real_thread_solves_while_ticks_go_on_and_ends_with_the_renderer() -> None:
+    enter, leave = threading.Event(), threading.Event()
+
+    class Waits(pc.Solver):
+        name = "waits"
+        waits = False
+
+        def solve(self, propagator: Any, targets: Any, *rest: Any) -> pc.Result:
+            if self.waits:
+                enter.set()
+                assert leave.wait(60.0)
+            rest[-1][:] = 0.1
+            return pc.Result()
+
+    solver = Waits()
+    renderer, _ = make(at, solver=solver)
+    before = set(threading.enumerate())
+    with renderer:
+        renderer.tick(0.0)
+        renderer.schedule.beside, solver.waits = True, True
+        renderer.tick(TICK)
+        assert enter.wait(60.0)
+        for k in range(2, 20):
+            renderer.tick(k * TICK)
+        assert renderer.report.frames_sent == 20
+        assert renderer.report.solves == 1
+        threads = set(threading.enumerate()) - before
+        assert len(threads) == 1
+        leave.set()
+        renderer.reset()  # waits for the solve
+        renderer.tick(0.1)
+    for thread in threads:
+        thread.join(60.0)
+        assert not thread.is_alive()
+
+
+def test_close_waits_for_the_solve_that_runs() -> None:
+    """A thread in a kernel must not outlive the interpreter: that would abort the process."""
+    begun, ended = threading.Event(), threading.Event()
+
+    def job() -> int:
+        begun.set()
+        release.wait(60.0)
+        ended.set()
+        return 1
+
+    release = threading.Event()
+    background = BackgroundSolve[int]()
+    background.start(job)
+    assert begun.wait(60.0)
+    assert background.running
+    assert not background.done
+    threading.Timer(0.01, release.set).start()
+    background.close()
+    assert ended.is_set()
+    background.close()  # may be called twice
+
+
+def test_a_program_that_forgets_to_close_ends_without_a_crash() -> None:
+    program = """
+import pacinian as pc
+from pacinian.gallery import SCENES
+renderer = pc.Renderer(pc.autd(3, 3), SCENES["palm"])
+renderer.open()
+renderer.tick(0.0)
+renderer.schedule.beside = True
+for k in range(1, 40):
+    renderer.tick(1e-3 * k)
+assert renderer._pipeline.background.running
+"""
+    ran = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+
+
+class Slow(ManualClock):
+    """Each look at it takes time, so that ticks that solve are long."""
+
+    def now(self) -> float:
+        self.advance(1.5e-4)
+        return self.time
+
+
+@pytest.mark.parametrize("name", ["palm", "crowd", "sliding-ball", "rain", "stm-circle"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_recording_comes_out_the_same_whenever_solves_are_done(
+    tmp_path: Path, name: str, seed: int
+) -> None:
+    chance, path = np.random.default_rng(seed), tmp_path / "run.pac"
+    renderer, _ = make(SCENES[name], recorder=pc.Recorder(path), clock=Slow())
+    with renderer:
+        background = renderer._pipeline.background = ByHand()
+        for k in range(60):
+            background.ready = bool(chance.random() < 0.4)
+            if k == 40:
+                renderer.limits = pc.Limits(gain=0.5)
+            if k == 50:
+                renderer.session.solver = "gs-pat"
+            renderer.tick(k * TICK)
+        assert not renderer.report.faults
+        assert renderer.schedule.beside is (name != "stm-circle")
+        assert (background.started > 5) is renderer.schedule.beside
+    found = rerender(pc.Recording(path))
+    assert (found.ticks, found.different) == (60, 0)
