@@ -7,7 +7,9 @@ import json
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.errors import ServerError
 
+NOT_CONFIRMED = "The stop is not confirmed: if the array sounds, switch it off."
 STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Client().reset()`"
 
 
@@ -30,5 +32,9 @@ def stop(connection: str | None, timeout: float, as_json: bool) -> None:
     """
     from pacinian.client.emergency import emergency_stop
 
-    emergency_stop(connection, timeout=timeout)
+    try:
+        emergency_stop(connection, timeout=timeout)
+    except ServerError:
+        click.echo(NOT_CONFIRMED, err=True)
+        raise
     click.echo(json.dumps({"stopped": True}) if as_json else STOPPED)

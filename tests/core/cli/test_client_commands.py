@@ -143,6 +143,7 @@ def test_a_stop_that_is_not_confirmed_is_an_error(server: Fake, path: str) -> No
     server.answers[control.Stop] = lambda _: None
     result = CliRunner().invoke(stop, ["--connection", path, "--timeout", "0.1"])
     assert isinstance(result.exception, pc.ConnectionLost)
+    assert "switch it off" in result.stderr
     server.answers[control.Stop] = lambda m: replies.Error(id=m.id, code="busy", message="no")
     result = CliRunner().invoke(stop, ["--connection", path])
     assert isinstance(result.exception, pc.Refused)
