@@ -135,7 +135,10 @@ class Tree:
             else [str(p) for pattern in patterns for p in sorted(self.root.glob(pattern))]
         )
         roots = os.pathsep.join(str(self.root / r) for r in ("core", "plugins"))
-        pytest = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider"]
+        pytest = [
+            *(sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider"),
+            "--hypothesis-profile=fixed",  # all examples, always the same
+        ]
         try:
             done = subprocess.run(
                 [*pytest, *tests], cwd=self.root, env={**os.environ, "PYTHONPATH": roots}, text=True,

@@ -29,6 +29,7 @@ SAYS = {
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
+LONG = pytest.param("hand_session", marks=pytest.mark.deep)
 UNSEEN = {"touch", "client"}  # test_readme.py runs the client, because it has a server
 
 
@@ -36,7 +37,7 @@ def test_all_are_run() -> None:
     assert {path.stem for path in (ROOT / "examples").glob("*.py")} == {*SAYS, *UNSEEN}
 
 
-@pytest.mark.parametrize("name", SAYS)
+@pytest.mark.parametrize("name", [*(name for name in SAYS if name not in LONG.values), LONG])
 def test_it_says_and_draws(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
