@@ -32,9 +32,10 @@ from pacinian.testing import ManualClock
 
 Floats = NDArray[np.float64]
 
-SECONDS, FPS = 6.0, 20
+SECONDS, FPS = 6.0, 15
 SETTLED = 20  # ticks until the start of a moment has no effect any more
-SIZE, FINER, QUALITY = (800, 480), 2, 50  # pixels; rays per side of a pixel; quality of the WebP
+SIZE, FINER = (800, 480), 2  # pixels; rays per side of a pixel
+SAVED, QUALITY = (640, 384), 38  # pixels of the loop; quality of the WebP
 EYE, TARGET = np.array([0.0, -0.47, 0.095]), np.array([0.005, 0.0, 0.108])  # [m]
 ANGLE = 52.0  # horizontal angle of view [deg]
 BALL, RADIUS, PRESSURE = np.array([0.0, 0.0, 0.168]), 0.032, 6.0  # [m], [m], [Pa]
@@ -287,6 +288,7 @@ def main(path: Path, *moments: float) -> None:
             if moments:
                 drawn[-1].save(path.with_name(f"{path.stem}-{t:.2f}.png"))
     if not moments:
+        drawn = [page.resize(SAVED, Image.Resampling.LANCZOS) for page in drawn]
         drawn[0].save(
             path, save_all=True, append_images=drawn[1:], duration=round(1000 / FPS), loop=0,
             quality=QUALITY, method=6,

@@ -152,6 +152,12 @@ export class Glass extends Group {
     return this.children as Mesh<BufferGeometry, ShaderMaterial>[];
   }
 
+  /** Whether a painting behind it shines through. */
+  set through(on: boolean) {
+    const behind = this.meshes[2];
+    if (behind) behind.visible = on;
+  }
+
   /** Another geometry. */
   set geometry(geometry: BufferGeometry) {
     for (const mesh of this.meshes) mesh.geometry = geometry;

@@ -134,6 +134,8 @@ export class Hands {
   /** What all joints are in [m]. */
   readonly box = new Box3();
   count = 0;
+  /** Whether a painting on the side that is turned away shines through. */
+  through = true;
   private readonly all: Hand[] = [];
   private readonly geometry = bones();
   private readonly joint = new Vector3();
@@ -188,6 +190,7 @@ export class Hands {
     }
     for (const [k, hand] of this.all.entries()) {
       hand.visible = k < this.count;
+      hand.through = this.through;
       if (hand.visible) hand.show(joints.subarray(3 * JOINTS * k, 3 * JOINTS * (k + 1)));
     }
   }

@@ -198,6 +198,7 @@ export class Space {
   private layer(): void {
     const error = this.slicer.on && this.slice.plane && this.slice.of === "error";
     this.samples.group.visible = !error && !this.hands.painted;
+    this.hands.through = !error;
   }
 
   private changed(change: () => void): void {
