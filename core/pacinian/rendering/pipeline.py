@@ -68,8 +68,8 @@ TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 class Outcome(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    account: of the samples. solver: that solved. fresh: the solutions that are new. seconds: that it took beside the
-    ticks [s]; NaN in a tick.
+    account: of the samples. solver: that solved. fresh: the solutions that are new. time: of the scene [s]. seconds:
+    that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -77,6 +77,7 @@ class Outcome(NamedTuple):
     solved: Solved
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
+    time: float = 0.0
     seconds: float = math.nan
 
 
@@ -134,6 +135,8 @@ class Pipeline:
         self.played = self._before = empty
         """The result that the last frame plays."""
         self._taken: Outcome | None = None  # of this tick
+        self.lag = 0.0
+        """Age of the scene that the last frame plays [s]."""
         self._job_time = 0.0  # time of the scene for which a job runs beside the ticks [s]
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
@@ -211,6 +214,7 @@ class Pipeline:
             self._solve_beside(scene, limits, solver, t)
         else:
             self._solve_now(scene, limits, solver, t)
+        self.lag = t - self.played.time
         self._look()
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
@@ -287,7 +291,7 @@ class Pipeline:
             stages.enter("solve")
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             seconds = self._job_tape.now() - begin if beside else math.nan
-            return Outcome(scene, account, solved, solver, tuple(self.solver.fresh), seconds)
+            return Outcome(scene, account, solved, solver, tuple(self.solver.fresh), t, seconds)
 
         return run
 

@@ -367,6 +367,11 @@ class Renderer(Closing):
         return self._pipeline.played.scene
 
     @property
+    def lag(self) -> float:
+        """Age of the scene of the last frame [s]: 0, but while solves run beside the ticks one to two solves."""
+        return self._pipeline.lag
+
+    @property
     def emitted(self) -> Gains:
         """The last gains at full envelope as rounded by the device, (N,), even if it is silent now."""
         solution = self.solution

@@ -48,7 +48,8 @@ class Row:
 
     p50_ms, p99_ms: of the ticks at 1 kHz. late: fraction of ticks that ended after the next tick was due; dummy_late:
     of a dummy loop in the same run. rate: highest rate held [Hz], 0 for none: p99 within a tick, and at most half a
-    percentage point more late ticks than the dummy loop. samples: median. stages: mean time per tick [ms].
+    percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: age of the scene that a tick
+    plays, median [ms]. samples: median. stages: mean time per tick [ms].
     error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
     rms, holes and spill over all skin that regions touch, medians of the looks with contact; None if there are none.
     left_out: fraction of the scene's force that was not requested from the array.
@@ -60,6 +61,8 @@ class Row:
     late: float
     dummy_late: float
     rate: float
+    solves: float
+    lag_ms: float
     samples: int
     stages: dict[str, float]
     error_at_samples: float
@@ -71,7 +74,8 @@ class Row:
 class Look:
     """Input and output of a tick, at time t [s] of the scene.
 
-    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts.
+    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: age of the scene that
+    they were solved for [s].
     """
 
     t: float
@@ -79,6 +83,7 @@ class Look:
     samples: Samples
     targets: Targets
     sounding: Gains
+    lag: float
 
     @property
     def asked(self) -> float:
@@ -140,7 +145,8 @@ class Run:
         samples, targets = self.renderer.samples, self.renderer.targets
         if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
             return
-        self.looks.append(Look(*self._now, samples, targets, self.renderer.sounding))
+        sounding, lag = self.renderer.sounding, self.renderer.lag
+        self.looks.append(Look(*self._now, samples, targets, sounding, lag))
 
     @property
     def held(self) -> bool:
@@ -161,6 +167,8 @@ class Run:
             late=report.late_share,
             dummy_late=self.dummy.late_share,
             rate=1.0 / self.renderer.period if self.held else 0.0,
+            solves=report.solves / (report.ticks * self.renderer.period),
+            lag_ms=1e3 * median(look.lag for look in self.looks),
             samples=round(median(len(look.samples) for look in self.looks)),
             stages={k: 1e3 * v / report.ticks for k, v in report.stages.items()},
             error_at_samples=median(look.error(array, medium) for look in self.looks),

@@ -21,12 +21,14 @@ if TYPE_CHECKING:
 def scenes(rows: Sequence[Row]) -> Table:
     """Return a table of the ticks of each scene."""
     head = [
-        "", "samples", "p50\n[ms]", "p99\n[ms]", "late\n[%]", "dummy\n[%]", "held\n[Hz]",
+        "", "samples", "p50\n[ms]", "p99\n[ms]", "late\n[%]", "dummy\n[%]", "held\n[Hz]", "solves\n[1/s]",
+        "lag\n[ms]",
     ]  # fmt: skip
     lines = [
         [
             row.scene, str(row.samples), f"{row.p50_ms:.3f}", f"{row.p99_ms:.3f}",
             f"{100 * row.late:.2f}", f"{100 * row.dummy_late:.2f}", f"{row.rate:.0f}",
+            f"{row.solves:.0f}", f"{row.lag_ms:.1f}",
         ]
         for row in rows
     ]  # fmt: skip

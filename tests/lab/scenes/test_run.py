@@ -26,7 +26,7 @@ from pacinian_plugins.backends.simulated import Simulated
 ARRAY, ONE = pc.autd(3, 3), pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 SKIPS = {skip.what: skip for skip in skips()}
-KEYS = ("scene", "p50_ms", "p99_ms", "late", "dummy_late", "rate", "samples", "stages",
+KEYS = ("scene", "p50_ms", "p99_ms", "late", "dummy_late", "rate", "solves", "lag_ms", "samples", "stages",
         "error_at_samples", "felt", "left_out")  # fmt: skip
 ROW = Row(
     "palm",
@@ -35,6 +35,8 @@ ROW = Row(
     0.01,
     0.008,
     1000.0,
+    400.0,
+    2.5,
     60,
     {"sample": 0.2, "solve": 0.3},
     0.001,
