@@ -54,7 +54,7 @@ def convert_recording(
             continue
         due = at + TICK_INTERVAL
         encode = msgspec.msgpack.encode
-        yield at, "frame", encode(_frame(recording, tick, next(numbers)))
+        yield at, "frame", encode(_frame(recording, tick, next(numbers), renderer))
         yield at, "state", encode(_state(recording, tick, past, renderer))
         yield at, "histogram", encode_message(past.histogram)
         if (news := stage.show(tick)) is not None:
@@ -137,12 +137,13 @@ def _array(recording: Recording) -> ArrayMessage:
     )
 
 
-def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
+def _frame(recording: Recording, tick: Tick, number: int, renderer: Renderer | None) -> FrameState:
     """Return one row of the tick's frame; `number` selects the rows in turn, as a server does."""
     frame, can = tick.frame, recording.capability
     row = number % len(frame.phase)
     phase, amplitude = frame.phase[row], frame.amplitude[row]
     loud = bool(amplitude.any())
+    part, parts = (0, 0) if renderer is None else renderer.player.place_in_cycle
     return FrameState(
         sequence=frame.sequence,
         time=frame.time,
@@ -150,6 +151,8 @@ def _frame(recording: Recording, tick: Tick, number: int) -> FrameState:
         amplitudes=len(can.sizes),
         phase=phase.astype("<u2").tobytes() if loud else b"",
         amplitude=amplitude.astype("<u2").tobytes() if loud else b"",
+        part=(part + row) % max(parts, 1),
+        parts=parts,
         scene_time=tick.time + row / len(frame.phase) / recording.tick_rate,
     )
 

@@ -280,3 +280,24 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     assert 0.99 * peak < most <= (1.0 + 1e-6) * peak  # of bands alone twice 1.5 Pa
     with pytest.raises(pc.ArgumentError, match="peak"):
         pc.Renderer(NINE, scene, peak=-1.0)
+
+
+def test_each_row_of_a_cycle_says_which_frame_it_is() -> None:
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),))
+    clock = ManualClock()
+    renderer = pc.Renderer(NINE, scene, clock=clock)
+    frames: dict[int, np.ndarray[Any, Any]] = {}
+    with renderer:
+        for k in range(90):
+            renderer.tick(k * PERIOD)
+            clock.time = (k + 1) * PERIOD
+            part, parts = renderer.player.place_in_cycle
+            rows = renderer.sent.gains(renderer.backend.capability)
+            if k < 80:
+                continue
+            assert parts > 1
+            for n, row in enumerate(rows):
+                same = frames.setdefault((part + n) % parts, row.copy())
+                assert np.array_equal(same, row)
+    assert len(frames) == parts
+    assert not np.array_equal(frames[0], frames[1])

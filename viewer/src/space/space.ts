@@ -48,6 +48,8 @@ export class Space {
   private readonly focus = new Vector3(0, 0, FOCUS);
   private met = false;
   private nextLook = 0;
+  /** The most that was asked when something was [Pa]. */
+  private asked = 0;
   /** Since when the slice shows what is not any more [ms]. */
   private old: number | undefined;
   /** Whether the objects that are shown are of a server that has gone. */
@@ -268,7 +270,8 @@ export class Space {
 
   /** Let the scale follow the slice that is shown. */
   private look(): void {
-    const asked = this.slice.of === "pressure" ? this.samples.most : 0;
+    this.asked = this.samples.most || this.asked;
+    const asked = this.slice.of === "pressure" ? this.asked : 0;
     const most = asked > 0 ? Math.min(this.most, BRIGHT * asked) : this.most;
     if (this.slicer.on && this.scale.see(most)) this.rescale();
   }

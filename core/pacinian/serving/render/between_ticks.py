@@ -293,7 +293,9 @@ class BetweenTicks:
 
     def _tag(self) -> Input:
         """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
-        return self.felt.input(self.renderer.shown)._replace(start=self.renderer.start)
+        part, parts = self.renderer.player.place_in_cycle
+        newest = self.felt.input(self.renderer.shown)
+        return newest._replace(start=self.renderer.start, part=part, parts=parts)
 
     def _report(self, now: float) -> None:
         """Report the status; if its state cannot be encoded, report without it, as a heartbeat."""
