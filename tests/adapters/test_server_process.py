@@ -89,7 +89,10 @@ def test_the_server_ends_with_the_game_that_has_started_it_and_the_next_game_sta
 @pytest.mark.parametrize(
     ("command", "problem"),
     [
-        (("/nowhere/pacinian",), "/nowhere/pacinian"),  # cannot be started, or is not found
+        (
+            ("/nowhere/pacinian",),
+            "/nowhere/pacinian",
+        ),  # C++: "cannot be started"; C#: "was not found"
         ((SERVER, "--backend", "nonsense"), "exit code 2: error: no backend is called 'nonsense'"),
     ],
 )

@@ -170,7 +170,7 @@ def test_a_game_starts_a_server_and_takes_it_along(built: unity.Built, tmp_path:
         game.do("quit")
         game.do("serve /nowhere/pacinian")
         game.do("play")
-        status = game.until(lambda s: "/nowhere/pacinian" in s["problem"])
+        status = game.until(lambda s: "/nowhere/pacinian was not found" in s["problem"])
         assert status["why"] == status["problem"]
         game.do("quit")
         assert game.end() == 0

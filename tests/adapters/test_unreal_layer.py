@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
     from pacinian.wire.state import State
 
+    Array = np.ndarray[Any, Any]
+
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
 BALL = np.array([0.0, 0.0, 0.175])  # in the array's frame [m]
@@ -181,6 +183,31 @@ def test_colliders_of_what_is_attached_are_part_of_a_volume_while_they_are_there
     assert len(samples) / wave.rate == pytest.approx(0.5)
     np.testing.assert_allclose(samples[[0, -1]], [1.0, 0.0], atol=2e-3)  # the pressure: 1 to 0.5
     assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_the_editor_draws_effects_in_their_true_size(play: Callable[..., Game]) -> None:
+    game = play("unarmed", "handless")
+
+    def outline(name: str) -> Array:
+        """Places in the level that are drawn, (K, 3) [cm], from the middle of all."""
+        game.say(f"outline {name}")
+        told = game.wait(lambda t: "outline" in t)
+        assert (told["drawn"], told["why"]) == (True, "")
+        lines = np.reshape(told["outline"], (-1, 3))
+        middle: Array = lines - 0.5 * (lines.min(axis=0) + lines.max(axis=0))
+        return middle
+
+    assert np.linalg.norm(outline("ball"), axis=1) == pytest.approx(3.0, abs=1e-6)
+    game.do("shelf 0 0 -5 2")  # a cube whose lower side is 6 cm below the ball's middle
+    assert np.ptp(outline("ball") @ [0.0, 0.0, 1.0]) == pytest.approx(9.0, abs=1e-6)
+    game.do("place point 5 -3 20 0 1")
+    assert np.linalg.norm(outline("point"), axis=1) == pytest.approx(0.425, abs=1e-6)
+    game.do("place plate 3 1 20 90 2")
+    game.do("rectangle")
+    corners = np.linalg.norm(outline("plate"), axis=1)
+    assert corners == pytest.approx(np.hypot(10.0, 10.0), abs=1e-5)
+    game.do("disc")
+    assert np.linalg.norm(outline("plate"), axis=1) == pytest.approx(10.0, abs=1e-5)
 
 
 def test_a_second_server_component_says_why_it_waits_and_takes_over(

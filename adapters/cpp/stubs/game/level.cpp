@@ -116,6 +116,7 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "status") return status();
   if (what == "quiet") return zone(from);
   if (what == "align") return align(from);
+  if (what == "outline") return outline(from);
   if (what == "connect") server->Connect();
   if (what == "serve") serve(from);
   if (what == "unserve") UHapticServerComponent::StopServer();
@@ -257,6 +258,16 @@ void Level::second() {
   rival = actor->CreateDefaultSubobject<UHapticServerComponent>(TEXT("Server"));
   rival->ConnectionFile = server->ConnectionFile;
   world->begin(actor);
+}
+
+/// Lines that the editor draws of an effect.
+void Level::outline(std::istream& from) {
+  std::string name;
+  from >> name;
+  TArray<FVector> lines;
+  FString problem;
+  const bool drawn = named(name)->GetOutline(lines, problem);
+  tell(R"({"outline": )" + numbers(lines) + R"(, "drawn": )" + (drawn ? "true" : "false") + R"(, "why": )" + quoted(problem) + "}");
 }
 
 /// The array is moved to where its corners, as the server says, were touched: there is a place and yaw.

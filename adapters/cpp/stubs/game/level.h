@@ -37,6 +37,7 @@ class Level {
   void align(std::istream& rest);
   void shelf(std::istream& rest);
   void second();
+  void outline(std::istream& rest);
   void status();
 
   UHapticEffectComponent* named(const std::string& name);

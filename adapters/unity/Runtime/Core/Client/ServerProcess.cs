@@ -17,6 +17,7 @@ namespace Pacinian
         private const double FirstPause = 2.0, LongestPause = 30.0; // [s] between two starts
         private const double Well = 10.0; // [s] after which the next pause is the first again
         private const int Tail = 2000; // of a log [bytes]
+        private const int NotFound = 127, NotFoundByWindows = 9009; // exit codes of a shell
 
         private readonly string _program, _connection, _log, _arguments;
         private Process _process;
@@ -162,8 +163,11 @@ namespace Pacinian
         private void Bury(double now)
         {
             string said = LastLine();
-            Problem = "the server has ended, with exit code " + _process.ExitCode.ToString(CultureInfo.InvariantCulture)
-                + (said.Length > 0 ? ": " + said : "");
+            bool missing = _process.ExitCode == NotFound || _process.ExitCode == NotFoundByWindows;
+            Problem = missing
+                ? "the program " + _program + " was not found: install Pacinian, or give the program's path (" + said + ")"
+                : "the server has ended, with exit code " + _process.ExitCode.ToString(CultureInfo.InvariantCulture)
+                    + (said.Length > 0 ? ": " + said : "");
             Forget();
             Rest(now);
         }

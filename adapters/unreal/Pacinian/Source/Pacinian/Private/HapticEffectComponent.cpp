@@ -10,6 +10,7 @@
 #include "HapticServerComponent.h"
 #include "Link.h"
 #include "Motion.h"
+#include "Outline.h"
 #include "PacinianSettings.h"
 
 namespace wire = pacinian::wire;
@@ -144,6 +145,15 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   const wire::Motion Motion = Haptic::MotionOf(Before, Sent->Pose, Frame.Elapsed);
   bMoving = bMoves && bPredictMotion;
   Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
+}
+
+bool UHapticEffectComponent::GetOutline(TArray<FVector>& Lines, FString& Problem) const {
+  FHapticBody Body;
+  const FTransform Place = GetShapeOwner()->GetComponentTransform();
+  Body.Scale = Place.GetScale3D();
+  if (!Describe(Body, Problem)) return false;
+  Haptic::AddOutline(Body.Object, FHapticSpace::Metres(Place), Lines);
+  return true;
 }
 
 bool UHapticEffectComponent::IsCalled(const FString& Wanted) const {

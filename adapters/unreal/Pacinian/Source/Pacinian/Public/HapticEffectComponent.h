@@ -129,6 +129,10 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   virtual void PostEditChangeProperty(FPropertyChangedEvent& Event) override;
 #endif
 
+  /** Lines of what is felt, as pairs of places in the level, in true size; also where nothing plays. False, with the problem, if
+   * it has no shape. */
+  bool GetOutline(TArray<FVector>& Lines, FString& Problem) const;
+
   /** Whether the server knows it by that name. */
   bool IsCalled(const FString& Wanted) const;
 

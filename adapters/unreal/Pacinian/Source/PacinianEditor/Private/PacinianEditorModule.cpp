@@ -1,8 +1,12 @@
 #include "ArrayOriginComponent.h"
 #include "ArrayOriginVisualizer.h"
 #include "Editor/UnrealEdEngine.h"
+#include "HapticEffectVisualizer.h"
+#include "HapticPointComponent.h"
 #include "HapticServerComponent.h"
 #include "HapticServerDetails.h"
+#include "HapticSurfaceComponent.h"
+#include "HapticVolumeComponent.h"
 #include "Misc/MessageDialog.h"
 #include "Modules/ModuleManager.h"
 #include "PropertyEditorModule.h"
@@ -19,9 +23,11 @@ class FPacinianEditorModule : public IModuleInterface {
     FModuleManager::LoadModuleChecked<FPropertyEditorModule>(Properties)
         .RegisterCustomClassLayout(UHapticServerComponent::StaticClass()->GetFName(),
                                    FOnGetDetailCustomizationInstance::CreateStatic(&FHapticServerDetails::Make));
-    if (GUnrealEd)
+    if (GUnrealEd) {
       GUnrealEd->RegisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName(),
                                              MakeShared<FArrayOriginVisualizer>());
+      for (const FName& Effect : Effects()) GUnrealEd->RegisterComponentVisualizer(Effect, MakeShared<FHapticEffectVisualizer>());
+    }
     UToolMenus::RegisterStartupCallback(
         FSimpleMulticastDelegate::FDelegate::CreateRaw(this, &FPacinianEditorModule::AddMenu));
   }
@@ -30,13 +36,21 @@ class FPacinianEditorModule : public IModuleInterface {
     UToolMenus::UnRegisterStartupCallback(this);
     UToolMenus::UnregisterOwner(this);
     if (!UObjectInitialized()) return;
-    if (GUnrealEd) GUnrealEd->UnregisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName());
+    if (GUnrealEd) {
+      GUnrealEd->UnregisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName());
+      for (const FName& Effect : Effects()) GUnrealEd->UnregisterComponentVisualizer(Effect);
+    }
     if (auto* Found = FModuleManager::GetModulePtr<FPropertyEditorModule>(Properties))
       Found->UnregisterCustomClassLayout(UHapticServerComponent::StaticClass()->GetFName());
   }
 
  private:
   static constexpr const TCHAR* Properties = TEXT("PropertyEditor");
+
+  static TArray<FName> Effects() {
+    return {UHapticPointComponent::StaticClass()->GetFName(), UHapticSurfaceComponent::StaticClass()->GetFName(),
+            UHapticVolumeComponent::StaticClass()->GetFName()};
+  }
 
   void AddMenu() {
     const FToolMenuOwnerScoped Owner(this);

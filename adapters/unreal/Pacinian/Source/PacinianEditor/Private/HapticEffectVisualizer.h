@@ -1,0 +1,11 @@
+#pragma once
+
+#include "ComponentVisualizer.h"
+#include "CoreMinimal.h"
+
+/** Shows an effect that is selected as it will be felt, in its true size. */
+class FHapticEffectVisualizer : public FComponentVisualizer {
+ public:
+  virtual void DrawVisualization(const UActorComponent* Component, const FSceneView* View,
+                                 FPrimitiveDrawInterface* Draw) override;
+};
