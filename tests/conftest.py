@@ -50,6 +50,11 @@ def pytest_configure(config: pytest.Config) -> None:
         native.build()
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """Return more than there are cores: while some tests wait for servers, others run."""
+    return round(1.5 * (os.cpu_count() or 1))
+
+
 def is_deep(config: pytest.Config) -> bool:
     """Return whether these are the deep tests, `-m deep`."""
     return bool(config.option.markexpr == "deep")
