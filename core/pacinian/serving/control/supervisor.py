@@ -66,7 +66,8 @@ class Child:
 
     started: when it was started, or called if it was a spare [s]. patience: time limit to its first heartbeat [s]. due:
     when to restart it [s]. wait: delay of the restart [s]. beat: its last heartbeat [s]. heard: time watched up to then
-    [s].
+    [s]. sounded: whether there may have been sound since it started. If so, its end delays nothing for longer: a device
+    without a watchdog sounds until the next guard has opened it.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Child:
     restarts: int = 0
     beat: float = 0.0
     heard: float = 0.0
+    sounded: bool = False
 
 
 class Supervisor:
@@ -146,6 +148,7 @@ class Supervisor:
         for name, child in self.children.items():
             now = self._clock()
             hung = compute_hang_limit(self._hung, sound=sound and name == GUARD)
+            child.sounded = child.sounded or (sound and name == GUARD)
             if child.due is not None:
                 why = self._again(child, now)
             elif why := self._check_child(child, beats.get(name, 0.0), hung, now):
@@ -154,7 +157,11 @@ class Supervisor:
                 if now - child.started > WELL:
                     child.wait = MIN_RESTART_DELAY
             if why:
-                child.due, child.wait = now + child.wait, min(MAX_RESTART_DELAY, 2.0 * child.wait)
+                if child.due is None and child.sounded:
+                    child.due = now + MIN_RESTART_DELAY
+                else:
+                    child.due = now + child.wait
+                    child.wait = min(MAX_RESTART_DELAY, 2.0 * child.wait)
                 ended.append((name, why))
                 self._again(child, now)  # the spare takes over at once
         if self.trusted and (why := self._look_after_spare(beats)):
@@ -195,7 +202,7 @@ class Supervisor:
                 child.process, child.patience = self._start(child.name, 0), STARTING
             except (OSError, ServerError) as error:
                 return f"could not be started: {error}"
-        child.started, child.due, child.heard = now, None, self._watched
+        child.started, child.due, child.heard, child.sounded = now, None, self._watched, False
         child.restarts += 1
         return ""
 

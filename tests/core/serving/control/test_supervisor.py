@@ -303,6 +303,33 @@ def test_spares_of_a_guard_that_ends_again_and_again_are_started_later_and_later
     assert waits == pytest.approx([2**k * MIN_RESTART_DELAY for k in range(5)], abs=0.003)
 
 
+@pytest.mark.parametrize("spared", [True, False])
+def test_a_guard_that_may_have_sounded_is_replaced_at_once_however_often_it_ends(
+    spared: bool,
+) -> None:
+    watch, guard, spare = with_spare()
+    waits: list[float] = []
+    for _ in range(5):
+        watch.check(sound=True)
+        guard.code = 1
+        if not spared:
+            spare.code = 1
+        assert "guard" in dict(watch.check())
+        began = watch.clock.time
+        while watch.supervisor.children["guard"].process is guard:
+            watch.clock.advance(0.001)
+            watch.check()
+        if not spared:
+            waits.append(watch.clock.time - began)
+        guard = watch.supervisor.children["guard"].process
+        while (spare := watch.newest("spare")).code is not None or spare is guard:
+            watch.clock.advance(0.001)
+            watch.check()
+        if spared:
+            waits.append(watch.clock.time - began)
+    assert waits == pytest.approx([MIN_RESTART_DELAY] * 5, abs=0.003)
+
+
 def test_a_spare_that_ends_is_told_and_replaced_and_the_guard_goes_on() -> None:
     watch, guard, spare = with_spare()
     spare.code = -9
