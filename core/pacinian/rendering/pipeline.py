@@ -123,6 +123,7 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._governed = governed and not strict
         self.governor = BudgetController(period, sampler.budget) if self._governed else None
+        self._allowed = sampler.budget  # number of samples that the next job may use
         self.background = BackgroundSolve[Outcome](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
@@ -189,7 +190,7 @@ class Pipeline:
         self._begin()
         if self.governor is not None:
             self.governor = BudgetController(self.period, self.sampler.budget)
-            self.sampler.allowed = self.sampler.budget
+            self.sampler.allowed = self._allowed = self.sampler.budget
 
     def close(self) -> None:
         """Let the thread that solves beside the ticks end."""
@@ -277,6 +278,8 @@ class Pipeline:
         if self._changed:  # even if it has changed back since
             self.sampler.invalidate()
         self._changed = False
+        if self.governor is not None:
+            self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
         time = (SOLVE_TICKS if beside else 1) * self.period
         deadline = math.inf if self.strict else DEADLINE_SHARE * time
@@ -373,7 +376,7 @@ class Pipeline:
         if self.governor is None or taken is None:
             return
         if not math.isnan(taken.seconds):
-            self.schedule.note_solve(taken.seconds)
+            self.schedule.note_solve(taken.seconds, self._allowed == self.sampler.budget)
             seconds = taken.seconds / SOLVE_TICKS
         elif not taken.solved.brief:
             if taken.fresh:
@@ -384,7 +387,7 @@ class Pipeline:
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
         samples = max(len(one.samples) for one in taken.fresh)
-        self.sampler.allowed = self.governor.tick(seconds, samples)
+        self._allowed = self.governor.tick(seconds, samples)
 
     def quantise_gains(self, gains: Gains) -> Gains:
         """Return gains, (N,), as rounded by the device; the array is reused."""

@@ -41,9 +41,9 @@ class SolveSchedule:
             self.beside, far = True, False
         self._far = far
 
-    def note_solve(self, seconds: float) -> None:
-        """Take account of a solve beside the ticks that took `seconds` [s]."""
-        fits = seconds < SHORT * self.period
+    def note_solve(self, seconds: float, whole: bool = True) -> None:
+        """Take account of a solve beside the ticks that took `seconds` [s]. whole: whether no sample was dropped."""
+        fits = whole and seconds < SHORT * self.period
         self.ticks = max(1, math.ceil(seconds / self.period))
         self._fits = self._fits + 1 if fits else max(0, self._fits - BACK)
         if self._fits >= self._wait:

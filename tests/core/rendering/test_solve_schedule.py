@@ -71,6 +71,13 @@ def test_solves_that_fit_go_back_into_the_ticks_later_after_each_relapse() -> No
     assert count_solves(beside(), 1.1 * SHORT * PERIOD, 5000) > 5000
 
 
+def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
+    schedule = beside()
+    for _ in range(2 * MAX_FITTING):
+        schedule.note_solve(0.1 * SHORT * PERIOD, whole=False)
+    assert schedule.beside
+
+
 @bounded
 @given(st.lists(st.floats(0.0, 0.02), min_size=1, max_size=50))
 def test_a_change_is_spread_over_the_ticks_that_the_last_solve_took(seconds: Any) -> None:
