@@ -57,7 +57,10 @@ namespace Pacinian.Haptics.Tests
             Tracker tracker = _owner.AddComponent<Tracker>();
             Hands.Provider = tracker;
             tracker.Now.Hands.Add(new Hand { IsLeft = false });
-            hand.Frame(Rigid.Identity, 0.0);
+            for (int i = 0; i < 60; i++)
+            {
+                hand.Frame(Rigid.Identity, 0.0);
+            }
             Assert.IsFalse(hand.Tracked, "only a right hand is there");
             Hand left = new Hand { IsLeft = true };
             left.Arm.NextJoint = new Vector3(1f, 2f, 3f);

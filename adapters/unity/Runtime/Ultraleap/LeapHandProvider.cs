@@ -13,13 +13,19 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("A left hand.")] private bool left;
         [SerializeField, Tooltip("Empty: the scene's.")] private LeapProvider tracker;
 
+        private const int Pause = 60; // frames between two looks for a tracker: the plugin searches the whole scene
+
         private readonly Vector3[] _bones = new Vector3[2 * LeapHand.Digits * LeapHand.Bones];
         private readonly float[] _widths = new float[LeapHand.Digits * LeapHand.Bones];
+        private int _calls;
 
         /// <inheritdoc/>
         public override bool TryGet(Vector3[] positions, float[] radii)
         {
-            tracker = tracker == null ? Hands.Provider : tracker;
+            if (tracker == null && _calls++ % Pause == 0)
+            {
+                tracker = Hands.Provider;
+            }
             Frame frame = tracker == null ? null : tracker.CurrentFrame;
             for (int i = 0; frame != null && i < frame.Hands.Count; i++)
             {
