@@ -15,6 +15,7 @@ import { Label } from "./labels";
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
 const LINES = 7; // on the longer side, at most, about
 const BELOW = 0.006; // [m] under the array
+const NAMES = 3; // the last labels: x, y, z
 const AWAY = 0.018; // of the diagonal: from an axis to its numbers
 const GRID = new LineBasicMaterial({ color: "#2a323d" });
 const AXIS = new LineBasicMaterial({ color: "#55606f" });
@@ -70,6 +71,16 @@ export class Axes extends Group {
     this.label("x [mm]", (left + right + apart) / 2, near - 3.8 * away, floor, true);
     this.label("y [mm]", right + 3.8 * away, (near + far + apart) / 2, floor, true);
     this.label("z [mm]", left, far, top + 1.6 * away, true);
+  }
+
+  /** Hide numbers that would cover a name or another number. project: where a point is on the page [px]. */
+  separate(project: (point: Vector3) => { x: number; y: number }): void {
+    const kept: { x: number; y: number; label: Label }[] = [];
+    for (const label of [...this.labels.slice(-NAMES), ...this.labels.slice(0, -NAMES)]) {
+      const { x, y } = project(label.position);
+      label.visible = kept.every((other) => label.clears(other.label, Math.abs(x - other.x), Math.abs(y - other.y)));
+      if (label.visible) kept.push({ x, y, label });
+    }
   }
 
   private lines(material: LineBasicMaterial, points: number[]): void {

@@ -47,6 +47,12 @@ export class Label extends Sprite {
     this.scale.set(this.across * perPixel, this.high * perPixel, 1);
   }
 
+  /** Whether it covers nothing of another label, from middle to middle so far away [px]. */
+  clears(other: Label, across: number, along: number): boolean {
+    const touches = across < (this.across + other.across) / 2 - PADDING && along < 0.4 * (this.high + other.high);
+    return !touches;
+  }
+
   override dispose(): void {
     this.material.map?.dispose();
     this.material.dispose();
