@@ -8,13 +8,13 @@ import signal
 import socket
 import subprocess
 import sys
-from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from pacinian.errors import ArgumentError, ServerError
+from pacinian.scene.setup import Units
 from pacinian.serving.ipc import shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import MIN_FILES, serve
@@ -211,15 +211,18 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
         assert not remains(folder)
 
 
+CONTROL, *OTHERS = PROCESSES
+KILLED = [(name,) for name in PROCESSES]
+KILLED += [(CONTROL, name) for name in OTHERS] + [tuple(OTHERS), PROCESSES]
+
+
 @posix
 @pytest.mark.deep
-@pytest.mark.parametrize(
-    "killed", [each for n in range(1, 5) for each in combinations(PROCESSES, n)], ids="-".join
-)
+@pytest.mark.parametrize("killed", KILLED, ids="-".join)
 def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
     killed: tuple[str, ...],
 ) -> None:
-    with run_server(Settings()) as server:
+    with run_server(Settings(array=Units(1, 1))) as server:
         pids, folder = server.pids, folder_of(server.process.pid)
         assert set(pids) == set(PROCESSES)
         for name in killed:
