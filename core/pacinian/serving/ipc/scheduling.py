@@ -42,7 +42,7 @@ def raise_priority(by: int = URGENT) -> None:
 def lower_child_priority(child: int) -> None:
     """Limit a newly started process to `EAGER`, until it is ready and calls `raise_priority`.
 
-    Only on Linux, and only where the child can raise its priority again.
+    Only on Linux, and only where the child can raise its priority again. Its session gets that priority among sessions.
     """
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
@@ -51,7 +51,10 @@ def lower_child_priority(child: int) -> None:
                 os.setpriority(
                     os.PRIO_PROCESS, child, -URGENT - 1
                 )  # fails without the privilege, whatever was given
-            os.setpriority(os.PRIO_PROCESS, child, max(given, -EAGER))
+            level = max(given, -EAGER)
+            os.setpriority(os.PRIO_PROCESS, child, level)
+            if level < 0 and os.getsid(child) == child:
+                Path(f"/proc/{child}/autogroup").write_text(f"{level}")
 
 
 def use_realtime_class() -> int:

@@ -86,6 +86,31 @@ print(before, nice())
         assert after == (nice if alone else before)
 
 
+@pytest.mark.skipif(
+    not scheduling.AUTOGROUP.exists(), reason="only Linux shares time out by session"
+)
+def test_a_child_starts_eagerly_among_sessions_too() -> None:
+    """On a busy machine a new guard, or its spare, would else start for seconds."""
+    code = """
+def nice():
+    return (scheduling.AUTOGROUP.read_text().split() or ["none"])[-1]
+
+try:
+    os.setpriority(os.PRIO_PROCESS, 0, -15)
+    if {alone}:
+        scheduling.AUTOGROUP.write_text("-1")
+except OSError:
+    print("may not") or exit()
+before = nice()
+scheduling.lower_child_priority(os.getpid())
+print(before, nice())
+"""
+    before, after = told(code.format(alone=False))
+    assert after == before, "the session of another process is left alone"
+    before, after = told(code.format(alone=True), alone=True)
+    assert (before, after) == ("-1", f"-{scheduling.EAGER}")
+
+
 @linux
 @pytest.mark.parametrize(("limit", "nice"), [(0, 0), (20, 0), (21, -1), (30, -10), (40, -15)])
 def test_who_may_not_be_as_urgent_is_as_urgent_as_may_be(limit: int, nice: int) -> None:
