@@ -21,6 +21,7 @@ from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
 from pacinian.solving.propagator import gram_matrix
+from pacinian.solving.skin_phases import relax_phases
 from pacinian.solving.solution import Solution
 
 if TYPE_CHECKING:
@@ -87,7 +88,8 @@ def settle_phases(
 
     The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
     For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
-    d'/d is at least 0.8.
+    d'/d is at least 0.8; they are then relaxed (`relax_phases`), unless the wave is tilted or steered off zones, or the
+    strength is free.
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
@@ -120,7 +122,15 @@ def settle_phases(
         turns[0] = targets.all_free
         kernels.gerchberg_saxton(gram_matrix(rows), turns, steps, z)
     kernels.turn(given, group, z, phases)
+    if _is_relaxed(propagator, targets, tilt):
+        phases = relax_phases(propagator, targets, phases, None if warm is None else start)
     return targets.with_phases(phases)
+
+
+def _is_relaxed(propagator: Propagator, targets: Targets, tilt: float) -> bool:
+    """Return whether the phases of regions are relaxed: on skin, in one frame of the given strength."""
+    plain = targets.scale == "exact" and not tilt and propagator.nulls is None
+    return plain and propagator.facing is not None
 
 
 @functools.lru_cache(maxsize=16)

@@ -55,7 +55,7 @@ def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
     propagator = Propagator(array, AIR)
     propagator.set_points(q, SkinFacing(normals, np.empty((0, 8))))
     t = np.linspace(0.2, 1.0, 9)
-    targets = Targets.make_checked(9, t, None, "exact", np.zeros(9, int))
+    targets = Targets.make_checked(9, t, None, "max", np.zeros(9, int))  # which relaxes no phases
     found = settle_phases(propagator, targets, None).phases
     # not by amplitudes, so that the frames of a cycle have the same source
     power = (np.abs(propagator.B) ** 2).sum(axis=0, dtype=float)

@@ -16,8 +16,11 @@ from pacinian.scene.hands.skin_lod import (
     FINEST,
     GRAIN,
     SPACINGS,
+    Between,
     SkinNodes,
     gather_pressure,
+    join_between,
+    spread_finely,
     spread_pressure,
 )
 from pacinian.scene.shapes import Capsule
@@ -45,25 +48,41 @@ class CapsuleSkin(Skin):
     At rest, the fingers are straight. Bending them uncovers skin on the backs of the joints, which is part of the
     sphere there. The points of this skin are inside the flesh at rest, and belong to the finest level only.
 
-    spacing: between points [m]. grain: between the candidates for points [m].
+    spacing: between points [m]. grain: between the candidates for points [m]. finely: whether to have points between
+    them, too.
     """
 
-    def __init__(self, spacing: float = FINEST, grain: float = GRAIN) -> None:
+    def __init__(
+        self, spacing: float = FINEST, grain: float = GRAIN, *, finely: bool = False
+    ) -> None:
         shapes = flesh.make_capsules(Hand.open())
         every = [_around(shapes, c, grain) for c in range(len(shapes))]
         shown = [part.only(_shown(shapes, c, part.points)) for c, part in enumerate(every)]
         backs = [part.only(_back(shapes, c, part)) for c, part in enumerate(every)]
-        kinds = [_Spread.of(parts, spacing) for parts in (shown, backs)]
+        kinds = [_Spread.of(parts, spacing, finely=finely) for parts in (shown, backs)]
+        counts = [len(k.area) for k in kinds]
         surface = SkinNodes(
             *(np.concatenate(v) for v in zip(*(k.surface for k in kinds), strict=True))
         )
-        apart, area, bone, along, axial, sides = (
-            np.concatenate(v) for v in zip(*(k[1:] for k in kinds), strict=True)
+        apart, area = (
+            np.concatenate(v) for v in zip(*((k.apart, k.area) for k in kinds), strict=True)
         )
+        parts = [slice(K) for K in counts] + [slice(K, None) for K in counts]
+        bone, along, axial, sides = (
+            np.concatenate([v[own] for v, own in zip([*values, *values], parts, strict=True)])
+            for values in zip(*((k.bone, k.along, k.axial, k.sides) for k in kinds), strict=True)
+        )
+        K = sum(counts)
         self.levels = spacing / FINEST * SPACINGS
-        hidden = np.arange(len(bone)) >= len(kinds[0].area)
-        super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone, hidden)
-        self.along, self.axial, self.sides = along, axial, sides
+        hidden = np.arange(K) >= counts[0]
+        super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone[:K], hidden)
+        self.along, self.axial, self.sides = along[:K], axial[:K], sides[:K]
+        self.bones_between, self._along, self._axial, self._sides = (
+            v[K:] for v in (bone, along, axial, sides)
+        )
+        if finely:
+            self.between = join_between([k.between for k in kinds if k.between], counts)
+            self.hidden_between = np.arange(len(bone) - K) >= len(kinds[0].bone) - counts[0]
         axes = shapes[:, 3:6] - shapes[:, :3]
         self.length = np.linalg.norm(axes, axis=1)
         self.radii = shapes[:, 6:].copy()
@@ -73,16 +92,32 @@ class CapsuleSkin(Skin):
         """Place the points on a hand of this kind, which must not be lost."""
         if hand.joints is None:
             raise ArgumentError("hand", "must have joints")
-        K, shapes = len(self), flesh.make_capsules(hand)
-        placed = Placed(
-            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), shapes, flesh.find_bounds(shapes)
-        )
+        shapes = flesh.make_capsules(hand)
+        at = self._place(hand, shapes, self.bone, self.along, self.axial, self.sides, self.area)
+        return Placed(*at, shapes, flesh.find_bounds(shapes))
+
+    def place_between(
+        self, hand: Hand, which: Indices, area: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Place the points `which`, (I,), between the others; see `Skin.place_between`."""
+        return self._place(
+            hand, flesh.make_capsules(hand), self.bones_between[which],
+            self._along[which], self._axial[which], self._sides[which], area,
+        )  # fmt: skip
+
+    def _place(
+        self, hand: Hand, shapes: Floats, bone: Indices, along: Floats, axial: Floats, sides: Floats,
+        area: Floats,
+    ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+        """Return the positions and normals of points, (K, 3), and the area that each represents, (K,)."""
+        assert hand.joints is not None
+        K = len(bone)
+        points, normals, now = np.empty((K, 3)), np.empty((K, 3)), np.empty(K)
         kernels.place_on_capsules(
             hand.joints.copy(), -1.0 if hand.side == "left" else 1.0, shapes, PARENTS,
-            self.axes, self.length, self.radii, self.bone, self.along, self.axial, self.sides, self.area,
-            placed.points, placed.normals, placed.area,
+            self.axes, self.length, self.radii, bone, along, axial, sides, area, points, normals, now,
         )  # fmt: skip
-        return placed
+        return points, normals, now
 
     def find_exposed(self, placed: Placed, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
@@ -114,7 +149,10 @@ class _Around(NamedTuple):
 
 
 class _Spread(NamedTuple):
-    """K evenly spread points, as for `Skin`, with their coordinates on the capsules of their bones."""
+    """K evenly spread points, as for `Skin`, and E between them, with their coordinates on the capsules of their bones.
+
+    surface, apart, area: of the K points. The others: of all.
+    """
 
     surface: SkinNodes
     apart: Floats
@@ -123,16 +161,22 @@ class _Spread(NamedTuple):
     along: Floats
     axial: Floats
     sides: Floats
+    between: Between | None
 
     @classmethod
-    def of(cls, parts: list[_Around], spacing: float) -> _Spread:
+    def of(cls, parts: list[_Around], spacing: float, *, finely: bool) -> _Spread:
         """Choose evenly spread points from the candidates around each bone."""
         bone = np.repeat(np.arange(len(parts)), [len(part.area) for part in parts])
         points, normals, area, *place = map(np.concatenate, zip(*parts, strict=True))
-        surface = SkinNodes(points, normals, FINGERS[bone])
-        order, apart, nearest = spread_pressure(surface, spacing)
-        area = gather_pressure(nearest, area)
-        return cls(surface.only(order), apart, area, bone[order], *(v[order] for v in place))
+        surface, between = SkinNodes(points, normals, FINGERS[bone]), None
+        if finely:
+            order, apart, area, between = spread_finely(surface, area, spacing)
+        else:
+            order, apart, nearest = spread_pressure(surface, spacing)
+            area = gather_pressure(nearest, area)
+        nodes = surface.only(order[: len(apart)])
+        along, axial, sides = (values[order] for values in place)
+        return cls(nodes, apart, area, bone[order], along, axial, sides, between)
 
 
 def _around(shapes: Floats, c: int, grain: float) -> _Around:

@@ -11,7 +11,7 @@ from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
 from pacinian.scene.hands.skin import Placed, Skin
-from pacinian.scene.hands.skin_lod import GRAIN, SkinNodes, gather_pressure, spread_pressure
+from pacinian.scene.hands.skin_lod import FINEST, GRAIN, SkinNodes, spread_finely
 from pacinian.scene.shapes.triangle_points import find_barycentric, pick_points
 
 if TYPE_CHECKING:
@@ -47,29 +47,46 @@ class MeshSkin(Skin):
         points, face = pick_points(corners, self.doubled / 2.0, N)
         normals = self.outward * across[face] / self.doubled[face, None]
         surface = SkinNodes(points, normals, np.zeros(N, dtype=np.intp))
-        order, apart, nearest = spread_pressure(surface)
-        surface, self.face = surface.only(order), face[order]
-        self.coordinates: Floats = find_barycentric(corners[self.face], surface.points)
+        order, apart, area, self.between = spread_finely(surface, np.full(N, total / N), FINEST)
+        K, every = len(apart), surface.only(order)
+        self._faces = face[order]
+        self._coordinates: Floats = find_barycentric(corners[self._faces], every.points)
+        surface, self.face = surface.only(order[:K]), self._faces[:K]
+        self.coordinates = self._coordinates[:K]
         away = np.linalg.norm(middle[:, None] - surface.points[:PATCHES], axis=2)
         self.patch = away.argmin(axis=1)
-        area = np.full(N, total / N)
-        bone = self.patch[self.face]
-        super().__init__(
-            surface, apart, gather_pressure(nearest, area), bone, np.zeros(len(bone), np.bool_)
-        )
+        bone = self.patch[self._faces]
+        super().__init__(surface, apart, area, bone[:K], np.zeros(K, np.bool_))
+        self.bones_between, self.hidden_between = bone[K:], np.zeros(len(bone) - K, np.bool_)
 
     def place(self, hand: Hand) -> Placed:
         """Place the points on a hand of this kind, which must not be lost."""
+        C = int(self.bone.max()) + 1
+        bounds = np.zeros((C, 4))
+        at = self._place(hand, self.face, self.coordinates, self.area, self.bone, bounds)
+        return Placed(*at, np.empty((0, 8)), bounds)
+
+    def place_between(
+        self, hand: Hand, which: Indices, area: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Place the points `which`, (I,), between the others; see `Skin.place_between`."""
+        own = which + len(self)
+        patch = np.zeros(len(which), np.intp)  # of bounds that nobody needs
+        faces, coordinates = self._faces[own], self._coordinates[own]
+        return self._place(hand, faces, coordinates, area, patch, np.zeros((1, 4)))
+
+    def _place(
+        self, hand: Hand, face: Indices, coordinates: Floats, area: Floats, patch: Indices, bounds: Floats,
+    ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+        """Return the positions and normals of points, (K, 3), and the area of each, (K,); write the patches' bounds."""
         V, F = _mesh(hand)
-        K, C = len(self), int(self.bone.max()) + 1
-        placed = Placed(
-            np.empty((K, 3)), np.empty((K, 3)), np.empty(K), np.empty((0, 8)), np.zeros((C, 4))
-        )
+        K = len(face)
+        points, normals, now = np.empty((K, 3)), np.empty((K, 3)), np.empty(K)
         kernels.place_on_mesh(
-            V.copy(), F[self.face], self.coordinates, self.outward, self.doubled[self.face],
-            self.area, self.bone, placed.points, placed.normals, placed.area, placed.bounds,
+            V.copy(), F[face], coordinates, self.outward, self.doubled[face], area, patch,
+            points, normals, now, bounds,
         )  # fmt: skip
-        return placed
+        return points, normals, now
 
     def find_exposed(self, placed: Placed, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are exposed, (I,): on a mesh, all of them."""

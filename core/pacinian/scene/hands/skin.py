@@ -13,7 +13,7 @@ from pacinian.scene.hands.skin_lod import SPACINGS, gather_pressure, share_press
 if TYPE_CHECKING:
     from pacinian.scene.hands.capsules import Nearest
     from pacinian.scene.hands.hand import Hand
-    from pacinian.scene.hands.skin_lod import SkinNodes
+    from pacinian.scene.hands.skin_lod import Between, SkinNodes
     from pacinian.types import Flags, Floats, Indices
 
 CREASE = 5e-4  # a point deeper than this inside another part of the hand is not exposed [m]
@@ -41,10 +41,15 @@ class Skin(ABC):
     from the first on, that are the nodes of each level, (9,). share: how the nodes of each level share the force of
     each point. bone: the capsule, or the patch of a mesh, to which each point belongs, (K,). hidden: whether a point is
     inside the flesh at rest, (K,). slack: depth inside other flesh down to which a point is still exposed, (K,) [m].
-    surface, area: the points at rest, and the area that each represents, (K,) [m^2].
+    surface, area: the points at rest, and the area that each represents, (K,) [m^2]. between: points between these,
+    which are placed only where they are needed; None if there are none. bones_between, hidden_between: `bone` and
+    `hidden` of these, (E,).
     """
 
     levels: Floats = SPACINGS
+    between: Between | None = None
+    bones_between: Indices
+    hidden_between: Flags
 
     def __init__(
         self, surface: SkinNodes, apart: Floats, area: Floats, bone: Indices, hidden: Flags
@@ -56,6 +61,11 @@ class Skin(ABC):
 
     def __len__(self) -> int:
         return len(self.area)
+
+    @property
+    def count(self) -> int:
+        """Number of all points, those between the others included."""
+        return len(self) + (0 if self.between is None else len(self.between.apart))
 
     @lru_cache(maxsize=64)  # noqa: B019  (skins are few and live long)
     def level(self, spacing: float) -> int:
@@ -80,6 +90,15 @@ class Skin(ABC):
     @abstractmethod
     def place(self, hand: Hand) -> Placed:
         """Place the points on a hand of this kind, which must not be lost."""
+
+    @abstractmethod
+    def place_between(
+        self, hand: Hand, which: Indices, area: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Place the points `which`, (I,), between the others; `area`: of each at rest, (I,) [m^2].
+
+        Returns their positions, (I, 3) [m], outward normals, (I, 3), and the area that each represents now, (I,) [m^2].
+        """
 
     @abstractmethod
     def find_exposed(self, placed: Placed, which: Indices) -> Flags:

@@ -37,4 +37,4 @@ class _Kind:
 
 @lru_cache(maxsize=8)
 def _make_skin(kind: _Kind) -> Skin:
-    return CapsuleSkin() if kind.key is None else MeshSkin(kind.hand)
+    return CapsuleSkin(finely=True) if kind.key is None else MeshSkin(kind.hand)

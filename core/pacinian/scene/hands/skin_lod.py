@@ -20,6 +20,8 @@ FINEST = 1.75e-3
 SPACINGS = FINEST * np.sqrt(2.0) ** np.arange(9)
 """Spacings of the levels, fine to coarse, (9,) [m]."""
 GRAIN = 0.9e-3  # spacing of the candidates for the points of a skin [m]
+# Spacings of the levels between the points of a skin, over that of its finest level. The first has all candidates.
+BETWEEN = 0.4, 0.5, 0.6
 SHARERS = 3  # number of nodes that share a point's force
 
 
@@ -43,6 +45,88 @@ class Share(NamedTuple):
 
     indices: Indices
     weights: Floats
+
+
+class Between(NamedTuple):
+    """E points between the K points of a skin, sorted by the nearest of those.
+
+    first: where the points nearest to each of the K points begin, and where the last end, (K + 1,). apart: distance of
+    each from those chosen before it, 0 for those that only the finest level uses, (E,) [m]. levels: spacing of each
+    level, fine to coarse [m]. area: for each level, the area at rest that each of the K + E points represents, 0 for
+    those that it does not use, (K + E,) [m^2].
+    """
+
+    first: Indices
+    apart: Floats
+    levels: tuple[float, ...]
+    area: tuple[Floats, ...]
+
+    def find(self, near: Indices, level: int) -> Indices:
+        """Return the numbers, from 0 on, of the level's points that are nearest to the points `near`, (I,)."""
+        start, count = self.first[near], self.first[near + 1] - self.first[near]
+        ends = np.cumsum(count)
+        which: Indices = np.arange(int(ends[-1]) if len(ends) else 0) + np.repeat(
+            start - ends + count, count
+        )
+        return which[np.flatnonzero(self.apart[which] >= self.levels[level])] if level else which
+
+
+class FineSpread(NamedTuple):
+    """Evenly spread points, and those between them.
+
+    order: which of the candidates they are, first the K points, then those between them, sorted by the nearest of
+    these, (K + E,). apart: of the K points, (K,) [m]. area: that each of the K points represents, (K,) [m^2].
+    """
+
+    order: Indices
+    apart: Floats
+    area: Floats
+    between: Between
+
+
+def spread_finely(surface: SkinNodes, area: Floats, spacing: float) -> FineSpread:
+    """Choose points as `spread_pressure` does. All other candidates lie between them.
+
+    area: of each of the N candidates, (N,) [m^2].
+    """
+    order, apart, nearest = spread_pressure(surface, spacing)
+    K, N = len(order), len(area)
+    levels = [spread_pressure(surface, share * spacing) for share in BETWEEN[1:]]
+    away = np.zeros(N)  # from the points chosen before
+    for chosen, distance, _ in reversed(levels):
+        away[chosen] = distance
+    rest = np.ones(N, np.bool_)
+    rest[order] = False
+    more = np.flatnonzero(rest)
+    more = more[np.argsort(nearest[more], kind="stable")]
+    every = np.concatenate([order, more])
+    place = np.empty(N, np.intp)  # of each candidate, in the result
+    place[every] = np.arange(N)
+    areas = [area[every]] + [
+        np.bincount(place[chosen][near], area, N) for chosen, _, near in levels
+    ]
+    first = np.searchsorted(nearest[more], np.arange(K + 1))
+    spacings = tuple(share * spacing for share in BETWEEN)
+    between = Between(first, away[more], spacings, tuple(areas))
+    return FineSpread(every, apart, gather_pressure(nearest, area, K), between)
+
+
+def join_between(parts: list[Between], counts: list[int]) -> Between:
+    """Join the points between those of several surfaces, of K points each, whose own points come first."""
+    sizes = [len(part.apart) for part in parts]
+    starts = np.cumsum([0, *sizes])
+    ends = [part.first[:-1] + start for part, start in zip(parts, starts, strict=False)]
+    first = np.concatenate([*ends, starts[-1:]])
+    areas = [
+        np.concatenate(
+            [part.area[n][:K] for part, K in zip(parts, counts, strict=True)]
+            + [part.area[n][K:] for part, K in zip(parts, counts, strict=True)]
+        )
+        for n in range(len(BETWEEN))
+    ]
+    return Between(
+        first, np.concatenate([part.apart for part in parts]), parts[0].levels, tuple(areas)
+    )
 
 
 def spread_pressure(surface: SkinNodes, spacing: float = FINEST) -> tuple[Indices, Floats, Indices]:

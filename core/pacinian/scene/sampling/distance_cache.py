@@ -63,6 +63,6 @@ class DistanceCache:
         if kept is None or kept[0] is not item.shape or kept[1] is not hand.skin:
             while len(self._known) >= MAX_PAIRS:  # evict the least recently used pair
                 del self._known[next(iter(self._known))]
-            kept = item.shape, hand.skin, _Known(len(hand.points))
+            kept = item.shape, hand.skin, _Known(hand.skin.count)
         self._known[key] = kept
         return kept[2]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import zlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.scene.hands.skin import CREASE
 from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.sampling.array_resolution import HARDLY, WELL
 
@@ -18,6 +19,21 @@ if TYPE_CHECKING:
 
 SHARED = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
 MIN_LENGTH = 1e-300
+
+
+class FineSkin(NamedTuple):
+    """The I points of a level between those of a skin, near some of these.
+
+    which: their numbers, those of the skin's own K points included, whose numbers are less than K, (I,). points: (I, 3)
+    [m]. normals: (I, 3). area: that each represents, (I,) [m^2]. bone, slack: as of the skin, (I,).
+    """
+
+    which: Indices
+    points: Floats
+    normals: Floats
+    area: Floats
+    bone: Indices
+    slack: Floats
 
 
 class PosedSkin:
@@ -72,6 +88,48 @@ class PosedSkin:
         count = press(
             d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
             self.skin.slack, self.capsules, some, HARDLY, WELL, inside, force,
+        )  # fmt: skip
+        return inside[:count], force[:count]
+
+    def find_fine_level(self, spacing: float) -> int | None:
+        """Return the level between the skin's points that is nearest to `spacing` [m]; None if a coarser one is."""
+        between = self.skin.between
+        if between is None:
+            return None
+        levels = np.array([*between.levels, self.skin.levels[0]])
+        nearest = int(np.abs(np.log(levels / spacing)).argmin())
+        return nearest if nearest < len(between.levels) else None
+
+    def refine(self, near: Indices, level: int) -> FineSkin:
+        """Return the points `near`, (N,), and those of a fine level of which one of them is the nearest."""
+        skin, K = self.skin, len(self.points)
+        assert skin.between is not None
+        area = skin.between.area[level]
+        more = skin.between.find(near, level)
+        points, normals, now = skin.place_between(self.hand, more, area[K + more])
+        own = area[near] * self.area[near] / skin.area[near]
+        return FineSkin(
+            np.concatenate([near, K + more]),
+            np.concatenate([self.points[near], points]),
+            np.concatenate([self.normals[near], normals]),
+            np.concatenate([own, now]),
+            np.concatenate([skin.bone[near], skin.bones_between[more]]),
+            np.concatenate(
+                [skin.slack[near], np.where(skin.hidden_between[more], 0.0, CREASE)]
+            ),
+        )  # fmt: skip
+
+    def press_finely(
+        self, fine: FineSkin, d: Floats, reach: float, stiffness: float, most: float, some: Floats
+    ) -> tuple[Indices, Floats]:
+        """Do the same as `find_pressed` for points of a fine level, of signed distances d, (I,) [m]."""
+        from pacinian.native.scene import press
+
+        every = np.arange(len(d))
+        inside, force = np.empty(len(d), dtype=np.intp), np.empty(len(d))
+        count = press(
+            d, every, reach, stiffness, most, fine.points, fine.normals, fine.area, fine.bone,
+            fine.slack, self.capsules, some, HARDLY, WELL, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 

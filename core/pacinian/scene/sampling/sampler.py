@@ -75,8 +75,10 @@ COUNTED = {
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
 DENSE = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
-NARROW, WIDE = 0.2, 0.3
-CONTACT_SAMPLES = 128  # intended number of samples of a contact
+NARROW, WIDE = 0.08, 0.3
+# Intended number of samples of all contacts, if each stood for the square of the spacing. Points of a skin lie less
+# densely, so that contacts have about 150.
+CONTACT_SAMPLES = 290
 STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
@@ -91,7 +93,7 @@ class Sampler:
     budget: maximum number of samples. If a scene has more, the sampler samples the objects of lowest priority more
     coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of
     the array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the
-    default, or less if they are small. Where a hand touches them, they use 0.2 to 0.3 times the default, less for
+    default, or less if they are small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for
     smaller contacts. ramp: time in which a pressure rises or falls [s]; 0 disables ramps. perception: whether to
     leave out samples that are too faint to feel on a hand.
 
@@ -307,7 +309,6 @@ class Sampler:
     ) -> list[tuple[Source, float]]:  # fmt: skip
         """Return the sources of samples, highest priority first, each with its intended spacing [m]."""
         objects, sources = scene.objects, list[tuple[Source, float]]()
-        wanted, self._wanted = self._wanted, {}
         for i in found:
             item = objects[i]
             if not item.pressure > 0.0 or item.envelope == OFF:
@@ -350,13 +351,25 @@ class Sampler:
                         least,
                     )
                 if source is not None:
-                    spacing = self._compute_spacing(item, hand.centre)
-                    if isinstance(source, Contact) and self.spacing is None and is_dense(item):
-                        spacing = _choose_spacing(source.extent, spacing / DENSE, wanted.get(own))
-                        self._wanted[own] = source.fine = spacing
-                    sources.append((source, spacing))
+                    sources.append((source, self._compute_spacing(item, hand.centre)))
+        if self.spacing is None:
+            self._space_contacts(sources)
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
+
+    def _space_contacts(self, sources: list[tuple[Source, float]]) -> None:
+        """Set the spacings of all contacts that are regions, by the number of samples of all together."""
+        wanted, self._wanted = self._wanted, {}
+        dense = [
+            (n, source, spacing / DENSE)
+            for n, (source, spacing) in enumerate(sources)
+            if isinstance(source, Contact) and is_dense(source.item)
+        ]
+        extent = sum(contact.extent for _, contact, _ in dense)
+        for n, contact, resolved in dense:
+            spacing = _choose_spacing(extent, resolved, wanted.get(contact.name))
+            self._wanted[contact.name] = contact.fine = spacing
+            sources[n] = contact, spacing
 
     def find_fine_textures(self, scene: Scene) -> Iterator[tuple[int, float, float]]:
         """Yield the objects whose texture is finer than the array resolves where they are.
@@ -430,10 +443,10 @@ class Sampler:
 
 
 def _choose_spacing(extent: float, resolved: float, last: float | None) -> float:
-    """Return the spacing of a contact's samples [m]: about 128 samples, but no finer than the array can use.
+    """Return the spacing of a contact's samples [m], but no finer than the array can use.
 
-    extent: of the contact [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m], which is
-    kept if the new one is similar.
+    extent: of all contacts together [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m],
+    which is kept if the new one is similar.
     """
     wanted = min(max(math.sqrt(extent / CONTACT_SAMPLES), NARROW * resolved), WIDE * resolved)
     steady = last is not None and wanted / STEADY < last < wanted * STEADY

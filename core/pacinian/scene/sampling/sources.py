@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.native.scene import press_on
+from pacinian.scene.hands.skin_lod import FINEST as FINEST_OF_SKIN
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 from pacinian.scene.setup import FINEST
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.acoustics.pose import Pose
     from pacinian.scene.haptic_object import HapticObject
     from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
     from pacinian.scene.sampling.array_resolution import ArrayResolution
     from pacinian.scene.sampling.distance_cache import DistanceCache
-    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.sampling.posed_skin import FineSkin, PosedSkin
     from pacinian.scene.sampling.sample_cache import SampleCache
     from pacinian.types import Floats, Indices, Longs
 
@@ -152,10 +155,11 @@ class PointContacts:
 class Contact:
     """The part of a hand's skin that is inside a surface or a volume, or within reach of it.
 
-    touched: indices of the skin's points. force: on each of them [N]. fine: largest spacing at which each sample
-    presses as the material does there [m]. At a coarser spacing, the force of each point is distributed among the
-    nodes of one level of detail of the skin. This keeps the total, and nothing jumps as the contact moves. least:
-    pressure below which nobody feels a sample [Pa]. faint: number of nodes left out for that reason.
+    touched: indices of the skin's points. force: on each of them [N]. finely: presses the points of a level between
+    these. fine: largest spacing at which each sample presses as the material does there [m]. At a coarser spacing, the
+    force of each point is distributed among the nodes of one level of detail of the skin. This keeps the total, and
+    nothing jumps as the contact moves. least: pressure below which nobody feels a sample [Pa]. faint: number of nodes
+    left out for that reason.
     """
 
     item: Surface | Volume
@@ -166,6 +170,7 @@ class Contact:
     touched: Indices
     force: Floats
     least: float
+    finely: Callable[[int], tuple[FineSkin, Indices, Floats]]
     fine: float = 0.0
     faint: int = 0
 
@@ -181,17 +186,24 @@ class Contact:
 
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
-        hand = self.hand
-        fine = spacing <= self.fine
-        among = hand.thin_forces if fine else hand.share_forces
-        nodes, force, area = among(self.touched, self.force, spacing)
-        K, skin = len(nodes), (hand.points, hand.normals)
+        hand, of, skin = self.hand, None, (self.hand.points, self.hand.normals)
+        level = hand.find_fine_level(spacing) if spacing <= self.fine else None
+        if level is not None:
+            of, nodes, force = self.finely(level)
+            area, skin = of.area[nodes], (of.points, of.normals)
+        else:
+            among = hand.thin_forces if spacing <= self.fine else hand.share_forces
+            nodes, force, area = among(self.touched, self.force, spacing)
+        K = len(nodes)
         P, extent, keys = np.empty(K), np.empty(K), np.empty(K, np.int64)
         points, normals = np.empty((K, 3)), np.empty((K, 3))
         kept = press_on(
             nodes, force, area, self.least, *skin, self.name, P, extent, points, normals, keys
         )
         self.faint = int(np.count_nonzero(force)) - int(np.count_nonzero(P[:kept]))
+        if of is not None:
+            number = self.name << 31
+            keys[:kept] = number + of.which[keys[:kept] - number]
         return Samples(
             points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
             keys[:kept], np.full(kept, self.item.pressure),
@@ -219,13 +231,27 @@ def find_contact(
     inside, force = hand.find_pressed(which, d, reach, material.per_metre(most), most, some)
     if not len(inside):
         return None
-    if item.texture is not None:
-        force *= item.texture.at(local[inside])
-    if share < 1.0:
-        force *= share
+
+    def change(local: Floats, force: Floats) -> None:
+        """Change forces as the texture, and the share that sounds, demand."""
+        if item.texture is not None:
+            force *= item.texture.at(local)
+        if share < 1.0:
+            force *= share
+
+    change(local[inside], force)
     if item.texture is not None and not force.any():
         return None
-    return Contact(item, index, name, hand, items, which[inside], force, least)
+
+    def finely(level: int) -> tuple[FineSkin, Indices, Floats]:
+        fine = hand.refine(which[d < reach + FINEST_OF_SKIN], level)
+        at = (fine.points - pose.position) @ pose.matrix
+        apart = distances.of(item, name, hand, fine.which, at, reach, material.enough(most))
+        nodes, force = hand.press_finely(fine, apart, reach, material.per_metre(most), most, some)
+        change(at[nodes], force)
+        return fine, nodes, force
+
+    return Contact(item, index, name, hand, items, which[inside], force, least, finely)
 
 
 def make_keys(name: int, spacing: float, which: Indices) -> Longs:

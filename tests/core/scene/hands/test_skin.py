@@ -464,3 +464,72 @@ def test_all_hands_of_joints_share_one_skin() -> None:
     assert SKIN.closest(REST, np.zeros((1, 3))).distance[0] == pytest.approx(
         distance_to_skin(make_capsules(REST), np.zeros((1, 3)))[0]
     )
+
+
+# ---------------------------------------------------------------------- points between the others
+
+
+def place_all_between(skin: Skin, hand: Hand, level: int) -> tuple[Floats, Floats, Floats]:
+    every = np.arange(len(skin.bones_between))
+    assert skin.between is not None
+    return skin.place_between(hand, every, skin.between.area[level][len(skin) :])
+
+
+@given(hands())
+@settings(max_examples=10)
+def test_points_between_the_others_lie_on_their_bones_of_every_hand(hand: Hand) -> None:
+    points, normals, area = place_all_between(SKIN, hand, 0)
+    capsules = make_capsules(hand)
+    away = to_capsules(capsules, points)[np.arange(len(points)), SKIN.bones_between]
+    np.testing.assert_allclose(away, 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+    assert (area >= 0.0).all()
+
+
+def test_points_between_the_others_are_denser_level_by_level_and_have_all_the_area() -> None:
+    between = SKIN.between
+    assert between is not None
+    placed = SKIN.place(REST)
+    points, _, area = place_all_between(SKIN, REST, 0)
+    nearest = np.repeat(ALL, np.diff(between.first))  # of the others, to each
+    assert np.linalg.norm(points - placed.points[nearest], axis=1).max() <= SPACINGS[0]
+    counts = [np.count_nonzero(one) for one in between.area]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] == SKIN.count > 6 * len(SKIN)
+    assert counts[-1] > 2 * len(SKIN)
+    for level, spacing in enumerate(between.levels):
+        of_level = between.area[level]
+        assert of_level.sum() == pytest.approx(SKIN.area.sum())
+        used = of_level[len(SKIN) :] > 0.0
+        np.testing.assert_array_equal(between.find(ALL, level), np.flatnonzero(used))
+        if level:  # the finest has all
+            shown = used & ~SKIN.hidden_between
+            tree = KDTree(np.concatenate([placed.points[SHOWN], points[shown]]))
+            apart = tree.query(points[shown], 2)[0][:, 1]
+            assert (apart > 0.99 * spacing).mean() > 0.97  # those on two sides of a gap are nearer
+    np.testing.assert_allclose(area, between.area[0][len(SKIN) :])
+    some = np.array([3, 700, 4000])
+    found = between.find(some, 1)
+    assert set(nearest[found].tolist()) <= set(some.tolist())
+    assert len(between.find(some[:0], 0)) == 0
+
+
+def test_a_mesh_has_points_between_the_others_too() -> None:
+    vertices, faces = blob()
+    hand = Hand(vertices=vertices, faces=faces)
+    skin = get_skin(hand)
+    assert skin.between is not None
+    pose = pc.Pose((0.1, 0.2, 0.3)).rotate("y", math.radians(50.0))
+    points, normals, area = place_all_between(skin, hand, 0)
+    moved, turned, same = place_all_between(skin, hand.transform(pose), 0)
+    np.testing.assert_allclose(moved, pose.points(points), atol=1e-12)
+    np.testing.assert_allclose(turned, pose.directions(normals), atol=1e-9)
+    np.testing.assert_allclose(same, area)
+    on, away, _ = trimesh.proximity.closest_point_naive(
+        trimesh.Trimesh(vertices, faces), points[::200]
+    )
+    np.testing.assert_allclose(on, points[::200], atol=1e-6)
+    assert away.max() < 1e-6
+    finest = skin.between.area[0]
+    own = finest[: len(skin)].sum()
+    assert own + area.sum() == pytest.approx(trimesh.Trimesh(vertices, faces).area)

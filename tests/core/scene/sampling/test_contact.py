@@ -816,3 +816,63 @@ def test_hands_that_come_and_go_share_no_key() -> None:
         keys = sampler.sample(pc.Scene((plane,), hands=hands)).keys
         assert len(keys)
         assert len(set(keys.tolist())) == len(keys)
+
+
+# ------------------------------------------------------------------------- finely sampled contacts
+
+
+def sample_finely(*objects: Any, hand: Hand = HAND) -> Samples:
+    sampler = pc.Sampler(perception=False)
+    sampler.prepare(pc.autd(3, 3), pc.Air())
+    return sampler.sample(pc.Scene(tuple(objects), hands=(hand,)))
+
+
+@pytest.mark.parametrize("radius", [0.008, 0.012, 0.02, 0.03])
+@pytest.mark.parametrize("hand", [HAND, bent(3), bent(4, "left")], ids=["open", "bent", "left"])
+def test_a_small_contact_has_some_150_samples_each_at_the_pressure_of_its_place(
+    radius: float, hand: Hand
+) -> None:
+    """By distances from the ball that no code of the sampler's computed, and the force of a dense skin."""
+    assert hand.joints is not None
+    skin = dense(hand)
+    middle = hand.joints[0]
+    low = skin[0][np.linalg.norm(skin[0][:, :2] - middle[:2], axis=1) < 0.004][:, 2].min()
+    centre = np.array([*middle[:2], low - radius + 0.003])
+    samples = sample_finely(ball(radius, centre), hand=hand)
+    assert 80 < len(samples) <= 256
+    depth = radius - np.linalg.norm(samples.positions - centre, axis=1)
+    law = Material()
+    np.testing.assert_allclose(samples.radiation_pressure, law.pressure(depth, 10.0), atol=1e-6)
+    away = to_capsules(PosedSkin(hand).capsules, samples.positions)
+    assert np.abs(away.min(axis=1)).max() < 5.1e-4
+    assert len(set(samples.keys.tolist())) == len(samples)
+    pressed = law.pressure(radius - np.linalg.norm(skin[0] - centre, axis=1), 10.0)
+    assert samples.force == pytest.approx(float(pressed @ skin[1]), rel=0.06)
+
+
+def test_samples_of_a_fine_contact_stay_on_the_skin_that_moves() -> None:
+    item = ball(0.012, (0.0, 0.0, 0.1765))
+    sampler = pc.Sampler(perception=False)
+    sampler.prepare(pc.autd(3, 3), pc.Air())
+    first = sampler.sample(pc.Scene((item,), hands=(HAND,)))
+    off = np.array([4e-4, 2e-4, -1e-4])
+    moved = HAND.transform(pc.Pose(tuple(off)))
+    for tick in range(1, 21):  # what a prediction was off by vanishes within 10 ms
+        second = sampler.sample(pc.Scene((item,), hands=(moved,)), 1e-3 * tick)
+    here = dict(zip(first.keys.tolist(), first.positions, strict=True))
+    stayed = [key for key in second.keys.tolist() if key in here]
+    assert len(stayed) > 0.9 * len(first)
+    places = dict(zip(second.keys.tolist(), second.positions, strict=True))
+    np.testing.assert_allclose(
+        [places[k] - here[k] for k in stayed], np.tile(off, (len(stayed), 1)), atol=1e-12
+    )
+
+
+def test_several_contacts_share_the_samples_of_one() -> None:
+    balls = [
+        ball(0.012, (x, y, 0.1765), name=f"{x} {y}") for x in (-0.02, 0.015) for y in (-0.02, 0.02)
+    ]
+    counts = [len(sample_finely(*balls[:k])) for k in (1, 2, 4)]
+    assert counts[0] > 100
+    assert max(counts) <= 256
+    assert counts[2] < 2 * counts[0]
