@@ -102,9 +102,8 @@ def spread_finely(surface: SkinNodes, area: Floats, spacing: float) -> FineSprea
     every = np.concatenate([order, more])
     place = np.empty(N, np.intp)  # of each candidate, in the result
     place[every] = np.arange(N)
-    areas = [area[every]] + [
-        np.bincount(place[chosen][near], area, N) for chosen, _, near in levels
-    ]
+    areas = [area[every]]
+    areas += [gather_pressure(place[chosen][near], area, N) for chosen, _, near in levels]
     first = np.searchsorted(nearest[more], np.arange(K + 1))
     spacings = tuple(share * spacing for share in BETWEEN)
     between = Between(first, away[more], spacings, tuple(areas))
