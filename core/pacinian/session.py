@@ -307,7 +307,7 @@ class Session:
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:
-                asked = settle_phases(propagator, targets, warm, self.tilt)
+                asked = settle_phases(propagator, targets, warm, self.tilt, relax=budget.endless)
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         check_kind(f"{solver.name}.solve(...)", result, Result)

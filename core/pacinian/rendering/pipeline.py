@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
+    from pacinian.solving.felt_regions import FeltSums
     from pacinian.types import Floats, Gains
 
 DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or to the ticks that it may take
@@ -65,11 +66,18 @@ MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 
 
+class Measurement(NamedTuple):
+    """What the device emits of a solution, as `Report.add_measurement` takes it."""
+
+    error: float
+    felt: dict[str, FeltSums]
+
+
 class Outcome(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    account: of the samples. solver: that solved. fresh: the solutions that are new. time: of the scene [s]. seconds:
-    that it took beside the ticks [s]; NaN in a tick.
+    account: of the samples. solver: that solved. fresh: the solutions that are new. measured: now and then. time: of
+    the scene [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -77,6 +85,7 @@ class Outcome(NamedTuple):
     solved: Solved
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
+    measured: Measurement | None = None
     time: float = 0.0
     seconds: float = math.nan
 
@@ -85,11 +94,11 @@ class Pipeline:
     """Makes the frames of one render loop.
 
     session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
-    period: of a tick [s]. governed: whether to solve beside the ticks if these would be late, and to reduce the number
-    of samples, except those of regions, if solves take long. most: largest number of frames in a cycle. peak: largest
-    target of such a frame [Pa]. stages: stage timer, which also holds the report. tape: clock of the ticks. job_tape:
-    clock of sampling and solving; `session` uses it, too. strict: never leave anything out, and give solves all the
-    time they need. start_thread: starts the thread that solves beside the ticks. Raises ArgumentError.
+    period: of a tick [s]. governed: whether to solve beside the ticks if these would be late, to end solves in time,
+    and to reduce the number of samples, except those of regions. most: largest number of frames in a cycle. peak:
+    largest target of such a frame [Pa]. stages: stage timer, which also holds the report. tape: clock of the ticks.
+    job_tape: clock of sampling and solving; `session` uses it, too. strict: never leave anything out, and do not
+    govern. start_thread: starts the thread that solves beside the ticks. Raises ArgumentError.
     """
 
     def __init__(
@@ -122,12 +131,13 @@ class Pipeline:
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._governed = governed and not strict
+        sampler.fine = not self._governed
         self.governor = BudgetController(period, sampler.budget) if self._governed else None
         self._allowed = sampler.budget  # number of samples that the next job may use
         self.background = BackgroundSolve[Outcome](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
-        self.probe = Probe(session)
+        self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
         self._begin()
 
     def _begin(self) -> None:
@@ -209,6 +219,7 @@ class Pipeline:
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.limits, self._taken, self.job_readings = limits, None, []
+        self._unlooked += 1
         self._changed, self._seen = self._changed or scene is not self._seen, scene
         solver = self.session.solver  # other threads may set another one at any time
         if beside := self._may_wait(limits, solver):
@@ -216,7 +227,6 @@ class Pipeline:
         else:
             self._solve_now(scene, limits, solver, t)
         self.lag = t - self.played.time
-        self._look()
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
         if self.player.steady and self._made == made and not self._fresh:
@@ -224,7 +234,8 @@ class Pipeline:
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
         rows = self.player.rows(play, t, self.schedule.ticks if beside else 1)
-        self._frame = self.quantiser.frame(rows, self._ceiling, sequence, due, self._down)
+        power = limits.power is not None
+        self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
         self._made = made
         return self._frame
 
@@ -255,7 +266,9 @@ class Pipeline:
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._job_time = t
-        job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
+        # it is taken after as many ticks as the last one, and frames arrive at it after as many again
+        lead = 2.0 * self.schedule.ticks * self.period
+        job = self._make_job(scene, limits, solver, t + lead, self._job_stages, beside=True)
         self.background.deferred = self._tape.replays
         self.background.start(job)
 
@@ -282,8 +295,8 @@ class Pipeline:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
         time = (SOLVE_TICKS if beside else 1) * self.period
-        deadline = math.inf if self.strict else DEADLINE_SHARE * time
-        last = self.sampler.account
+        deadline = DEADLINE_SHARE * time if self._governed else math.inf
+        last, looks = self.sampler.account, self._unlooked >= TICKS_PER_LOOK
 
         def run() -> Outcome:
             begin = self._job_tape.now() if beside else math.nan
@@ -293,8 +306,10 @@ class Pipeline:
                 self._note_unreachable(account)
             stages.enter("solve")
             solved = self.solver.solve(samples, t, limits, solver, deadline)
+            fresh = tuple(self.solver.fresh)
+            measured = self._measure(solved, fresh, limits) if looks else None
             seconds = self._job_tape.now() - begin if beside else math.nan
-            return Outcome(scene, account, solved, solver, tuple(self.solver.fresh), t, seconds)
+            return Outcome(scene, account, solved, solver, fresh, measured, t, seconds)
 
         return run
 
@@ -304,6 +319,9 @@ class Pipeline:
         report = self.stages.report
         report.skipped.update(self._skipped)
         self._skipped.clear()
+        if outcome.measured is not None:
+            self._unlooked = 0
+            report.add_measurement(*outcome.measured)
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
         self._before, self.played, self._taken = self.played, outcome, outcome
@@ -390,8 +408,9 @@ class Pipeline:
         self._allowed = self.governor.tick(seconds, samples)
 
     def quantise_gains(self, gains: Gains) -> Gains:
-        """Return gains, (N,), as rounded by the device; the array is reused."""
-        return self.quantiser.quantise_gains(gains, self._ceiling, self._down)
+        """Return gains, (N,), as rounded by the device."""
+        limits = self.limits
+        return self.quantiser.quantise_gains(gains, find_ceiling(limits), limits.power is not None)
 
     def _set_sampler(self, limits: Limits, solver: Solver) -> None:
         """Set what the sampler must know of a tick's limits and solver."""
@@ -410,37 +429,39 @@ class Pipeline:
             if found.any():
                 account.drop(reason, found)
 
-    def _look(self) -> None:
-        """Every TICKS_PER_LOOK ticks, measure the emitted field at the samples and between them."""
-        self._unlooked += 1
-        play = self.played.solved
+    def _measure(
+        self, play: Solved, fresh: tuple[CachedSolution, ...], limits: Limits
+    ) -> Measurement | None:
+        """Measure what the device will emit of a solution, at the samples and between them; None if nothing is new."""
         samples, targets = play.shown, play.targets
-        if self._unlooked < TICKS_PER_LOOK or samples is None or not len(samples):
-            return
-        if not play.complete or targets is None or (targets.regions is None and not self._fresh):
-            return  # nothing new to measure
-        facing, gains = play.facing, self.sounding
-        p = self.probe.hear(samples.positions, facing, gains)
-        self._unlooked = 0
-        self.stages.report.add_measurement(
-            targets.relative_error(p), self.probe.look(samples, targets, facing, gains)
+        if samples is None or targets is None or not len(samples) or not play.complete:
+            return None
+        if targets.regions is None and not fresh:
+            return None
+        facing, gains = play.facing, self._quantise_frames(play, limits)
+        p = self._job_probe.hear(samples.positions, facing, gains)
+        return Measurement(
+            targets.relative_error(p), self._job_probe.look(samples, targets, facing, gains)
         )
 
     @property
     def sounding(self) -> Gains:
         """Gains of the frames of the cycle, as rounded by the device, (K, N)."""
-        play = self.played.solved
+        return self._quantise_frames(self.played.solved, self.limits)
+
+    def _quantise_frames(self, play: Solved, limits: Limits) -> Gains:
+        """Return the gains of what is played in turn, as rounded by the device, (K, N)."""
         every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
-        made = [self.quantise_gains(one.gains).copy() for one in every]
+        made = [
+            self.quantiser.quantise_gains(one.gains, find_ceiling(limits), limits.power is not None)
+            for one in every
+        ]
         return np.array(made, np.complex64).reshape(-1, len(self.session.array))
 
-    @property
-    def _ceiling(self) -> float:
-        return min(1.0, self.limits.gain or 1.0)
 
-    @property
-    def _down(self) -> bool:
-        return self.limits.power is not None
+def find_ceiling(limits: Limits) -> float:
+    """Return the largest amplitude that limits permit, 0..1."""
+    return min(1.0, limits.gain or 1.0)
 
 
 def row_times(capability: Capability, period: float) -> tuple[Floats, float]:

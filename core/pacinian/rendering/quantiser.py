@@ -46,9 +46,6 @@ class Quantiser:
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
         self._dither = np.tile(dither_thresholds(columns), rows)
         self._none = np.zeros_like(self._dither)
-        # separate, so that `quantise_gains` does not overwrite the frame
-        self._look = np.zeros((2, columns), dtype=np.uint16)
-        self._made = np.zeros(columns, dtype=np.complex64)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         self._size = capability.sizes.copy()  # kernels need a writable array
@@ -67,13 +64,14 @@ class Quantiser:
         return Frame(sequence, time, self._phase, self._amplitude)
 
     def quantise_gains(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
-        """Return gains, (N,), as rounded by the device; the array is reused."""
+        """Return gains, (N,), as rounded by the device. Threads may call this at the same time."""
         from pacinian.native import rendering as kernels
 
-        phase, amplitude = self._look
+        phase, amplitude = np.zeros((2, len(gains)), dtype=np.uint16)
+        made = np.zeros(len(gains), dtype=np.complex64)
         self._round(gains, ceiling, down, phase, amplitude)
-        kernels.dequantise(phase, amplitude, self._unit, self._size, self._made)
-        return self._made
+        kernels.dequantise(phase, amplitude, self._unit, self._size, made)
+        return made
 
     def _round(
         self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels

@@ -11,11 +11,12 @@ if TYPE_CHECKING:
 class RecordingClock:
     """A clock that records its readings, or replays recorded ones.
 
-    now: the underlying clock [s].
+    now: the underlying clock [s]. stops: whether the time stands still if a replay reads it more often than was
+    recorded, as a solver for another array may; otherwise that is an error.
     """
 
-    def __init__(self, now: Callable[[], float]) -> None:
-        self._now = now
+    def __init__(self, now: Callable[[], float], *, stops: bool = False) -> None:
+        self._now, self._stops = now, stops
         self._noted: list[float] = []
         self._told: list[float] | None = None
         self._place = 0
@@ -36,6 +37,8 @@ class RecordingClock:
             self._noted.append(value)
             return value
         if self._place >= len(self._told):
+            if self._stops and self._told:
+                return self._told[-1]
             raise LookupError("the clock is read more often than in the recording")
         self._place += 1
         return self._told[self._place - 1]

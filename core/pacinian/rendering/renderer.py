@@ -70,7 +70,8 @@ class Renderer(Closing):
 
     Every tick sends a frame. governed: if ticks would be late, sampling and solving run in a thread beside them. Frames
     then stay on time, and move evenly from one solution to the next. If a solve takes more than four ticks, samples of
-    the lowest priority that belong to no region are dropped until there is time again.
+    the lowest priority that belong to no region are dropped until there is time again. If not governed, solves take the
+    time that they need, contacts with skin have twice as many samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -117,7 +118,7 @@ class Renderer(Closing):
         self.scene = scene
         self.clock = clock or SystemClock()
         self.tape = RecordingClock(self.clock.now)
-        self.job_tape = RecordingClock(self.clock.now)
+        self.job_tape = RecordingClock(self.clock.now, stops=True)
         self.session = Session(array, medium, solver, clock=self.job_tape.now)
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)

@@ -82,14 +82,19 @@ def joint_phases(
 
 
 def settle_phases(
-    propagator: Propagator, targets: Targets, warm: Solution | None, tilt: float = 0.0
+    propagator: Propagator,
+    targets: Targets,
+    warm: Solution | None,
+    tilt: float = 0.0,
+    *,
+    relax: bool = True,
 ) -> Targets:
     """Return the same targets with every phase fixed, for points of which some belong to regions.
 
     The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
     For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
-    d'/d is at least 0.8; they are then relaxed (`relax_phases`), unless the wave is tilted or steered off zones, or the
-    strength is free.
+    d'/d is at least 0.8. If `relax`, they are then relaxed (`relax_phases`), unless the wave is tilted or steered off
+    zones, or the strength is free.
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
@@ -122,7 +127,7 @@ def settle_phases(
         turns[0] = targets.all_free
         kernels.gerchberg_saxton(gram_matrix(rows), turns, steps, z)
     kernels.turn(given, group, z, phases)
-    if _is_relaxed(propagator, targets, tilt):
+    if relax and _is_relaxed(propagator, targets, tilt):
         phases = relax_phases(propagator, targets, phases, None if warm is None else start)
     return targets.with_phases(phases)
 

@@ -18,6 +18,7 @@ from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.rendering.rerender import rerender
 from pacinian.rendering.solve_schedule import SOLVE_TICKS
 from pacinian.scene.modulation.technique import AM
+from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -99,6 +100,23 @@ def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
             x = np.linspace(0.2 * (k - 12) * TICK, 0.2 * k * TICK, 25)
             points = np.column_stack([x, np.zeros(25), np.full(25, 0.15)])
             assert k < 20 or press(renderer.sent, device, points).max(axis=1).min() > 4.5
+
+
+def test_what_moves_is_solved_for_where_it_will_be_when_frames_arrive_there() -> None:
+    """By the rows that were sent, at the place of the point at that time."""
+    motion = Motion(velocity=(0.3, 0.0, 0.0), time=0.0)
+    renderer, device = make(at(-0.02, motion=motion))
+    with renderer:
+        for k in range(10):
+            renderer.tick(k * TICK)
+        background = solve_beside(renderer)
+        for k in range(10, 90):
+            background.ready = k % 4 == 0
+            renderer.schedule.beside, renderer.schedule.ticks = True, 4
+            renderer.tick(k * TICK)
+            x = -0.02 + 0.3 * (k * TICK + TICK / 2)  # in the last row
+            P = press(renderer.sent, device, [[x, 0.0, 0.15]])[-1, 0]
+            assert k < 26 or pytest.approx(5.0, rel=0.1) == P
 
 
 def test_a_still_scene_ends_as_it_does_in_ticks() -> None:

@@ -76,9 +76,9 @@ COUNTED = {
 DENSE = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
 NARROW, WIDE = 0.08, 0.3
-# Intended number of samples of all contacts, if each stood for the square of the spacing. Points of a skin lie less
-# densely, so that contacts have about 150.
-CONTACT_SAMPLES = 290
+# Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
+# long. Points of a skin lie less densely, so that contacts have about half of these.
+CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
 STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
@@ -131,6 +131,8 @@ class Sampler:
         """Whether to surround regions that touch skin with silent samples. The render loop sets this for its solver."""
         self.strict = False
         """Whether to raise ArgumentError instead of leaving out or coarsening anything. The render loop sets this."""
+        self.fine = True
+        """Whether contacts have twice as many samples, because solves may take long. The render loop sets this."""
         self.skipped: Counter[str] = Counter()
         """Number of samples, objects and hands left out, by reason."""
         self.skin: Skin | None = None
@@ -163,7 +165,10 @@ class Sampler:
 
     def sample(self, scene: Scene, t: float = 0.0) -> Samples:
         """Return samples of `scene` at time t [s]: the same object as before if nothing has changed."""
-        asked = scene, self.allowed, self.spacing, self.bands, self.surround, self.even, self.strict
+        asked = (
+            scene, self.allowed, self.spacing, self.bands, self.surround, self.even, self.strict,
+            self.fine,
+        )  # fmt: skip
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
             self._asked = asked
@@ -365,9 +370,10 @@ class Sampler:
             for n, (source, spacing) in enumerate(sources)
             if isinstance(source, Contact) and is_dense(source.item)
         ]
-        extent = sum(contact.extent for _, contact, _ in dense)
+        count = FINE_CONTACT_SAMPLES if self.fine else CONTACT_SAMPLES
+        each = sum(contact.extent for _, contact, _ in dense) / count
         for n, contact, resolved in dense:
-            spacing = _choose_spacing(extent, resolved, wanted.get(contact.name))
+            spacing = _choose_spacing(each, resolved, wanted.get(contact.name))
             self._wanted[contact.name] = contact.fine = spacing
             sources[n] = contact, spacing
 
@@ -442,13 +448,13 @@ class Sampler:
         return whole.changed(radiation_pressure=P, area=area).only(kept)
 
 
-def _choose_spacing(extent: float, resolved: float, last: float | None) -> float:
+def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
     """Return the spacing of a contact's samples [m], but no finer than the array can use.
 
-    extent: of all contacts together [m^2]. resolved: resolution of the array there [m]. last: previous spacing [m],
-    which is kept if the new one is similar.
+    each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. last: previous
+    spacing [m], which is kept if the new one is similar.
     """
-    wanted = min(max(math.sqrt(extent / CONTACT_SAMPLES), NARROW * resolved), WIDE * resolved)
+    wanted = min(max(math.sqrt(each), NARROW * resolved), WIDE * resolved)
     steady = last is not None and wanted / STEADY < last < wanted * STEADY
     return last if last is not None and steady else wanted
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 INNER, OUTER = 0.25, 1.2
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
 MAX_SILENT_SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
-MOST_OF_SMALL = 64  # maximum number of silent samples where that ratio allows fewer
+MOST_OF_SMALL = 48  # maximum number of silent samples where that ratio allows fewer
 
 
 def add_surround(
@@ -30,7 +30,7 @@ def add_surround(
 ) -> Samples:
     """Add evenly spread silent samples on the skin beside the regions that touch it.
 
-    Their number is at most a third of the pressing samples, or 64 if that is more. centre: of the array, (3,) [m]; skin
+    Their number is at most a third of the pressing samples, or 48 if that is more. centre: of the array, (3,) [m]; skin
     that faces away from it gets none. resolved: resolution of the array there [m]. most: a further limit of the
     number of silent samples.
     """
