@@ -52,7 +52,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_xdist_auto_num_workers() -> int:
     """Return more than there are cores: while some tests wait for servers, others run."""
-    return round(1.5 * (os.cpu_count() or 1))
+    if told := os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS"):
+        return int(told)
+    allowed = getattr(os, "sched_getaffinity", None)
+    cores = len(allowed(0)) if allowed else os.cpu_count() or 1
+    return round(1.5 * cores)
 
 
 def is_deep(config: pytest.Config) -> bool:

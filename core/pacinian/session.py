@@ -116,7 +116,9 @@ class Session:
         facing: the skin at the points. Target and achieved pressures are then those that press along its normals,
         from the sound that reaches the point. If no sound reaches it, the status is `unreachable`.
         limits: `Limits(gain=1.0)` by default. scale: "exact" (these pressures) or "max" (as strong as the solver can
-        make them, in these proportions). deadline: time from now [s]; the solver then returns its best result so far.
+        make them, in these proportions).
+        deadline: time from now [s]; the solver then returns its best result so far. With a deadline, regions on skin
+        keep the phases of a wave, which takes half the time and is less exact.
         solver: for this solve, in place of the session's. out: array to write the gains to: contiguous, complex64
         (complex128 in double precision), shape (N,).
 

@@ -59,10 +59,17 @@ class BackgroundSolve(Generic[T]):
     def take(self) -> T:
         """Wait for the job that runs, and return its result, or raise its exception."""
         assert self._job is not None
-        (job, future), self._job = self._job, None
-        if self.deferred:
-            return job()
-        return future.result()
+        job, future = self._job
+        if not self.deferred:
+            wait([future])  # an interruption leaves it running
+        self._job = None
+        return job() if self.deferred else future.result()
+
+    def drop(self) -> None:
+        """Wait for the job that runs, if any, and ignore its result. A deferred one does not run."""
+        if self._job is not None and not self.deferred:
+            wait([self._job[1]])
+        self._job = None
 
     def close(self) -> None:
         """End the thread after the job that runs, if any; wait for that, but not for ever."""
@@ -71,8 +78,7 @@ class BackgroundSolve(Generic[T]):
         atexit.unregister(self.close)
         self._jobs.put(None)
         self._jobs = None
-        if self._job is not None:
-            wait([self._job[1]], MAX_CLOSING)
+        if self._job is not None and wait([self._job[1]], MAX_CLOSING).done:
             self._job = None
 
 
@@ -83,3 +89,4 @@ def _run_jobs(jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None])
             future.set_result(work())
         except BaseException as error:  # a plug-in can raise anything; the loop raises it again
             future.set_exception(error)
+        del job, work, future  # which hold the renderer

@@ -16,7 +16,7 @@ import numpy as np
 
 from pacinian.errors import ArgumentError
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
-from pacinian.rendering.budget_controller import BudgetController
+from pacinian.rendering.budget_controller import HIGH, BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
 from pacinian.rendering.deviations import (
     AVERAGED,
@@ -33,7 +33,7 @@ from pacinian.rendering.probe import Probe
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
-from pacinian.rendering.solve_schedule import SOLVE_TICKS, SolveSchedule
+from pacinian.rendering.solve_schedule import MAX_TICKS, SOLVE_TICKS, SolveSchedule
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.account import (
     FAR,
@@ -61,7 +61,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or to the ticks that it may take
-MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or twice its time if longer [s]
+MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
+MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
 
@@ -76,8 +77,8 @@ class Measurement(NamedTuple):
 class Outcome(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    account: of the samples. solver: that solved. fresh: the solutions that are new. measured: now and then. time: of
-    the scene [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
+    account: of the samples. solver: that solved. fresh: the solutions that are new. measured: now and then. time:
+    that it was made for [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -147,7 +148,8 @@ class Pipeline:
         """The result that the last frame plays."""
         self._taken: Outcome | None = None  # of this tick
         self.lag = 0.0
-        """Age of the scene that the last frame plays [s]."""
+        """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
+        self._aim = -math.inf  # time that the last job was made for [s]
         self._job_time = 0.0  # time of the scene for which a job runs beside the ticks [s]
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
@@ -190,7 +192,7 @@ class Pipeline:
 
     def reset(self) -> None:
         """Discard all state and start from silence."""
-        self._discard_job()
+        self.background.drop()
         self._skipped.clear()
         self.sampler.reset()
         self.solver.reset()
@@ -249,8 +251,7 @@ class Pipeline:
         """Sample and solve in this tick."""
         self._discard_job()
         self.stages.enter("sample")
-        job = self._make_job(scene, limits, solver, t, self.stages, beside=False)
-        self._play(job())
+        self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
 
     def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
         """Take the result of the job beside the ticks, if there is one, and start the next."""
@@ -263,18 +264,19 @@ class Pipeline:
             except BaseException:
                 self.stages.stage = self._job_stages.stage
                 raise
+            if self.played.solved.brief:
+                self._solve_now(scene, limits, solver, t)
+                return
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._job_time = t
-        # it is taken after as many ticks as the last one, and frames arrive at it after as many again
-        lead = 2.0 * self.schedule.ticks * self.period
-        job = self._make_job(scene, limits, solver, t + lead, self._job_stages, beside=True)
+        job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
         self.background.deferred = self._tape.replays
         self.background.start(job)
 
     def _is_done(self, t: float) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        old = t - self._job_time >= max(MAX_AGE, 2 * SOLVE_TICKS * self.period)
+        old = t - self._job_time >= max(MAX_AGE, MAX_TICKS * self.period)
         return bool(self._tape.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
@@ -282,6 +284,7 @@ class Pipeline:
         if self.background.running:
             with suppress(Exception):  # the next job will raise it again
                 self.background.take()
+            self._changed = True
             self.job_readings += self._job_tape.take()
 
     def _make_job(
@@ -296,22 +299,36 @@ class Pipeline:
         self._set_sampler(limits, solver)
         time = (SOLVE_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
+        at = self._find_aim(t, beside)
         last, looks = self.sampler.account, self._unlooked >= TICKS_PER_LOOK
 
         def run() -> Outcome:
             begin = self._job_tape.now() if beside else math.nan
-            samples = self.sampler.sample(scene, t)
+            samples = self.sampler.sample(scene, at, at - t)
             account = self.sampler.account
             if account is not last and len(account.samples):
                 self._note_unreachable(account)
             stages.enter("solve")
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             fresh = tuple(self.solver.fresh)
-            measured = self._measure(solved, fresh, limits) if looks else None
             seconds = self._job_tape.now() - begin if beside else math.nan
-            return Outcome(scene, account, solved, solver, fresh, measured, t, seconds)
+            measured = self._measure(solved, fresh, limits) if looks else None
+            if beside:
+                stages.enter("drive")  # ends "solve"
+            return Outcome(scene, account, solved, solver, fresh, measured, at, seconds)
 
         return run
+
+    def _find_aim(self, t: float, beside: bool) -> float:
+        """Return the time for which a job that begins at time t is made [s]: when frames will arrive at its result.
+
+        It is taken after as many ticks as the last ones, and frames arrive after as many again. Never before the last
+        one, unless time jumps back.
+        """
+        lead = min(2.0 * self.schedule.ticks * self.period, MAX_LEAD) if beside else 0.0
+        last = self._aim if self._aim <= t + MAX_LEAD else -math.inf
+        self._aim = max(t + lead, last)
+        return self._aim
 
     def _play(self, outcome: Outcome) -> None:
         """Play the result of a job from now on."""
@@ -319,6 +336,8 @@ class Pipeline:
         report = self.stages.report
         report.skipped.update(self._skipped)
         self._skipped.clear()
+        if outcome.fresh and not math.isnan(outcome.seconds):
+            self.schedule.note_solve(outcome.seconds, self._allowed == self.sampler.budget)
         if outcome.measured is not None:
             self._unlooked = 0
             report.add_measurement(*outcome.measured)
@@ -394,8 +413,7 @@ class Pipeline:
         if self.governor is None or taken is None:
             return
         if not math.isnan(taken.seconds):
-            self.schedule.note_solve(taken.seconds, self._allowed == self.sampler.budget)
-            seconds = taken.seconds / SOLVE_TICKS
+            seconds = HIGH * taken.seconds / SOLVE_TICKS
         elif not taken.solved.brief:
             if taken.fresh:
                 self.schedule.note_tick(seconds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,29 @@ if TYPE_CHECKING:
 SWITCH_INTERVAL = 1e-4  # time for which another thread may keep the interpreter [s]
 
 
+class _Often:
+    """A context, shared by all threads, in which threads take turns often. The last to exit restores the interval."""
+
+    def __init__(self) -> None:
+        self._inside, self._before, self._lock = 0, 0.0, threading.Lock()
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if not self._inside:
+                self._before = sys.getswitchinterval()
+                sys.setswitchinterval(min(self._before, SWITCH_INTERVAL))
+            self._inside += 1
+
+    def __exit__(self, *error: object) -> None:
+        with self._lock:
+            self._inside -= 1
+            if not self._inside:
+                sys.setswitchinterval(self._before)
+
+
+_OFTEN = _Often()
+
+
 @contextmanager
 def realtime_section() -> Generator[None]:
     """Limit BLAS to one thread, freeze the garbage collector's old objects, and let threads take turns often.
@@ -24,11 +48,8 @@ def realtime_section() -> Generator[None]:
     """
     gc.collect()
     gc.freeze()
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(min(before, SWITCH_INTERVAL))
     try:
-        with limit_blas_threads():
+        with limit_blas_threads(), _OFTEN:
             yield
     finally:
-        sys.setswitchinterval(before)
         gc.unfreeze()

@@ -20,6 +20,7 @@ class RecordingClock:
         self._noted: list[float] = []
         self._told: list[float] | None = None
         self._place = 0
+        self._last: float | None = None  # reading that was replayed last [s]
 
     @property
     def replays(self) -> bool:
@@ -37,11 +38,12 @@ class RecordingClock:
             self._noted.append(value)
             return value
         if self._place >= len(self._told):
-            if self._stops and self._told:
-                return self._told[-1]
+            if self._stops and self._last is not None:
+                return self._last
             raise LookupError("the clock is read more often than in the recording")
+        self._last = self._told[self._place]
         self._place += 1
-        return self._told[self._place - 1]
+        return self._last
 
     def take(self) -> list[float]:
         """Return the readings since the last call, and clear them."""

@@ -369,7 +369,7 @@ class Renderer(Closing):
 
     @property
     def lag(self) -> float:
-        """Age of the scene of the last frame [s]: 0, but while solves run beside the ticks one to two solves."""
+        """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
         return self._pipeline.lag
 
     @property

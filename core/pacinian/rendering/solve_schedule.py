@@ -5,35 +5,42 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass, field
+from statistics import median
 
 LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
 TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 3.0  # two successive ticks of this duration, relative to the period, suffice
 SHORT = 0.5  # duration within which a solve must fit to run in a tick again, relative to the period
-# Successive solves that must fit; doubled after each relapse, up to the larger number.
+# Successive solves that must fit; doubled at each return, up to the larger number.
 MIN_FITTING, MAX_FITTING = 256, 4096
 BACK = 8  # solves deducted for one that does not fit; a few may be due to the machine
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
+MAX_TICKS = 2 * SOLVE_TICKS  # most ticks over which a change is spread, however long its solve took
+SOLVES_SEEN = 5  # last solves whose median is expected of the next
 
 
 @dataclass
 class SolveSchedule:
     """Counts long ticks and solves that fit.
 
-    period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the last solve took.
+    period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the next solve will
+    take, by the last ones.
     """
 
     period: float
     beside: bool = False
     ticks: int = 1
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
+    _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
     _far: bool = field(default=False, init=False)  # whether the last tick was far too long
     _fits: int = field(default=0, init=False)
     _wait: int = field(default=MIN_FITTING, init=False)
 
     def note_tick(self, seconds: float) -> None:
         """Take account of a tick that took `seconds` [s] and has solved."""
+        if self.beside:
+            return
         far = seconds > FAR_TOO_LONG * self.period
         self._long.append(seconds > LONG_SHARE * self.period)
         if sum(self._long) >= MIN_LONG_TICKS or (far and self._far):
@@ -44,8 +51,10 @@ class SolveSchedule:
     def note_solve(self, seconds: float, whole: bool = True) -> None:
         """Take account of a solve beside the ticks that took `seconds` [s]. whole: whether no sample was dropped."""
         fits = whole and seconds < SHORT * self.period
-        self.ticks = max(1, math.ceil(seconds / self.period))
+        self._seconds.append(seconds)
+        self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)
         self._fits = self._fits + 1 if fits else max(0, self._fits - BACK)
         if self._fits >= self._wait:
             self.beside, self.ticks = False, 1
+            self._seconds.clear()
             self._fits, self._wait = 0, min(2 * self._wait, MAX_FITTING)

@@ -93,8 +93,8 @@ def settle_phases(
 
     The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
     For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
-    d'/d is at least 0.8. If `relax`, they are then relaxed (`relax_phases`), unless the wave is tilted or steered off
-    zones, or the strength is free.
+    d'/d is at least 0.8. If `relax`, the phases of regions are then relaxed (`relax_phases`), unless the wave is tilted
+    or steered off zones, or the strength is free.
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.

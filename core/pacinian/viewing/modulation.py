@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
     from pacinian.wire.objects import Object
 
-POINTS = 2000  # number of times in a period at which its mean is computed
+POINTS = (
+    2000  # number of times in a period at which its mean is computed; without a period the most
+)
 INTERVAL = 5e-4  # interval of these times where there is no period [s]
 REPEATS = 1000  # maximum number of periods of one wave until it meets another
 WIDE = 0.2  # largest gap, in periods, up to which the frames show the whole period
@@ -113,7 +115,7 @@ def _compute_mean(modulation: Modulation, begin: float, end: float) -> float:
     """Return the mean strength over a period, or from `begin` to `end` [s] if there is none."""
     if (mean := _mean_of_period(modulation)) is not None:
         return mean
-    count = max(1, math.ceil((end - begin) / INTERVAL))
+    count = min(max(1, math.ceil((end - begin) / INTERVAL)), POINTS)
     return float(_compute_strength(modulation, np.linspace(begin, end, count)).mean())
 
 

@@ -122,7 +122,11 @@ class RecentFrames:
 
     def _share(self, frames: list[Emitted]) -> list[float]:
         """Return the share of time of each frame: equal ones if their times in the scene are not known."""
-        if not all(frame.parts or frame.scene_time for frame in frames):
+        times = np.array([frame.scene_time for frame in frames])
+        known = (
+            all(frame.parts or frame.scene_time for frame in frames) and np.isfinite(times).all()
+        )
+        if not known or np.ptp(times) > 2.0 * MODULATED_SPAN:  # the scene has begun anew
             return [1.0 / len(frames)] * len(frames)
         modulations = {
             modulation
@@ -130,7 +134,6 @@ class RecentFrames:
             else modulation._replace(technique=self._presentation)
             for modulation in self._modulations.values()
         }
-        times = np.array([frame.scene_time for frame in frames])
         shares = share_time(times, modulations, np.array([frame.part for frame in frames]))
         return list(shares.tolist())
 

@@ -48,9 +48,9 @@ class Row:
 
     p50_ms, p99_ms: of the ticks at 1 kHz. late: fraction of ticks that ended after the next tick was due; dummy_late:
     of a dummy loop in the same run. rate: highest rate held [Hz], 0 for none: p99 within a tick, and at most half a
-    percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: age of the scene that a tick
-    plays, median [ms]. samples: median. stages: mean time per tick [ms].
-    error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
+    percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: time since the moment that a
+    tick's frame was solved for, median [ms]; negative while it lies ahead. samples: median. stages: mean time per tick
+    [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
     rms, holes and spill over all skin that regions touch, medians of the looks with contact; None if there are none.
     left_out: fraction of the scene's force that was not requested from the array.
     """
@@ -74,8 +74,8 @@ class Row:
 class Look:
     """Input and output of a tick, at time t [s] of the scene.
 
-    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: age of the scene that
-    they were solved for [s].
+    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: time since the
+    moment that they were solved for [s].
     """
 
     t: float

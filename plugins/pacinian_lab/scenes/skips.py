@@ -132,10 +132,10 @@ def _exact_stone() -> Scene:
 class Forgetful(Sampler):
     """A sampler that caches no distances."""
 
-    def sample(self, scene: Scene, t: float = 0.0) -> Samples:
+    def sample(self, scene: Scene, t: float = 0.0, ahead: float = 0.0) -> Samples:
         """Sample with an empty distance cache."""
         self._distances = DistanceCache()
-        return super().sample(scene, t)
+        return super().sample(scene, t, ahead)
 
 
 class AllSides(Sampler):

@@ -5,6 +5,7 @@ from typing import Any
 
 import pacinian as pc
 from pacinian.rendering.background_solve import BackgroundSolve
+from pacinian.rendering.solve_schedule import SolveSchedule
 
 
 class ByHand(BackgroundSolve[Any]):
@@ -28,9 +29,21 @@ class ByHand(BackgroundSolve[Any]):
         (job, _), self._job = self._job, None
         return job()
 
+    def drop(self) -> None:
+        self._job = None
 
-def solve_beside(renderer: pc.Renderer) -> ByHand:
-    """Let solves of an open renderer run beside its ticks from now on."""
+
+class TakesTicks(SolveSchedule):
+    """Expects that every solve takes the same number of ticks."""
+
+    def note_solve(self, seconds: float, whole: bool = True) -> None:
+        pass
+
+
+def solve_beside(renderer: pc.Renderer, ticks: int | None = None) -> ByHand:
+    """Let solves of an open renderer run beside its ticks from now on. ticks: that each is expected to take."""
     background = renderer._pipeline.background = ByHand()
+    if ticks is not None:
+        renderer._pipeline.schedule = TakesTicks(renderer.period, ticks=ticks)
     renderer.schedule.beside = True
     return background

@@ -92,11 +92,10 @@ def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
     with renderer:
         for k in range(10):
             renderer.tick(k * TICK)
-        background = solve_beside(renderer)
+        background = solve_beside(renderer, ticks=4)
         for k in range(10, 100):
             background.ready = k % 4 == 0
             renderer.tick(k * TICK)
-            renderer.schedule.beside, renderer.schedule.ticks = True, 4
             x = np.linspace(0.2 * (k - 12) * TICK, 0.2 * k * TICK, 25)
             points = np.column_stack([x, np.zeros(25), np.full(25, 0.15)])
             assert k < 20 or press(renderer.sent, device, points).max(axis=1).min() > 4.5
@@ -109,10 +108,9 @@ def test_what_moves_is_solved_for_where_it_will_be_when_frames_arrive_there() ->
     with renderer:
         for k in range(10):
             renderer.tick(k * TICK)
-        background = solve_beside(renderer)
+        background = solve_beside(renderer, ticks=4)
         for k in range(10, 90):
             background.ready = k % 4 == 0
-            renderer.schedule.beside, renderer.schedule.ticks = True, 4
             renderer.tick(k * TICK)
             x = -0.02 + 0.3 * (k * TICK + TICK / 2)  # in the last row
             P = press(renderer.sent, device, [[x, 0.0, 0.15]])[-1, 0]

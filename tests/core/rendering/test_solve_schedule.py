@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -9,9 +11,11 @@ from pacinian.rendering.solve_schedule import (
     FAR_TOO_LONG,
     LONG_SHARE,
     MAX_FITTING,
+    MAX_TICKS,
     MIN_FITTING,
     MIN_LONG_TICKS,
     SHORT,
+    SOLVES_SEEN,
     TICKS_SEEN,
     SolveSchedule,
 )
@@ -80,9 +84,20 @@ def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
 
 @bounded
 @given(st.lists(st.floats(0.0, 0.02), min_size=1, max_size=50))
-def test_a_change_is_spread_over_the_ticks_that_the_last_solve_took(seconds: Any) -> None:
+def test_a_change_is_spread_over_the_ticks_that_the_last_solves_took(seconds: Any) -> None:
+    """By their median, so that one that was held up does not count, and never over many."""
     schedule = beside()
-    for each in seconds:
+    for n, each in enumerate(seconds, 1):
         schedule.note_solve(each)
-        assert (schedule.ticks - 1) * PERIOD <= each <= schedule.ticks * PERIOD or each == 0.0
-        assert schedule.ticks >= 1
+        expected = math.ceil(float(np.median(seconds[max(0, n - SOLVES_SEEN) : n])) / PERIOD)
+        assert schedule.ticks == min(max(1, expected), MAX_TICKS)
+
+
+def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:
+    """As after new limits: one long tick must not suffice later."""
+    schedule = beside()
+    for _ in range(MIN_LONG_TICKS):
+        schedule.note_tick(9.0 * PERIOD)
+    count_solves(schedule, 0.1 * SHORT * PERIOD, 2 * MAX_FITTING)
+    schedule.note_tick(9.0 * PERIOD)
+    assert not schedule.beside

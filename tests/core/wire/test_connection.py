@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -19,9 +21,6 @@ from pacinian.wire.connection import (
     check_replaceable,
     locate_connection,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 posix = pytest.mark.skipif(os.name != "posix", reason="file permissions")
 
@@ -173,3 +172,11 @@ def test_secrets_are_not_shown() -> None:
     shown = repr(connection(secret_key="hidden"))
     assert "secret" not in shown
     assert "hidden" not in shown
+
+
+def test_the_container_image_makes_a_folder_that_is_accepted(tmp_path: Path) -> None:
+    image = (Path(__file__).parents[3] / "packaging" / "Containerfile").read_text()
+    mode = re.search(r"install -d -o pacinian -m (\d+) /run/pacinian", image)
+    assert mode is not None
+    tmp_path.chmod(int(mode[1], 8))
+    check_folder(tmp_path)

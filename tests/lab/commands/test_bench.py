@@ -135,7 +135,9 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
     assert len(read(table)) - len(told["rows"]) in (0, 1)  # one may have been under way
 
 
-ROW = scenes.Row("palm", 0.6, 1.2, 0.01, 0.0, 500.0, 400.0, 2.5, 60, {"solve": 0.3}, 0.001, None, 0.1)
+ROW = scenes.Row(
+    "palm", 0.6, 1.2, 0.01, 0.0, 500.0, 400.0, 2.5, 60, {"solve": 0.3}, 0.001, None, 0.1
+)
 
 
 @pytest.fixture

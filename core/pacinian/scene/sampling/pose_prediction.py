@@ -103,8 +103,11 @@ class HandTrack:
         self._since = 0.0
         self._touchable: PosedSkin | None = None
 
-    def at(self, hand: Hand, t: float) -> tuple[Hand | None, float]:
-        """Return the hand at time t [s], or None if it is gone, and the factor on its pressures, 0..1."""
+    def at(self, hand: Hand, t: float, ahead: float = 0.0) -> tuple[Hand | None, float]:
+        """Return the hand at time t [s], or None if it is gone, and the factor on its pressures, 0..1.
+
+        ahead: how far t lies in the future, in which nobody can have seen the hand yet [s].
+        """
         if hand is not self._given and not (self._given is not None and hand.same(self._given)):
             before, self._given = self._given, hand
             if not hand.lost:
@@ -115,7 +118,7 @@ class HandTrack:
         if last is None:
             return None, 0.0
         self._seen, self._since = min(self._seen, t), min(self._since, t)  # time may jump back
-        late = 0.0 if hand.time is None and not hand.lost else t - self._seen - HOLD
+        late = 0.0 if hand.time is None and not hand.lost else t - ahead - self._seen - HOLD
         share = min(1.0, 1.0 - late / FADE)
         if share <= 0.0:
             self._last = None

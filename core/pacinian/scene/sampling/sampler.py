@@ -151,7 +151,7 @@ class Sampler:
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
         self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
-        self._still = False
+        self._still, self._ahead = False, 0.0
         self._rooms: tuple[object, Floats] = (self, np.empty(6))
 
     def prepare(self, array: Array, medium: Air) -> None:
@@ -163,8 +163,12 @@ class Sampler:
         """Sample again at the next call, even if the scene is the same."""
         self._still = False
 
-    def sample(self, scene: Scene, t: float = 0.0) -> Samples:
-        """Return samples of `scene` at time t [s]: the same object as before if nothing has changed."""
+    def sample(self, scene: Scene, t: float = 0.0, ahead: float = 0.0) -> Samples:
+        """Return samples of `scene` at time t [s]: the same object as before if nothing has changed.
+
+        ahead: how far t lies in the future [s].
+        """
+        self._ahead = ahead
         asked = (
             scene, self.allowed, self.spacing, self.bands, self.surround, self.even, self.strict,
             self.fine,
@@ -271,7 +275,7 @@ class Sampler:
         self._hands = tracks
         there: list[tuple[PosedSkin, float]] = []
         for hand in scene.hands:
-            now, share = tracks[hand.name].at(hand, t)
+            now, share = tracks[hand.name].at(hand, t, self._ahead)
             if now is None:
                 self.skipped["hands lost"] += 1
                 account.note_hand(HAND_LOST, hand.name)

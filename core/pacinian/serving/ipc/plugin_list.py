@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from pacinian.errors import shorten
+from pacinian.errors import PluginError, describe_error, shorten
 from pacinian.plugins import registry
 from pacinian.plugins.options import check_options, find_client_options
 from pacinian.serving.ipc.logs import log
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 # Time after which no process waits for a plug-in that is still being imported [s].
 PATIENCE = 20.0
+SELECTING = 4.0  # time for which a selection waits for an import that another thread is at [s]
 
 
 def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) -> None:
@@ -36,7 +37,11 @@ def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) 
     lock, done = threading.Lock(), threading.Event()
 
     def work() -> None:
-        offers = list_offers(kind)
+        try:
+            offers = list_offers(kind)
+        except BaseException as error:  # a plug-in's module can raise anything
+            log().error("not all plug-ins could be listed", kind=kind, error=describe_error(error))
+            offers = _collect_offers(kind)
         with lock:
             done.set()
             publish(offers)
@@ -94,8 +99,15 @@ def find_plugin(kind: Kind, name: str) -> Offer:
     """Return the plug-in of that name; import it if necessary. Raises UnknownPlugin, PluginError."""
     plugins = registry.discover_plugins()
     if (kind, name) not in plugins.offers:
-        with LOADING:
+        if not LOADING.acquire(timeout=SELECTING):
+            raise PluginError(
+                f"{name!r} cannot be looked for while the plug-in {plugins.importing!r} is being imported: "
+                "try again, or uninstall that plug-in"
+            )
+        try:
             plugins.find(kind, name)
+        finally:
+            LOADING.release()
     return plugins.find(kind, name)
 
 

@@ -73,8 +73,8 @@ class SharedFrameBackend(Backend):
         self._file.write(head.pack(), _bytes(frame.phase), _bytes(frame.amplitude))
 
     def silence(self) -> None:
-        """Write a frame without rows."""
-        self._file.write(self._head(0, Input()).pack())
+        """Write a frame without rows, of no known time in the scene."""
+        self._file.write(self._head(0, Input(start=self._time)).pack())
 
     def close(self) -> None:
         """Silence the device."""

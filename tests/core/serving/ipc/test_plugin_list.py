@@ -8,6 +8,9 @@ from importlib.metadata import EntryPoint
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+import pytest
+
+from pacinian.errors import PluginError
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Plugins
 from pacinian.serving.ipc import plugin_list
@@ -16,8 +19,6 @@ from ....waiting import eventually
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
     from pacinian.wire.replies import Plugin
 
@@ -51,14 +52,30 @@ def test_a_plug_in_that_does_not_come_back_from_its_import_is_named_and_holds_no
     plugins = Plugins([EntryPoint("snail", "slow_to_import", "pacinian")])
     monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
     monkeypatch.setattr(plugin_list, "PATIENCE", 0.01)
+    monkeypatch.setattr(plugin_list, "SELECTING", 0.01)
     found: list[tuple[Plugin, ...]] = []
     try:
         plugin_list.publish_offers("solver", found.append)
         assert found == [()]
         logged.wait("still being imported", "snail")
+        with pytest.raises(PluginError, match="'snail' is being imported"):
+            plugin_list.find_plugin("solver", "slow")
     finally:
         opened.set()
     eventually(lambda: len(found) == 2)
     plugin_list.publish_offers("solver", found.append)
     eventually(lambda: len(found) == 3)
     assert [[plugin.name for plugin in offers] for offers in found] == [[], ["slow"], ["slow"]]
+
+
+def test_a_listing_that_fails_is_logged_and_tells_what_is_known(
+    monkeypatch: pytest.MonkeyPatch, logged: Logged
+) -> None:
+    def fail(kind: str) -> None:
+        raise KeyboardInterrupt("in a module")
+
+    monkeypatch.setattr(plugin_list, "list_offers", fail)
+    found: list[tuple[Plugin, ...]] = []
+    plugin_list.publish_offers("solver", found.append)
+    eventually(lambda: len(found) == 1)
+    logged.wait("not all plug-ins could be listed", "in a module")
