@@ -149,7 +149,7 @@ class _Server(ThreadingMixIn, WSGIServer):
 class _Handler(WSGIRequestHandler):
     timeout = MAX_REQUEST_TIME
 
-    def log_message(self, *_: Any) -> None:
+    def log_message(self, format: str, *_: Any) -> None:  # noqa: A002  # the name in the base class
         """Log nothing: a stranger could fill the log."""
 
 
