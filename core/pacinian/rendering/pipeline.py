@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from pacinian.solving.felt_regions import FeltSums
     from pacinian.types import Floats, Gains
 
-DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or to the ticks that it may take
+DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
 MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
@@ -297,7 +297,7 @@ class Pipeline:
         if self.governor is not None:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
-        time = (SOLVE_TICKS if beside else 1) * self.period
+        time = (MAX_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
         at = self._find_aim(t, beside)
         last, looks = self.sampler.account, self._unlooked >= TICKS_PER_LOOK
