@@ -37,7 +37,9 @@ if (
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None, database=None, print_blob=True)
-FEW = 4  # of the examples of a property, one in so many is tried; the deep tests try all of them
+EXAMPLES_TRIED = (
+    4  # of the examples of a property, one in so many is tried; the deep tests try all of them
+)
 FEWEST = 5
 SETTINGS = "_hypothesis_internal_use_settings"  # of a property; it has no public name
 
@@ -87,7 +89,7 @@ def try_fewer_examples(test: Any) -> None:
     """Limit the examples of a property. State machines, which are classes, keep theirs."""
     own = getattr(test, SETTINGS, None)
     if own is not None:
-        fewer = max(own.max_examples // FEW, min(own.max_examples, FEWEST))
+        fewer = max(own.max_examples // EXAMPLES_TRIED, min(own.max_examples, FEWEST))
         setattr(test, SETTINGS, settings(own, max_examples=fewer))
 
 

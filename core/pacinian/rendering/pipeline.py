@@ -451,7 +451,7 @@ class Pipeline:
         self, play: Solved, fresh: tuple[CachedSolution, ...], limits: Limits
     ) -> Measurement | None:
         """Measure what the device will emit of a solution, at the samples and between them; None if nothing is new."""
-        samples, targets = play.shown, play.targets
+        samples, targets = play.played_samples, play.targets
         if samples is None or targets is None or not len(samples) or not play.complete:
             return None
         if targets.regions is None and not fresh:

@@ -214,7 +214,7 @@ class Renderer(Closing):
     @property
     def samples(self) -> Samples | None:
         """Samples of the last solution, or of all frames of a cycle together; None before the first solution."""
-        return self.played.shown
+        return self.played.played_samples
 
     @property
     def targets(self) -> Targets | None:

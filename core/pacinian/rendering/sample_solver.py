@@ -59,7 +59,7 @@ class Solved:
     hurried: bool = False
 
     @property
-    def shown(self) -> Samples | None:
+    def played_samples(self) -> Samples | None:
         """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
         if self.cycle:
             return self.samples
@@ -76,7 +76,7 @@ class Solved:
 
     @property
     def facing(self) -> SkinFacing | None:
-        """Facing of the skin at `shown`; None if that is not on skin."""
+        """Facing of the skin at `played_samples`; None if that is not on skin."""
         if not self.cycle:
             return self.rows[-1].solution.facing if self.rows else None
         if self.samples.capsules is None:
@@ -131,12 +131,12 @@ class SampleSolver:
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
+        if self.cycle.count > 1:
+            return self._in_turn(samples, limits, solver, deadline)
         last = self._last
         if last is not None and last.rows[0].final and not last.brief:
             self.skipped["solve, nothing moved"] += 1
             return last
-        if self.cycle.count > 1:
-            return self._in_turn(samples, limits, solver, deadline)
         base, parts = self._parts
         if not parts:
             found = self._found((), base, t, limits, solver, deadline)

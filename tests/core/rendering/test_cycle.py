@@ -116,6 +116,16 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
     assert errors[2] < 0.95 * errors[1]
 
 
+def test_a_scene_that_stands_still_from_the_first_solve_on_gets_its_two_frames() -> None:
+    """Without ramps the samples never change, so only that solve tells that transducers are at their limit."""
+    scene = pc.Scene((surface(ONE, pc.Disc(0.01), strongest(ONE, pc.Disc(0.01))),))
+    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), cycle=2, sampler=pc.Sampler())
+    with renderer:
+        for k in range(10):
+            renderer.tick(k * PERIOD)
+        assert len(renderer.sounding) == 2
+
+
 def test_what_is_weak_or_has_no_region_or_other_limits_stays_in_one_frame() -> None:
     point = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=1e4)
     weak = surface(NINE, pc.Disc(0.01), 1.0)
