@@ -69,8 +69,12 @@ class Modulator:
     def rows(self, play: Solved, t: float, ticks: int = 1) -> Gains:
         """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
 
-        play: the solutions. ticks: number of ticks between solutions, over which a change is spread.
+        play: the solutions; silence before the first. ticks: number of ticks between solutions, over which a change is
+        spread.
         """
+        if not play.rows:
+            self._rows[:] = 0.0
+            return self._rows
         solved, count = list(play.rows), len(play.rows) if play.cycle else 1
         self.place_in_cycle = self._row % count, count
         if play.cycle:

@@ -65,6 +65,9 @@ MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for 
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
+FIRST_LOOK = (
+    4  # ticks from silence to the first measurement, so that the first solves have more time
+)
 
 
 class Measurement(NamedTuple):
@@ -77,8 +80,8 @@ class Measurement(NamedTuple):
 class Outcome(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    account: of the samples. solver: that solved. fresh: the solutions that are new. measured: now and then. time:
-    that it was made for [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
+    account: of the samples. solver: that solved. fresh: the solutions that are new. time: that it was made for [s].
+    seconds: that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -86,7 +89,6 @@ class Outcome(NamedTuple):
     solved: Solved
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
-    measured: Measurement | None = None
     time: float = 0.0
     seconds: float = math.nan
 
@@ -135,14 +137,14 @@ class Pipeline:
         sampler.fine = not self._governed
         self.governor = BudgetController(period, sampler.budget) if self._governed else None
         self._allowed = sampler.budget  # number of samples that the next job may use
-        self.background = BackgroundSolve[Outcome](start_thread)
+        self.background = BackgroundSolve[Outcome | Measurement](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
         self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
+        self.schedule = SolveSchedule(period)
         self._begin()
 
     def _begin(self) -> None:
-        self.schedule = SolveSchedule(self.period)
         empty = Outcome(Scene(), Account(), Solved(no_samples(), self.limits), self.session.solver)
         self.played = self._before = empty
         """The result that the last frame plays."""
@@ -150,12 +152,13 @@ class Pipeline:
         self.lag = 0.0
         """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
         self._aim = -math.inf  # time that the last job was made for [s]
-        self._job_time = 0.0  # time of the scene for which a job runs beside the ticks [s]
+        self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
         self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
         self._made: tuple[object, ...] = ()  # inputs of the last frame
-        self._unlooked = TICKS_PER_LOOK  # ticks since the last measurement
+        self._unlooked = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
+        self._looked: tuple[CachedSolution, ...] = ()  # solutions that were measured last
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""
         self._frame: Frame
@@ -166,6 +169,7 @@ class Pipeline:
         Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
         exception is raised at once.
         """
+        self.schedule = SolveSchedule(self.period)  # as a replay begins
         try:
             self.quantise_gains(try_out(self.session).gains)
             first, self.limits = scene(0.0), limits
@@ -191,7 +195,7 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
-        """Discard all state and start from silence."""
+        """Discard all state and start from silence. Solves run where they ran before."""
         self.background.drop()
         self._skipped.clear()
         self.sampler.reset()
@@ -221,13 +225,15 @@ class Pipeline:
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.limits, self._taken, self.job_readings = limits, None, []
-        self._unlooked += 1
         self._changed, self._seen = self._changed or scene is not self._seen, scene
         solver = self.session.solver  # other threads may set another one at any time
         if beside := self._may_wait(limits, solver):
             self._solve_beside(scene, limits, solver, t)
         else:
             self._solve_now(scene, limits, solver, t)
+        self._unlooked = (
+            self._unlooked + 1 if len(self.played.solved.samples) else TICKS_PER_LOOK - FIRST_LOOK
+        )
         self.lag = t - self.played.time
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
@@ -252,31 +258,40 @@ class Pipeline:
         self._discard_job()
         self.stages.enter("sample")
         self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
+        if (measure := self._find_measuring(limits)) is not None:
+            self.stages.report.add_measurement(*measure())
 
     def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
         """Take the result of the job beside the ticks, if there is one, and start the next."""
         if self.background.running:
-            if not self._is_done(t):
+            if not self._is_done():
                 self.stages.report.skipped["solve, still under way"] += 1
                 return
             try:
-                self._play(self.background.take())
+                result = self.background.take()
             except BaseException:
                 self.stages.stage = self._job_stages.stage
                 raise
-            if self.played.solved.brief:
-                self._solve_now(scene, limits, solver, t)
-                return
+            if isinstance(result, Measurement):
+                self.stages.report.add_measurement(*result)
+            else:
+                self._play(result)
+                if result.solved.brief:
+                    self._solve_now(scene, limits, solver, t)
+                    return
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
-        self._job_time = t
-        job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
+        self._started = self.stages.now()
+        # a measurement takes the place of a solve, so that no solution waits for it
+        job = self._find_measuring(limits) or self._make_job(
+            scene, limits, solver, t, self._job_stages, beside=True
+        )
         self.background.deferred = self._tape.replays
         self.background.start(job)
 
-    def _is_done(self, t: float) -> bool:
+    def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        old = t - self._job_time >= max(MAX_AGE, MAX_TICKS * self.period)
+        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_TICKS * self.period)
         return bool(self._tape.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
@@ -300,7 +315,7 @@ class Pipeline:
         time = (MAX_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
         at = self._find_aim(t, beside)
-        last, looks = self.sampler.account, self._unlooked >= TICKS_PER_LOOK
+        last = self.sampler.account
 
         def run() -> Outcome:
             begin = self._job_tape.now() if beside else math.nan
@@ -312,10 +327,9 @@ class Pipeline:
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             fresh = tuple(self.solver.fresh)
             seconds = self._job_tape.now() - begin if beside else math.nan
-            measured = self._measure(solved, fresh, limits) if looks else None
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return Outcome(scene, account, solved, solver, fresh, measured, at, seconds)
+            return Outcome(scene, account, solved, solver, fresh, at, seconds)
 
         return run
 
@@ -338,9 +352,6 @@ class Pipeline:
         self._skipped.clear()
         if outcome.fresh and not math.isnan(outcome.seconds):
             self.schedule.note_solve(outcome.seconds, self._allowed == self.sampler.budget)
-        if outcome.measured is not None:
-            self._unlooked = 0
-            report.add_measurement(*outcome.measured)
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
         self._before, self.played, self._taken = self.played, outcome, outcome
@@ -447,20 +458,28 @@ class Pipeline:
             if found.any():
                 account.drop(reason, found)
 
-    def _measure(
-        self, play: Solved, fresh: tuple[CachedSolution, ...], limits: Limits
-    ) -> Measurement | None:
-        """Measure what the device will emit of a solution, at the samples and between them; None if nothing is new."""
+    def _find_measuring(self, limits: Limits) -> Callable[[], Measurement] | None:
+        """Return a function that measures what the device will emit of the result that this tick has taken.
+
+        It measures at the samples and between them. None if it is too early, or if there is nothing new to measure.
+        """
+        if self._taken is None or self._unlooked < TICKS_PER_LOOK:
+            return None
+        play = self._taken.solved
         samples, targets = play.played_samples, play.targets
         if samples is None or targets is None or not len(samples) or not play.complete:
             return None
-        if targets.regions is None and not fresh:
+        if targets.regions is None and play.rows == self._looked:
             return None
-        facing, gains = play.facing, self._quantise_frames(play, limits)
-        p = self._job_probe.hear(samples.positions, facing, gains)
-        return Measurement(
-            targets.relative_error(p), self._job_probe.look(samples, targets, facing, gains)
-        )
+        self._unlooked, self._looked = 0, play.rows
+
+        def measure() -> Measurement:
+            facing, gains = play.facing, self._quantise_frames(play, limits)
+            p = self._job_probe.hear(samples.positions, facing, gains)
+            felt = self._job_probe.look(samples, targets, facing, gains)
+            return Measurement(targets.relative_error(p), felt)
+
+        return measure
 
     @property
     def sounding(self) -> Gains:

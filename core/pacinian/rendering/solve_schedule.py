@@ -10,7 +10,7 @@ from statistics import median
 LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
 TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
-FAR_TOO_LONG = 3.0  # two successive ticks of this duration, relative to the period, suffice
+FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
 SHORT = 0.5  # duration within which a solve must fit to run in a tick again, relative to the period
 # Successive solves that must fit; doubled at each return, up to the larger number.
 MIN_FITTING, MAX_FITTING = 256, 4096

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.rendering.background_solve import BackgroundSolve
-from pacinian.rendering.pipeline import MAX_AGE
+from pacinian.rendering.pipeline import MAX_AGE, TICKS_PER_LOOK
 from pacinian.rendering.rerender import rerender
 from pacinian.rendering.solve_schedule import MAX_TICKS
 from pacinian.scene.modulation.technique import AM
@@ -161,6 +161,7 @@ def test_an_error_in_a_solve_beside_the_ticks_silences_and_is_told_as_in_a_tick(
         renderer.tick(TICK)
         (solver if stage == "solve" else sampler).broken = True
         for k in range(2, 200):
+            renderer.clock.wait_until(k * TICK)
             renderer.tick(k * TICK)
             if renderer.halted is not None:
                 break
@@ -170,7 +171,9 @@ def test_an_error_in_a_solve_beside_the_ticks_silences_and_is_told_as_in_a_tick(
         assert device.silent
         solver.broken = sampler.broken = False
         renderer.reset()
-        renderer.tick(0.3)
+        for k in range(300, 330):
+            renderer.clock.wait_until(k * TICK)
+            renderer.tick(k * TICK)
         assert renderer.halted is None
         assert not device.silent
 
@@ -227,16 +230,68 @@ def test_an_envelope_is_followed_while_the_solve_is_under_way() -> None:
 
 def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
     """A solver that hangs then holds the loop up, so that whoever expects frames notices."""
-    renderer, _ = make(at)
+    clock = ManualClock()
+    renderer, _ = make(at, clock=clock)
     with renderer:
         renderer.tick(0.0)
         background = solve_beside(renderer)
         background.ready = False
         for k in range(1, 300):
+            clock.wait_until(k * TICK)
             renderer.tick(k * TICK)
             x = renderer.shown.objects[0].pose.position[0]
-            assert k * TICK - x <= 2.0 * MAX_AGE + 2 * TICK
+            assert k * TICK - x <= 3.0 * MAX_AGE + 3 * TICK  # a measurement may come between
         assert renderer.report.solves >= 3
+
+
+def test_a_loop_that_catches_up_does_not_take_a_solve_for_old() -> None:
+    renderer, _ = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        background.ready = False
+        for k in range(1, 100):  # while no time passes
+            renderer.tick(k * TICK)
+        assert renderer.report.solves == 1
+
+
+def test_no_solution_waits_for_a_measurement() -> None:
+    """It takes the place of the solve after the one that it measures."""
+    renderer, _ = make(at)
+    report = renderer.report
+    with renderer:
+        for k in range(TICKS_PER_LOOK):
+            renderer.tick(k * TICK)
+        assert (renderer.report.solves, len(renderer.report.errors)) == (TICKS_PER_LOOK, 1)
+        background = solve_beside(renderer)
+        while background.started < 9:
+            k += 1
+            renderer.tick(k * TICK)
+        report = renderer.report
+        solves, looks = report.solves, len(report.errors)
+        assert (solves, looks) == (TICKS_PER_LOOK + 7, 2)
+
+
+def test_solves_run_after_a_reset_where_they_ran_before() -> None:
+    renderer, device = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        renderer.tick(TICK)
+        renderer.reset()
+        background.ready = False
+        for k in range(2, 20):
+            renderer.tick(k * TICK)
+            assert not renderer.sent.amplitude.any()  # nothing is solved yet
+        background.ready = True
+        for k in range(20, 40):
+            renderer.tick(k * TICK)
+        assert press(renderer.sent, device, [[39e-3, 0.0, 0.15]])[-1, 0] == pytest.approx(
+            5.0, abs=0.3
+        )
+        assert not renderer.report.faults
+    with renderer:  # a replay begins in ticks, too
+        assert not renderer.schedule.beside
 
 
 def test_a_deadline_is_longer_beside_the_ticks() -> None:

@@ -130,15 +130,16 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
     with renderer:
         assert not renderer.shown.objects
         scenes.clear()
-        renderer.tick(0.0)
-        assert renderer.shown is scenes[-1]
-        background = solve_beside(renderer)
-        for k in range(1, 9):  # a solve begins in the ticks 1, 3, 5, 7
-            background.ready = k % 2 == 1
+        for k in range(6):  # measured in one of these
             renderer.tick(k * 0.001)
-            assert renderer.shown is scenes[0 if k < 3 else (k - 3) // 2 * 2 + 1]
+            assert renderer.shown is scenes[-1]
+        background = solve_beside(renderer)
+        for k in range(6, 14):  # a solve begins in the ticks 6, 8, 10, 12
+            background.ready = k % 2 == 0
+            renderer.tick(k * 0.001)
+            assert renderer.shown is scenes[5 if k < 8 else (k - 8) // 2 * 2 + 6]
         renderer.schedule.beside = False
-        for k in range(9, 12):
+        for k in range(14, 17):
             renderer.tick(k * 0.001)
             assert renderer.shown is scenes[-1]
 
