@@ -34,9 +34,10 @@ class BudgetController:
     def __post_init__(self) -> None:
         self.allowed = self.most
 
-    def tick(self, seconds: float, samples: int) -> int:
+    def tick(self, seconds: float, samples: int, ticks: int = 1) -> int:
         """Take account of a tick that took `seconds` [s] for `samples` samples; return the new budget.
 
+        ticks: number of ticks that share this solve.
         Assumes that the time of a solve grows with the square of the number of samples.
         """
         self._last.append(seconds)
@@ -56,11 +57,11 @@ class BudgetController:
         elif seconds > LOW * self.period:
             self._short = 0
         else:
-            self._grow()
+            self._grow(ticks)
         return self.allowed
 
-    def _grow(self) -> None:
-        self._short += 1
+    def _grow(self, ticks: int) -> None:
+        self._short += ticks
         if self.allowed < self.most and self._short >= self._wait:
             self.allowed = min(self.most, self.allowed + 1 + self.allowed // 8)
             self._short, self._grown = 0, True

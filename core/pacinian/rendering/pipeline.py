@@ -241,7 +241,7 @@ class Pipeline:
             skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
-        rows = self.player.rows(play, t, self.schedule.ticks if beside else 1)
+        rows = self.player.rows(play, t, self.schedule.interval if beside else 1)
         power = limits.power is not None
         self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
         self._made = made
@@ -262,7 +262,8 @@ class Pipeline:
             self.stages.report.add_measurement(*measure())
 
     def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
-        """Take the result of the job beside the ticks, if there is one, and start the next."""
+        """Take the result of the job beside the ticks if it is done, and start the next if it is time to."""
+        self.schedule.pass_tick()
         if self.background.running:
             if not self._is_done():
                 self.stages.report.skipped["solve, still under way"] += 1
@@ -280,12 +281,15 @@ class Pipeline:
                     self._solve_now(scene, limits, solver, t)
                     return
         # a thread must not enter the tick's stages
+        # in the pause between two solves, so that no solution waits for it
+        job: Callable[[], Outcome | Measurement] | None = self._find_measuring(limits)
+        if job is None and self.schedule.begin_solve(self._changed):
+            job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
+        if job is None:
+            self.stages.report.skipped["solve, not due"] += 1
+            return
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._started = self.stages.now()
-        # a measurement takes the place of a solve, so that no solution waits for it
-        job = self._find_measuring(limits) or self._make_job(
-            scene, limits, solver, t, self._job_stages, beside=True
-        )
         self.background.deferred = self._tape.replays
         self.background.start(job)
 
@@ -336,10 +340,11 @@ class Pipeline:
     def _find_aim(self, t: float, beside: bool) -> float:
         """Return the time for which a job that begins at time t is made [s]: when frames will arrive at its result.
 
-        It is taken after as many ticks as the last ones, and frames arrive after as many again. Never before the last
-        one, unless time jumps back.
+        It is taken after as many ticks as the last ones, and frames arrive when the next is. Never before the last one,
+        unless time jumps back.
         """
-        lead = min(2.0 * self.schedule.ticks * self.period, MAX_LEAD) if beside else 0.0
+        ticks = self.schedule.ticks + self.schedule.interval
+        lead = min(ticks * self.period, MAX_LEAD) if beside else 0.0
         last = self._aim if self._aim <= t + MAX_LEAD else -math.inf
         self._aim = max(t + lead, last)
         return self._aim
@@ -434,7 +439,7 @@ class Pipeline:
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
         samples = max(len(one.samples) for one in taken.fresh)
-        self._allowed = self.governor.tick(seconds, samples)
+        self._allowed = self.governor.tick(seconds, samples, self.schedule.interval)
 
     def quantise_gains(self, gains: Gains) -> Gains:
         """Return gains, (N,), as rounded by the device."""

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 SAVED = frozenset(
     {
         "solve, nothing moved",
+        "solve, not due",
         "solve, step of a modulation known",
         "drive, nothing changed",
         "objects out of reach",

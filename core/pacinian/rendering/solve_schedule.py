@@ -1,4 +1,4 @@
-"""Decide whether ticks solve, or a thread does so beside them, because a tick that solves would be late."""
+"""Decide whether ticks solve or a thread does so beside them, because they would be late; and when it solves."""
 
 from __future__ import annotations
 
@@ -16,26 +16,49 @@ SHORT = 0.5  # duration within which a solve must fit to run in a tick again, re
 MIN_FITTING, MAX_FITTING = 256, 4096
 BACK = 8  # solves deducted for one that does not fit; a few may be due to the machine
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
-MAX_TICKS = 2 * SOLVE_TICKS  # most ticks over which a change is spread, however long its solve took
-SOLVES_SEEN = 5  # last solves whose median is expected of the next
+MAX_TICKS = 2 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
+MIN_INTERVAL = 8  # fewest ticks from the beginning of a solve beside them to that of the next
+MAX_INTERVAL = 12  # ticks after which a solve begins although the scene is the same; most over which a change is spread
+SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
 
 @dataclass
 class SolveSchedule:
-    """Counts long ticks and solves that fit.
+    """Counts ticks, long ones among them, and solves that fit.
 
     period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the next solve will
-    take, by the last ones.
+    take, by the last ones. interval: number of ticks from one solution to the next, likewise.
     """
 
     period: float
     beside: bool = False
     ticks: int = 1
+    interval: int = 1
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
+    _intervals: deque[int] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
+    _since: int = field(
+        default=MAX_INTERVAL, init=False
+    )  # ticks since the last solve beside them began
     _far: bool = field(default=False, init=False)  # whether the last tick was far too long
     _fits: int = field(default=0, init=False)
     _wait: int = field(default=MIN_FITTING, init=False)
+
+    def pass_tick(self) -> None:
+        """Count a tick."""
+        self._since += 1
+
+    def begin_solve(self, changed: bool) -> bool:
+        """Return whether a solve is to begin beside this tick, and count it if so. changed: whether the scene has.
+
+        A new scene begins one at once if they come at most every MIN_INTERVAL ticks, as from trackers and games.
+        Between them, objects and hands move on as they moved.
+        """
+        if self._since < (MIN_INTERVAL if changed else MAX_INTERVAL):
+            return False
+        self._intervals.append(min(self._since, MAX_INTERVAL))
+        self.interval, self._since = math.ceil(median(self._intervals)), 0
+        return True
 
     def note_tick(self, seconds: float) -> None:
         """Take account of a tick that took `seconds` [s] and has solved."""
@@ -55,6 +78,7 @@ class SolveSchedule:
         self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)
         self._fits = self._fits + 1 if fits else max(0, self._fits - BACK)
         if self._fits >= self._wait:
-            self.beside, self.ticks = False, 1
+            self.beside, self.ticks, self.interval = False, 1, 1
             self._seconds.clear()
+            self._intervals.clear()
             self._fits, self._wait = 0, min(2 * self._wait, MAX_FITTING)

@@ -33,17 +33,18 @@ class ByHand(BackgroundSolve[Any]):
         self._job = None
 
 
-class TakesTicks(SolveSchedule):
-    """Expects that every solve takes the same number of ticks."""
+class SolvesAlways(SolveSchedule):
+    """Begins a solve as soon as the last one is done, and expects each to take the same number of ticks."""
+
+    def begin_solve(self, changed: bool) -> bool:
+        return True
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:
         pass
 
 
-def solve_beside(renderer: pc.Renderer, ticks: int | None = None) -> ByHand:
-    """Let solves of an open renderer run beside its ticks from now on. ticks: that each is expected to take."""
+def solve_beside(renderer: pc.Renderer, ticks: int = 1) -> ByHand:
+    """Let solves of an open renderer run beside all its ticks from now on. ticks: that each is expected to take."""
     background = renderer._pipeline.background = ByHand()
-    if ticks is not None:
-        renderer._pipeline.schedule = TakesTicks(renderer.period, ticks=ticks)
-    renderer.schedule.beside = True
+    renderer._pipeline.schedule = SolvesAlways(renderer.period, True, ticks, ticks)
     return background

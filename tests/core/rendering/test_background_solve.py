@@ -410,15 +410,15 @@ def test_a_recording_comes_out_the_same_whenever_solves_are_done(
     renderer, _ = make(SCENES[name], recorder=pc.Recorder(path), clock=Slow())
     with renderer:
         background = renderer._pipeline.background = ByHand()
-        for k in range(60):
+        for k in range(100):
             background.ready = bool(chance.random() < 0.4)
-            if k == 40:
+            if k == 70:
                 renderer.limits = pc.Limits(gain=0.5)
-            if k == 50:
+            if k == 85:
                 renderer.session.solver = "gs-pat"
             renderer.tick(k * TICK)
         assert not renderer.report.faults
         assert renderer.schedule.beside is (name != "stm-circle")
         assert (background.started > 5) is renderer.schedule.beside
     found = rerender(pc.Recording(path))
-    assert (found.ticks, found.different) == (60, 0)
+    assert (found.ticks, found.different) == (100, 0)

@@ -11,8 +11,10 @@ from pacinian.rendering.solve_schedule import (
     FAR_TOO_LONG,
     LONG_SHARE,
     MAX_FITTING,
+    MAX_INTERVAL,
     MAX_TICKS,
     MIN_FITTING,
+    MIN_INTERVAL,
     MIN_LONG_TICKS,
     SHORT,
     SOLVES_SEEN,
@@ -84,13 +86,47 @@ def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
 
 @bounded
 @given(st.lists(st.floats(0.0, 0.02), min_size=1, max_size=50))
-def test_a_change_is_spread_over_the_ticks_that_the_last_solves_took(seconds: Any) -> None:
+def test_a_solve_is_expected_to_take_as_many_ticks_as_the_last_ones(seconds: Any) -> None:
     """By their median, so that one that was held up does not count, and never over many."""
     schedule = beside()
     for n, each in enumerate(seconds, 1):
         schedule.note_solve(each)
         expected = math.ceil(float(np.median(seconds[max(0, n - SOLVES_SEEN) : n])) / PERIOD)
         assert schedule.ticks == min(max(1, expected), MAX_TICKS)
+
+
+def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[SolveSchedule, list[int]]:
+    """A schedule, and the ticks in which solves began: scenes come `every` ticks, and solves take `taken`."""
+    schedule, began, changed = beside(), list[int](), False
+    for k in range(ticks):
+        changed = changed or k % every == 0
+        schedule.pass_tick()
+        if (not began or k >= began[-1] + taken) and schedule.begin_solve(changed):
+            began.append(k)
+            changed = False
+    return schedule, began
+
+
+@bounded
+@given(st.integers(MIN_INTERVAL, MAX_INTERVAL), st.integers(1, MIN_INTERVAL))
+def test_a_new_scene_begins_a_solve_at_once_at_the_rate_of_a_tracker(
+    every: int, taken: int
+) -> None:
+    schedule, began = list_solves(every, 200, taken)
+    assert began == list(range(0, 200, every))
+    assert schedule.interval == every
+
+
+@bounded
+@given(st.integers(1, 300), st.integers(1, 40))
+def test_solves_are_never_more_frequent_than_needed_nor_rarer_than_motion_allows(
+    every: int, taken: int
+) -> None:
+    schedule, began = list_solves(every, 1000, taken)
+    gaps = np.diff(began)
+    assert gaps.min() >= max(MIN_INTERVAL, taken)
+    assert gaps.max() <= max(MAX_INTERVAL, taken)
+    assert schedule.interval == min(math.ceil(np.median(gaps[-SOLVES_SEEN:])), MAX_INTERVAL)
 
 
 def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:

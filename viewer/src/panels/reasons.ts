@@ -2,6 +2,7 @@
 
 const SAVED: Record<string, string> = {
   "solve, nothing moved": "The last solution still holds.",
+  "solve, not due": "Frames move evenly to the next solution, some 100 of which a second suffice.",
   "solve, step of a modulation known": "This step of a modulation was solved before.",
   "drive, nothing changed": "The device already plays this frame.",
   "objects out of reach": "No hand is near these objects.",
