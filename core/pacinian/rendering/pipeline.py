@@ -80,8 +80,9 @@ class Measurement(NamedTuple):
 class Outcome(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    account: of the samples. solver: that solved. fresh: the solutions that are new. time: that it was made for [s].
-    seconds: that it took beside the ticks [s]; NaN in a tick.
+    account: of the samples. solver: that solved. fresh: the solutions that are new. heard: sound pressure amplitude at
+    the played samples, as emitted, (M,) [Pa]; None if it is not known. time: that this was made for [s]. seconds: that
+    it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -89,6 +90,7 @@ class Outcome(NamedTuple):
     solved: Solved
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
+    heard: Floats | None = None
     time: float = 0.0
     seconds: float = math.nan
 
@@ -280,7 +282,6 @@ class Pipeline:
                 if result.solved.brief:
                     self._solve_now(scene, limits, solver, t)
                     return
-        # a thread must not enter the tick's stages
         # in the pause between two solves, so that no solution waits for it
         job: Callable[[], Outcome | Measurement] | None = self._find_measuring(limits)
         if job is None and self.schedule.begin_solve(self._changed):
@@ -288,6 +289,7 @@ class Pipeline:
         if job is None:
             self.stages.report.skipped["solve, not due"] += 1
             return
+        # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._started = self.stages.now()
         self.background.deferred = self._tape.replays
@@ -329,13 +331,22 @@ class Pipeline:
                 self._note_unreachable(account)
             stages.enter("solve")
             solved = self.solver.solve(samples, t, limits, solver, deadline)
-            fresh = tuple(self.solver.fresh)
+            fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
             seconds = self._job_tape.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return Outcome(scene, account, solved, solver, fresh, at, seconds)
+            return Outcome(scene, account, solved, solver, fresh, heard, at, seconds)
 
         return run
+
+    def _hear(self, solved: Solved, limits: Limits) -> Floats | None:
+        """Return the pressures at the samples of what has just been solved, while the propagator is that of these."""
+        propagator, samples = self.session.propagator, solved.played_samples
+        if solved.cycle or samples is None or propagator.nulls is not None:
+            return None
+        if not np.array_equal(propagator.points, samples.positions):
+            return None
+        return np.abs(propagator.apply(self._quantise_frames(solved, limits)[0]))
 
     def _find_aim(self, t: float, beside: bool) -> float:
         """Return the time for which a job that begins at time t is made [s]: when frames will arrive at its result.
@@ -470,7 +481,7 @@ class Pipeline:
         """
         if self._taken is None or self._unlooked < TICKS_PER_LOOK:
             return None
-        play = self._taken.solved
+        play, heard = self._taken.solved, self._taken.heard
         samples, targets = play.played_samples, play.targets
         if samples is None or targets is None or not len(samples) or not play.complete:
             return None
@@ -480,7 +491,7 @@ class Pipeline:
 
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)
-            p = self._job_probe.hear(samples.positions, facing, gains)
+            p = self._job_probe.hear(samples.positions, facing, gains) if heard is None else heard
             felt = self._job_probe.look(samples, targets, facing, gains)
             return Measurement(targets.relative_error(p), felt)
 

@@ -386,6 +386,14 @@ class Renderer(Closing):
         """Like `emitted`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
         return self._pipeline.sounding
 
+    @property
+    def heard(self) -> Floats:
+        """Like `hear` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks."""
+        outcome, samples = self._pipeline.played, self.samples
+        if outcome.heard is not None or samples is None:
+            return np.empty(0) if outcome.heard is None else outcome.heard
+        return self.hear(samples.positions, outcome.solved.facing)
+
     def hear(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
         """Return the root mean square over these frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa]."""
         return self._pipeline.probe.hear(points, facing, self.sounding)

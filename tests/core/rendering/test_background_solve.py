@@ -272,6 +272,24 @@ def test_no_solution_waits_for_a_measurement() -> None:
         assert (solves, looks) == (TICKS_PER_LOOK + 7, 2)
 
 
+@pytest.mark.parametrize("name", ["crowd", "palm", "sliding-ball", "static-focus"])
+def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name: str) -> None:
+    """With a device of few levels, whose rounding is heard."""
+    device = Simulated(rate=1000.0, phases=8, amplitudes=2)
+    with pc.Renderer(ARRAY, SCENES[name], backend=device, clock=ManualClock()) as renderer:
+        solve_beside(renderer)
+        for k in range(20):
+            renderer.tick(k * TICK)
+            if renderer.samples is not None and len(renderer.samples):
+                heard = renderer.hear(renderer.samples.positions, renderer.played.facing)
+                np.testing.assert_allclose(
+                    renderer.heard, heard, rtol=1e-3, atol=1e-3 * heard.max()
+                )
+        assert len(renderer.heard)
+        outcome = renderer._pipeline.played
+        assert (outcome.heard is None) is outcome.solved.cycle
+
+
 def test_solves_run_after_a_reset_where_they_ran_before() -> None:
     renderer, device = make(at)
     with renderer:

@@ -61,7 +61,7 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
         return {}
     if not len(samples):
         return {"status": solution.status.name}
-    targets, p = play.targets, renderer.hear(samples.positions, play.facing)
+    targets, p = play.targets, renderer.heard
     assert targets is not None
     error, shown = targets.relative_error(p), samples.regions != BESIDE
     samples, p = samples.only(shown), p[shown]
