@@ -23,7 +23,8 @@ class CachedSolution:
     those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
     because the solver had enough time, or more time did not help. vain: number of successive solves without
     improvement. averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items`
-    of each object to which little sound comes, with the number of such samples.
+    of each object to which little sound comes, with the number of such samples. limited: whether it is scaled down,
+    because the pressure on skin would exceed its limit.
     """
 
     gains: Gains
@@ -36,6 +37,7 @@ class CachedSolution:
     vain: int = 0
     averaged: bool = False
     weakened: tuple[tuple[int, int], ...] = ()
+    limited: bool = False
 
     @property
     def ran_out_of_time(self) -> bool:

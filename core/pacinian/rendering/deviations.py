@@ -21,11 +21,12 @@ OUT_OF_TIME = "solved in part"
 AVERAGED = "envelope averaged"
 WEAKENED = "weakened"
 SLEW_LIMITED = "slew limited"
+SKIN_LIMITED = "limited on skin"
 FEWER_FRAMES = "in fewer frames"
 BY_TICK = frozenset(
     {
-        LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SLEW_LIMITED, FEWER_FRAMES,
-        TOO_FINE, HAND_LOST, HAND_FADING,
+        LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
+        FEWER_FRAMES, TOO_FINE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""

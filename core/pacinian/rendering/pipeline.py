@@ -24,6 +24,7 @@ from pacinian.rendering.deviations import (
     INTERPOLATED,
     NOTHING,
     OUT_OF_TIME,
+    SKIN_LIMITED,
     SLEW_LIMITED,
     WEAKENED,
     mark,
@@ -330,6 +331,7 @@ class Pipeline:
             if account is not last and len(account.samples):
                 self._note_unreachable(account)
             stages.enter("solve")
+            self.solver.skins = self.sampler.skins
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
             seconds = self._job_tape.now() - begin if beside else math.nan
@@ -394,12 +396,13 @@ class Pipeline:
         """What the last frame leaves out or changes, by object and reason."""
         player, account, play = self.player, self.played.account, self.played.solved
         weakened: set[CachedSolution] = set()
-        ran_out_of_time = averaged = False
+        ran_out_of_time = averaged = limited = False
         for one in set(play.rows):
             ran_out_of_time, averaged = (
                 ran_out_of_time or one.ran_out_of_time,
                 averaged or one.averaged,
             )
+            limited = limited or one.limited
             if one.weakened:
                 weakened.add(one)
         reasons: list[str] = []
@@ -409,6 +412,8 @@ class Pipeline:
             reasons.append(OUT_OF_TIME)
         if averaged:
             reasons.append(AVERAGED)
+        if limited:
+            reasons.append(SKIN_LIMITED)
         if player.held_back:
             reasons.append(SLEW_LIMITED)
         if play.hurried:

@@ -14,15 +14,20 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
 from pacinian.rendering.reachability import HARDLY_REACHED
+from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.solving.problem import Limits, Targets, number_regions
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cycle import Cycle, Part
     from pacinian.rendering.reachability import ReachabilityFilter
     from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.types import Floats
@@ -89,8 +94,8 @@ class SampleSolver:
     """Solves for samples.
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
-    allowed. fresh: the solutions of the last call of `solve` that are new. skipped: counts work that was not needed,
-    by reason.
+    allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
+    skipped: counts work that was not needed, by reason. skins: of the hands in the scene; the render loop sets them.
     """
 
     session: Session
@@ -98,8 +103,10 @@ class SampleSolver:
     cycle: Cycle
     skipped: Counter[str] = field(default_factory=Counter[str])
     fresh: list[CachedSolution] = field(default_factory=list[CachedSolution], init=False)
+    skins: Sequence[PosedSkin] = field(default=(), init=False)
 
     def __post_init__(self) -> None:
+        self._skin_limit = SkinLimit(self.session)
         self.reset()
 
     @property
@@ -271,7 +278,34 @@ class SampleSolver:
             solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
         )
         final = not made.ran_out_of_time
-        return replace(made, steady=voices.steady and final, final=final)
+        return self._keep_below(replace(made, steady=voices.steady and final, final=final))
+
+    def _keep_below(self, made: CachedSolution) -> CachedSolution:
+        """Return a solution, scaled down if its pressure on skin would exceed the limit, `cycle.peak`."""
+        limit = self.cycle.peak
+        if limit == math.inf or not len(made.samples):
+            return made
+        parts = made.gains[None] if made.parts is None else made.parts
+        peak = self._skin_limit.find_peak(parts, self.skins, made.samples, limit)
+        return scale_to(made, limit, peak) if peak > limit else made
+
+
+def scale_to(made: CachedSolution, limit: float, peak: float) -> CachedSolution:
+    """Return a solution, all of it scaled down so that its highest radiation pressure `peak` is `limit` [Pa]."""
+    share = limit / peak
+    factor = np.float32(math.sqrt(share))
+    solution = replace(
+        made.solution,
+        gains=factor * made.solution.gains,
+        sound_pressure=float(factor) * made.solution.sound_pressure,
+        status=Status.scaled,
+        bound=math.nan,
+        objective=math.nan,
+        note=f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
+        f"all pressures are {share:.0%} of the solver's",
+    )
+    parts = None if made.parts is None else factor * made.parts
+    return replace(made, gains=solution.gains, parts=parts, solution=solution, limited=True)
 
 
 def limits_join(limits: Limits) -> bool:

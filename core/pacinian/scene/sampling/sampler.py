@@ -147,6 +147,8 @@ class Sampler:
         self._ramps = PressureRamps(self.ramp)
         self._asked: tuple[object, ...] = ()
         self._target = no_samples()
+        self.skins: tuple[PosedSkin, ...] = ()
+        """The skins of the hands in the scene at the last call of `sample`; none while they are lost."""
         self.account = Account()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
@@ -191,7 +193,8 @@ class Sampler:
     def _make_samples(self, scene: Scene, t: float, account: Account) -> Samples:
         skin = bool(scene.hands)
         hands = self._track_hands(scene, t, account)
-        capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
+        self.skins = tuple(hand for hand, _ in hands)
+        capsules = _all([hand.capsules for hand in self.skins]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
         self.skipped["objects out of reach"] += len(scene.objects) - len(found)

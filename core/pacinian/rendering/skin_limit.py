@@ -1,0 +1,208 @@
+"""Find the highest radiation pressure of a solution on the skin that is seen, also where no target was set.
+
+The skin is that of the hands in the scene, as far as it faces the array. It is evaluated at points half a wavelength
+apart, then near the strongest of these at points closer and closer together. Without a hand, the places around the
+samples are evaluated instead.
+
+On skin, the pressure is that along its normal, as in targets; see `pacinian.SkinFacing`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
+from pacinian.acoustics.propagation import KernelData
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.errors import PointOnTransducer
+from pacinian.native import solving as kernels
+from pacinian.solving.problem import ISOLATED
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.session import Session
+    from pacinian.types import Complexes, Flags, Floats, Gains, Indices
+
+SPACING = 0.58  # of the first points, over the wavelength
+HIDDEN = 8.0  # largest ratio of a peak between these points to the pressure at the nearest of them
+AWAY = -0.3  # cosine of the angle from a normal to the array's centre, below which skin faces away
+LATTICE = (
+    2,
+    0.4,
+)  # rings around a sample that are evaluated without a hand, and their spacing over the wavelength
+PATCH = 2, 0.17  # the same around the strongest of these
+FINEST = 3, 0.05  # the same around the strongest points at last
+PEAKS = 16  # most points around which to look at last
+NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
+CHUNK = 64  # points that are evaluated at a time
+PHASES = 16  # of the sum of voices, from which its largest amplitude is found
+MARGIN = 1.03  # of the pressure, because the finest points may miss a peak
+MIN_LENGTH = 1e-9  # [m]
+
+
+class SkinLimit:
+    """Evaluates solutions on skin.
+
+    session: has the array and the air.
+    """
+
+    def __init__(self, session: Session) -> None:
+        array, medium = session.array, session.medium
+        self._medium, self._wave = medium, KernelData.prepare(array, medium)
+        self._wavelength = medium.wavelength(array.transducer.frequency)  # [m]
+        self._response = 1.0 if array.response is None else np.abs(array.response)
+        self._positions = array.positions
+        self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
+
+    def find_peak(
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+    ) -> float:
+        """Return the highest radiation pressure [Pa] that gains can have there; 0 if it is clearly below `limit` [Pa].
+
+        parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
+        """
+        parts = np.ascontiguousarray(parts, np.complex64)
+        find = self._find_around if samples.capsules is None else self._find_on_skin
+        found = find(parts, skins, samples, limit)
+        if found is None:
+            return 0.0
+        points, normals, P = found
+        peak = float(P.max(initial=0.0))
+        best = np.argsort(P)[-PEAKS:]
+        best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
+        if len(best):
+            points, normals = self._spread(points[best], normals[best], FINEST)
+            peak = max(
+                peak, float(self._evaluate(parts, points, find_facing(normals, samples)).max())
+            )
+        return MARGIN * peak
+
+    def _find_on_skin(
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Return points of skin near those whose pressure is high, and of samples: points, normals, pressures [Pa].
+
+        None if all pressures are clearly below the limit.
+        """
+        alone = samples.regions == ISOLATED
+        found = [(samples.positions[alone], samples.normals[alone])]
+        skins = [
+            skin for skin in skins if not self._is_below(parts, skin.box[:3], skin.box[3:], limit)
+        ]
+        if not skins:
+            return None
+        for skin in skins:
+            level = skin.skin.level(SPACING * self._wavelength)
+            nodes, owners = skin.skin.counts[level], skin.skin.share[level].indices
+            P = np.zeros(nodes)
+            faces = self._faces(skin, slice(nodes))
+            P[faces] = self._evaluate(parts, skin.points[:nodes][faces])
+            near = np.flatnonzero((limit / HIDDEN <= P)[owners].any(axis=1))
+            near = near[self._faces(skin, near)]
+            found.append((skin.points[near], skin.normals[near]))
+        points, normals = (np.concatenate(each) for each in zip(*found, strict=True))
+        return points, normals, self._evaluate(parts, points, find_facing(normals, samples))
+
+    def _faces(self, skin: PosedSkin, which: Indices | slice) -> Flags:
+        """Return whether the points `which`, (I,), are on the outside and do not face away from the array, (I,)."""
+        d = self._wave.origin - skin.points[which]
+        along = np.einsum("ij,ij->i", skin.normals[which], d)
+        faces = along > AWAY * np.sqrt(np.einsum("ij,ij->i", d, d))
+        return np.asarray(faces & ~skin.skin.hidden[which])
+
+    def _find_around(
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Like `_find_on_skin`, for places around the samples, across their normals or the way to the array."""
+        q, n = samples.positions, samples.normals
+        n = np.where(n.any(axis=1, keepdims=True), n, self._wave.origin - q)
+        n = n / np.maximum(np.sqrt((n * n).sum(axis=1, keepdims=True)), MIN_LENGTH)
+        if self._is_below(parts, q.min(axis=0), q.max(axis=0), limit):
+            return None
+        points, normals = self._spread(q, n, LATTICE)
+        cells = np.round(points / (LATTICE[1] * self._wavelength))
+        kept = np.unique(cells, axis=0, return_index=True)[1]
+        points, normals = points[kept], normals[kept]
+        high = self._evaluate(parts, points) >= limit / HIDDEN
+        points, normals = self._spread(points[high], normals[high], PATCH)
+        points, normals = np.concatenate([q, points]), np.concatenate([n, normals])
+        return points, normals, self._evaluate(parts, points)
+
+    def _is_below(self, parts: Gains, low: Floats, high: Floats, limit: float) -> bool:
+        """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
+
+        low, high: corners of the box, (3,) [m].
+        """
+        wave, r = self._wave, self._positions
+        away = np.maximum(np.maximum(low - r, r - high), 0.0)
+        distance = np.sqrt((away * away).sum(axis=1)) - self._wavelength
+        if distance.min() <= 0.0:
+            return False
+        _, power, beta, pressure = (float(value) for value in wave.law)
+        reach = pressure * float(np.abs(wave.table).max()) * self._response
+        each = reach * distance**-power * np.exp(-beta * distance)
+        return bool(each @ np.abs(parts).sum(axis=0) < float(sound_pressure(limit, self._medium)))
+
+    def _evaluate(self, parts: Gains, points: Floats, facing: SkinFacing | None = None) -> Floats:
+        """Return the highest radiation pressure that the parts can have at points, (K, 3) [m], (K,) [Pa].
+
+        facing: of the skin there; None to count all sound.
+        """
+        p = np.empty(len(points))
+        for first in range(0, len(points), CHUNK):
+            some = points[first : first + CHUNK]
+            B = self._B[: len(some)]
+            try:
+                self._wave.matrix(some, B)
+            except PointOnTransducer as error:  # where no skin can be
+                B[error.indices] = 0.0
+            if facing is not None:
+                part = SkinFacing.of(facing.normals[first : first + CHUNK], facing.capsules)
+                part.weigh(some, self._wave, np.arange(len(some)), B)
+            z = np.empty((len(parts), len(some)), np.complex128)
+            for part, out in zip(parts, z, strict=True):
+                kernels.apply(B, part, out)
+            p[first : first + CHUNK] = np.abs(z[0]) if len(parts) == 1 else sum_up(z)
+        return radiation_pressure(p, self._medium)
+
+    def _spread(
+        self, points: Floats, normals: Floats, patch: tuple[int, float]
+    ) -> tuple[Floats, Floats]:
+        rings, spacing = patch
+        return spread(points, normals, rings, spacing * self._wavelength)
+
+
+def find_facing(normals: Floats, samples: Samples) -> SkinFacing | None:
+    """Return the facing of skin with these normals, (K, 3), on the hands of the samples; None without a hand."""
+    return None if samples.capsules is None else SkinFacing.of(normals, samples.capsules)
+
+
+def sum_up(z: Complexes) -> Floats:
+    """Return the largest |sum_v a_v z_v| over all 0 <= a_v <= 1, from above by at most 2 %, (K,). z: (V, K)."""
+    turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
+    along = (turn[:, None, None] * z).real  # (PHASES, V, K)
+    largest = np.maximum(along, 0.0).sum(axis=1).max(axis=0)
+    return np.asarray(largest / math.cos(math.pi / PHASES))
+
+
+def spread(points: Floats, normals: Floats, rings: int, spacing: float) -> tuple[Floats, Floats]:
+    """Return a hexagonal patch around each of K points, in the plane across its normal.
+
+    points, normals: (K, 3). rings: around each point. spacing: [m]. Returns points and normals, both (K n, 3), of
+    patches of n = 1 + 3 rings (rings + 1) points.
+    """
+    i, j = np.mgrid[-rings : rings + 1, -rings : rings + 1].reshape(2, -1)
+    i, j = (each[np.abs(i + j) <= rings] for each in (i, j))
+    x, y = spacing * (i + 0.5 * j), spacing * math.sqrt(0.75) * j
+    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    a = np.cross(normals, axis)
+    a /= np.maximum(np.sqrt((a * a).sum(axis=1, keepdims=True)), MIN_LENGTH)
+    b = np.cross(normals, a)
+    made = points[:, None] + x[:, None] * a[:, None] + y[:, None] * b[:, None]
+    return made.reshape(-1, 3), np.repeat(normals, len(x), axis=0)

@@ -1,0 +1,222 @@
+"""The pressure limit holds on skin, also where the renderer did not look."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pacinian as pc
+from pacinian.gallery import HAND
+from pacinian.rendering.deviations import SKIN_LIMITED
+from pacinian.rendering.envelope_groups import EnvelopeGroups
+from pacinian.rendering.skin_limit import SkinLimit, spread, sum_up
+from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
+from pacinian.scene.sampling.samples import no_samples
+from pacinian.solving.status import Status
+from pacinian.testing import ManualClock
+
+ONE = pc.autd()
+CENTRE = ONE.centre
+AIR = pc.Air()
+TOLERANCE = 0.03
+HIGH = pc.Pose((CENTRE[0], CENTRE[1], 0.0))  # the gallery's hand is above the origin
+NEAR = 8  # places around which to look closer
+
+Array = np.ndarray[Any, Any]
+
+
+def press(gains: Array, q: Array, facing: pc.SkinFacing | None = None) -> Array:
+    """Return the radiation pressure along the normals of skin, or of all sound, by the equations, (M,) [Pa]."""
+    kind = ONE.transducer
+    d = q[:, None] - ONE.positions
+    r = np.sqrt((d * d).sum(axis=2))
+    D = kind.directivity(np.maximum((d * ONE.normals).sum(axis=2) / r, 0.0))
+    k, beta = AIR.wavenumber(kind.frequency), AIR.beta(kind.frequency)
+    B = kind.pressure * D * np.exp((-1j * k - beta) * r) * r**-AIR.power
+    w = 1.0 if facing is None else facing.weights(q, ONE.positions)
+    return np.asarray(pc.radiation_pressure(np.abs((w * B) @ gains.astype(complex)), AIR))
+
+
+def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]:
+    """Move places, (M, 3), onto the outside of these capsules, of `own` each; also return their normals and `own`."""
+    a, e = own[:, :3], own[:, 3:6] - own[:, :3]
+    s = np.clip(((q - a) * e).sum(axis=1) / np.maximum((e * e).sum(axis=1), 1e-12), 0.0, 1.0)
+    axis = a + s[:, None] * e
+    n = (q - axis) / np.linalg.norm(q - axis, axis=1)[:, None]
+    q = axis + (own[:, 6] + s * (own[:, 7] - own[:, 6]))[:, None] * n
+    deep = distance_to_skin(capsules, q)
+    out = (deep > -5e-4) & (((CENTRE - q) * n).sum(axis=1) > 0.0)
+    return (q - deep[:, None] * n)[out], n[out], own[out]
+
+
+def highest(gains: Array, hand: pc.Hand, seed: int) -> float:
+    """Return the highest pressure at random places of the skin that faces the array [Pa]."""
+    rng, capsules = np.random.default_rng(seed), make_capsules(hand)
+    own = np.repeat(capsules, 300, axis=0)
+    middle = own[:, :3] + rng.uniform(0, 1, (len(own), 1)) * (own[:, 3:6] - own[:, :3])
+    q, n, own = on_skin(capsules, own, middle + 0.1 * rng.normal(size=middle.shape))
+    peak = 0.0
+    for width in (2e-3, 7e-4, 0.0):
+        facing = pc.SkinFacing(n, np.empty((0, 8)) if len(q) > 1000 else capsules)
+        P = press(gains, q, facing)
+        best = np.argsort(P)[-NEAR:]
+        peak = float(P[best[-1]])
+        around = np.repeat(q[best], 25, axis=0)
+        around += rng.normal(0.0, width, around.shape)
+        q, n, own = on_skin(capsules, np.repeat(own[best], 25, axis=0), around)
+    return peak
+
+
+def render(scene: pc.Scene, ticks: int = 4, **settings: Any) -> pc.Renderer:
+    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), medium=AIR, governed=False, **settings)
+    with renderer:
+        for k in range(ticks):
+            renderer.clock.time = k * renderer.period  # type: ignore[attr-defined]
+            renderer.tick(k * renderer.period)
+        assert not renderer.report.faults
+    return renderer
+
+
+offsets = st.floats(-0.04, 0.04)
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> pc.Scene:
+    """A hand, on a ball, a plate, or foci."""
+    hand = HAND.transform(HIGH)
+    palm = np.array([*CENTRE[:2], 0.2])
+    kind = draw(st.sampled_from(["ball", "plate", "foci"]))
+    pressure = draw(st.floats(5.0, 60.0))
+    x, y, z = draw(offsets), draw(offsets), draw(st.floats(-0.012, 0.004))
+    here = pc.Pose((palm[0] + x, palm[1] + y, palm[2] + z))
+    if kind == "ball":
+        items: tuple[Any, ...] = (
+            pc.Volume(shape=pc.Sphere(0.02), pose=here, radiation_pressure=pressure),
+        )
+    elif kind == "plate":
+        items = (
+            pc.Surface(shape=pc.Rectangle(0.06, 0.04), pose=here, radiation_pressure=pressure),
+        )
+    else:
+        count = draw(st.integers(1, 5))
+        items = tuple(
+            pc.Point(
+                position=(palm[0] + draw(offsets), palm[1] + draw(offsets), palm[2] + z),
+                radiation_pressure=pressure,
+            )
+            for _ in range(count)
+        )
+    return pc.Scene(items, hands=(hand,))
+
+
+@given(scenes(), st.floats(1.0, 30.0))
+@settings(deadline=None, max_examples=40)
+def test_no_place_of_the_skin_gets_more_than_the_limit(scene: pc.Scene, limit: float) -> None:
+    renderer = render(scene, peak=limit)
+    for number, one in enumerate(renderer.played.rows):
+        got = highest(one.gains, scene.hands[0], number)
+        assert got <= limit * (1.0 + TOLERANCE)
+        if one.limited:
+            assert one.solution.status is Status.scaled
+
+
+def test_a_peak_beside_the_samples_is_limited_and_named() -> None:
+    """A plate of 8 Pa that makes more than 8 Pa beside its samples."""
+    hand = HAND.transform(HIGH)
+    plate = pc.Surface(
+        shape=pc.Rectangle(0.06, 0.05),
+        pose=pc.Pose((*CENTRE[:2], 0.197)),
+        radiation_pressure=8.0,
+        name="plate",
+    )
+    scene = pc.Scene((plate,), hands=(hand,))
+    free = render(scene)
+    asked = free.samples.radiation_pressure.max()  # type: ignore[union-attr]
+    peak = highest(free.played.rows[-1].gains, hand, 0)
+    assert peak > 1.15 * asked
+    assert SKIN_LIMITED not in free.report.deviations.totals.get("plate", {})
+    held = render(scene, peak=asked)
+    one = held.played.rows[-1]
+    assert 0.8 * asked < highest(one.gains, hand, 0) <= asked * (1.0 + TOLERANCE)
+    assert SKIN_LIMITED in held.report.deviations.totals["plate"]
+    assert f"limit of {asked:.3g} Pa" in one.solution.note
+    loose = render(scene, peak=200.0)
+    np.testing.assert_array_equal(loose.played.rows[-1].gains, free.played.rows[-1].gains)
+
+
+def test_without_a_hand_the_places_around_the_samples_count() -> None:
+    """Two foci so near to each other that the pressure between them is higher than asked."""
+    at = [CENTRE + np.array([0.004 * side, 0.0, 0.2]) for side in (-1, 1)]
+    scene = pc.Scene(tuple(pc.Point(position=tuple(q), radiation_pressure=6.0) for q in at))
+    line = at[0] + np.linspace(-0.5, 1.5, 401)[:, None] * (at[1] - at[0])
+    free = press(render(scene).played.rows[-1].gains, line).max()
+    limit = min(6.0, 0.9 * free)
+    held = press(render(scene, peak=limit).played.rows[-1].gains, line).max()
+    assert 0.9 * limit < held <= limit * (1.0 + TOLERANCE)
+
+
+def test_voices_are_limited_in_whatever_phase_of_their_envelopes() -> None:
+    """By each row as sent, for two foci that vibrate at different rates."""
+    hand = HAND.transform(HIGH)
+    at = [CENTRE + np.array([0.009 * side, 0.0, 0.2]) for side in (-1, 1)]
+    items = tuple(
+        pc.Point(position=tuple(q), radiation_pressure=20.0, envelope=pc.Sine(rate))
+        for q, rate in zip(at, (90.0, 170.0), strict=True)
+    )
+    renderer = pc.Renderer(
+        ONE,
+        pc.Scene(items, hands=(hand,)),
+        clock=ManualClock(),
+        medium=AIR,
+        governed=False,
+        peak=5.0,
+    )
+    reached = 0.0
+    with renderer:
+        for k in range(18):
+            renderer.clock.time = k * renderer.period  # type: ignore[attr-defined]
+            renderer.tick(k * renderer.period)
+            assert renderer.sent is not None
+            for row in renderer.sent.gains(renderer.backend.capability)[::8]:
+                reached = max(reached, highest(row, hand, k))
+    assert isinstance(renderer.played.rows[-1].voices, EnvelopeGroups)
+    assert renderer.played.rows[-1].parts is not None
+    assert 0.5 * 5.0 < reached <= 5.0 * (1.0 + TOLERANCE)
+
+
+@given(st.integers(0, 1000))
+def test_the_largest_sum_of_voices_is_bounded_closely(seed: int) -> None:
+    """By trying all on and off: the largest amplitude is at a corner."""
+    rng = np.random.default_rng(seed)
+    z = rng.normal(size=(4, 7)) + 1j * rng.normal(size=(4, 7))
+    on = np.array(list(np.ndindex(2, 2, 2, 2)), float)
+    exact = np.abs(on @ z).max(axis=0)
+    found = sum_up(z)
+    assert (exact <= found * (1.0 + 1e-12)).all()
+    assert (found <= 1.02 * exact).all()
+
+
+def test_a_patch_is_even_and_flat() -> None:
+    normals = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]])
+    points, of = spread(np.zeros((2, 3)), normals, 2, 1e-3)
+    assert points.shape == of.shape == (38, 3)
+    for n, q in zip(normals, points.reshape(2, 19, 3), strict=True):
+        np.testing.assert_allclose(q @ n, 0.0, atol=1e-15)
+        d = np.sqrt(((q[:, None] - q[None]) ** 2).sum(axis=2)) + np.eye(19)
+        np.testing.assert_allclose(d.min(axis=1), 1e-3)
+
+
+@pytest.mark.parametrize("drive", [1e-3, 1.0])
+def test_gains_that_cannot_reach_the_limit_cost_no_look(drive: float) -> None:
+    session = pc.Session(ONE, AIR)
+    gains = np.full((1, len(ONE)), drive, np.complex64)
+    samples = no_samples().changed(
+        positions=CENTRE[None] + [0.0, 0.0, 0.2], normals=np.zeros((1, 3)), regions=np.array([-1])
+    )
+    P = SkinLimit(session).find_peak(gains, (), samples, 1.0)
+    there = press(gains[0], samples.positions)[0]
+    assert P == 0.0 if drive < 1.0 else P >= there > 0.0
+    assert not math.isnan(P)
