@@ -161,6 +161,18 @@ class OutputGate:
                 self._note()
         return False
 
+    def compute_time_left(self, permit: Permit) -> float:
+        """Return the time after which the device must be silenced, unless a newer permit or frame comes [s].
+
+        Infinite if it is silent; 0 if it should be.
+        """
+        if not self.loud:
+            return math.inf
+        now = self._clock()
+        return (
+            0.0 if self._reason(permit, now) else min(permit.until, self._seen + self._stale) - now
+        )
+
     def _see(self, frame: bytes, now: float) -> None:
         try:
             self._head, self._data = FrameHead.unpack(frame), frame

@@ -1,6 +1,6 @@
 """The guard process: the only process that holds the device, and the one that must fail last.
 
-It has no socket and solves nothing. It polls the permit and the newest frame; output_gate.py makes the decisions.
+It has no socket and solves nothing. A new permit or frame wakes it; output_gate.py makes the decisions.
 However it ends, it silences the device last. If the guard cannot end by itself, the operating system kills it, which
 closes the device.
 """
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Settings
     from pacinian.wire.replies import Plugin
 
-# Polling interval while there may be sound, and otherwise [s].
+# Polling interval while there may be sound and nothing wakes the guard in time, and otherwise [s].
 POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
 # Interval between two status reports, and while there is nothing to do [s].
 TELL, REST_TELL = 0.01, 0.05
@@ -96,8 +96,8 @@ class GuardLoop:
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
         self._told = -TELL  # [s]
-        # There is no sound, and nothing to do until a new permit or new orders end the wait.
-        self._rests = False
+        # There is nothing to do until time passes, or a new permit, frame or order ends the wait.
+        self._listens = False
         self._orders.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
             import_backend(self._orders.value.backend[1] or configured)
@@ -140,16 +140,28 @@ class GuardLoop:
             self._told = now
         if switched:
             return 0.0
-        sound = self._permit.value.armed or guard.loud
-        self._rests = bool(known) and not (sound or guard.stuck or self.devices.busy)
-        return POLL_INTERVAL if sound else REST_TELL if self._rests else IDLE_INTERVAL
+        permit = self._permit.value
+        if not (permit.armed or guard.loud):
+            self._listens = bool(known) and not (guard.stuck or self.devices.busy)
+            return REST_TELL if self._listens else IDLE_INTERVAL
+        left = guard.compute_time_left(permit)
+        self._listens = self._wake.works and not (guard.stuck or self.devices.busy) and left > 0.0
+        return (
+            min(left, max(TELL - (now - self._told), POLL_INTERVAL))
+            if self._listens
+            else POLL_INTERVAL
+        )
 
     def wait(self, seconds: float) -> None:
-        """Wait until the next round. If there is nothing to do, a new permit or new orders end the wait."""
-        if self._rests:
+        """Wait until the next round. If only time can change anything, a new permit, frame or order ends the wait."""
+        if self._listens:
             self._wake.wait(seconds, lambda: self._permit.waiting or self._orders.waiting)
         else:
             time.sleep(seconds)
+
+    def wake(self) -> None:
+        """End the wait. May be called from any thread, and from a signal handler."""
+        self._wake.wake()
 
     def tell(self) -> None:
         """Publish the device status."""
@@ -188,13 +200,17 @@ def main() -> None:
     """Run until the parent ends or asks this process to end. A spare first waits until it is called."""
     ended = threading.Event()
 
-    def orphaned() -> None:
+    def end() -> None:
         ended.set()
+        rounds.wake()
+
+    def orphaned() -> None:
+        end()
         time.sleep(LAST)
         os._exit(1)  # a backend blocks the exit; the system closes the device
 
     def asked(number: int, frame: FrameType | None) -> None:
-        ended.set()
+        end()
 
     starter = child_process.Parent()
     told = starter.config

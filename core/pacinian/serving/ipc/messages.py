@@ -11,8 +11,8 @@
     device    guard     control, render    DeviceStatus
     traffic   bus       control            BusStatus
 
-A new value in `permit`, `orders`, `changes`, `device`, `taken` or `sessions` also wakes those that wait for it:
-`open_wakes`.
+A new value in `permit`, `frame`, `orders`, `changes`, `device`, `taken` or `sessions` also wakes those that wait for
+it: `open_wakes`.
 
 All are MessagePack arrays, except for `permit` and `frame`, which are read each tick and packed by `struct`. All times
 are of `time.perf_counter`, which all processes of one machine share.
@@ -55,6 +55,7 @@ CAPACITIES = {
 # The processes that wait for a new value of a file. The other readers look at it now and then.
 WAITS = {
     "permit": ("guard", "render"),
+    "frame": ("guard",),
     "orders": ("guard", "render"),
     "changes": ("render",),
     "device": ("render",),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 POLL_INTERVAL = 5e-3  # interval between two looks for news where there are no named pipes [s]
+MAX_SELECTED = 1024  # `select` accepts smaller file descriptors only
 BYTES = 1 << 16  # read at once: what a pipe holds
 
 
@@ -39,6 +40,7 @@ class WakePipe:
                 return
             self._poll = select.poll()
             self._poll.register(self._file, select.POLLIN)
+            self._select = select.select
 
     @property
     def works(self) -> bool:
@@ -56,13 +58,17 @@ class WakePipe:
                 os.write(self._file, b"!")
 
     def wait(self, seconds: float, news: Callable[[], bool]) -> None:
-        """Wait until another process calls `wake`, at most `seconds`; in steps of a millisecond.
+        """Wait until another process calls `wake`, at most `seconds`.
 
         news: whether a value has come that another process would wake this one for. Asked where there are no named
         pipes.
         """
         if self.works:
-            if self._poll.poll(max(0, math.ceil(1e3 * seconds))):
+            if self._file < MAX_SELECTED:
+                woken = bool(self._select([self._file], [], [], max(0.0, seconds))[0])
+            else:  # in steps of a millisecond
+                woken = bool(self._poll.poll(max(0, math.ceil(1e3 * seconds))))
+            if woken:
                 self.clear()
             return
         due = time.perf_counter() + seconds

@@ -44,7 +44,7 @@ def _render(told: child_process.LaunchConfig) -> None:
     with ExitStack() as stack:
         files = {
             name: stack.enter_context(
-                SharedRegister.attach(path, open_wakes(path) if name == "taken" else ())
+                SharedRegister.attach(path, open_wakes(path) if name in ("taken", "frame") else ())
             )
             for name in FILES
             for path in (told.path / name,)

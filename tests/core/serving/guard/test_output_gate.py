@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.setup import Choice
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
-from pacinian.serving.guard.process import REST_TELL, GuardLoop
+from pacinian.serving.guard.process import REST_TELL, TELL, GuardLoop
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     MAX_ROWS,
@@ -646,6 +647,29 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
         assert not other.loud
 
 
+def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
+    memory: dict[str, SharedRegister], tmp_path: Path
+) -> None:
+    """Without a wait that ends, this test would hang; with one that ends late, there would be sound too long."""
+    with GuardLoop(tmp_path, SIMULATED) as rounds:
+        rounds.backends = ()
+        open_device(rounds)
+        now = time.perf_counter()
+        memory["permit"].write(FOREVER._replace(until=now + 3600.0).pack())
+        rounds.turn()
+        threading.Timer(0.01, write_frame, [memory, rounds.guard.generation]).start()
+        while not rounds.guard.loud:
+            rounds.wait(1e4)
+            rounds.turn()
+        assert rounds.guard.compute_time_left(rounds._permit.value) <= SIMULATED.safety.stale
+        memory["permit"].write(FOREVER._replace(until=time.perf_counter() + 1e-3).pack())
+        rounds.wait(1e4)
+        assert rounds.turn() <= 1e-3 or not rounds.guard.loud
+        while rounds.guard.loud:
+            rounds.wait(rounds.turn())
+        assert rounds.guard.compute_time_left(rounds._permit.value) == math.inf
+
+
 def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
     memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
@@ -656,7 +680,7 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
         eventually(lambda: rounds.turn() == REST_TELL)
         memory["permit"].write(FOREVER.pack())
         rounds.wait(1e4)
-        assert rounds.turn() <= 0.25e-3
+        assert rounds.turn() <= TELL
         memory["permit"].write(FOREVER._replace(armed=0).pack())
         assert rounds.turn() == REST_TELL
         rounds.wait(1e4)
