@@ -81,8 +81,9 @@ class Renderer(Closing):
     cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
     each of them 500 times a second. The frames are bands of a region that has more samples than the budget, or waves
     from two sides if transducers are at their limit. While most solves for moving samples are late, only one frame is
-    used. 1 disables cycles. peak: the frames of a cycle press more strongly than their mean. `peak` limits the target
-    of each frame [Pa], but not below the target that a single frame would have.
+    used. 1 disables cycles. peak: highest radiation pressure on the skin of the hands, or without a hand around the
+    samples [Pa]: solutions that would exceed it are scaled down. It also limits the targets of the frames of a cycle,
+    which press more strongly than their mean, but not below the target that a single frame would have.
 
     start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
 

@@ -76,8 +76,8 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     lease: from the owner's last renewal to silence. stale: age of the newest frame at which the device is silenced.
     hung: age of a process's last heartbeat at which it is killed. forget: age of a client's last renewal at which its
     session ends. takeover: whether a client may take the output from another. pressure: maximum radiation pressure of
-    an object [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times the strongest object of the gallery: it
-    stops a mistaken unit, not a strong effect. zones: quiet zones of the installation.
+    an object, and on the skin of the hands [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times the strongest
+    object of the gallery: it stops a mistaken unit, not a strong effect. zones: quiet zones of the installation.
     """
 
     lease: float = 0.25
