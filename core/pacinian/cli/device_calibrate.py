@@ -25,6 +25,9 @@ VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
 MAX_POSE_ERRORS = 2.5  # pose, in standard errors, above which these are too small
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
+MANY_OUTLIERS = 0.02  # share of the readings above which outliers are a warning
+CLIPPED = 0.995, 0.01  # of the highest amplitude, and the share of readings that may be above
+MIN_CLIPPED = 10  # readings above; fewer may be chance
 MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
@@ -188,11 +191,24 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
         f"{np.exp(-np.mean(errors**2)):.3f} corrected",
     }
     found = [Finding(name, "ok", text) for name, text in texts.items()]
+    read = np.abs(scan.readings[np.isfinite(scan.readings)])
+    if fit.outliers > MANY_OUTLIERS * len(read):
+        text = f"{fit.outliers} of {len(read)} readings are ignored in part"
+        fix = "look for reflections and loose contacts, and check the order of the channels"
+        found.append(Finding("outliers", "warning", text, fix))
+    highest = int((read >= CLIPPED[0] * read.max()).sum())
+    if highest >= max(MIN_CLIPPED, CLIPPED[1] * len(read)):
+        text = f"{highest} readings share the highest amplitude"
+        fix = "the microphone or its amplifier may be at its limit: lower the gain, or scan farther away"
+        found.append(Finding("clipped", "warning", text, fix))
     if mean > VAGUE:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
     if (np.abs(np.r_[fit.shift, fit.turn]) > MAX_POSE_ERRORS * known + ROUNDING).any():
-        fix = "give --shift-error and --turn-error as large as they may be; the gains and phases hold all the same"
+        fix = (
+            "check the positions' frame and the order of the channels. If they are right, give --shift-error and "
+            "--turn-error as large as they may be; the gains and phases then hold all the same"
+        )
         found.append(Finding("pose", "warning", "off by more than its standard errors allow", fix))
     for text in fit.vague:
         what, _, fix = text.partition(": ")

@@ -46,5 +46,8 @@ def print_findings(findings: list[Finding]) -> None:
         console.print(f"{level} {escape(f.name)}: {escape(f.text)}")
         if f.fix:
             console.print(f"         -> {escape(f.fix)}")
-    problems = sum(f.level == "problem" for f in findings)
-    console.print("no problem found" if not problems else f"problems to fix: {problems}")
+    problems, warnings = (
+        sum(f.level == level for f in findings) for level in ("problem", "warning")
+    )
+    told = "no problem found" if not problems else f"problems to fix: {problems}"
+    console.print(f"{told}; warnings: {warnings}" if warnings else told)

@@ -373,6 +373,32 @@ def test_a_pose_that_is_wrong_by_more_than_is_said_is_told(bench: Bench) -> None
     assert re.search(r"shifted by [56]\.\d+ \+-", told), told
 
 
+def test_an_amplifier_at_its_limit_is_told(bench: Bench) -> None:
+    _, told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")
+    assert "clipped" not in told
+    size = np.abs(bench.X)
+    bench.X *= np.minimum(size, np.quantile(size, 0.9)) / size
+    _, told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")
+    assert re.search(
+        "warning +clipped: 6[0-9] readings share the highest.*\n.*lower the gain", told
+    ), told
+
+
+def test_channels_in_another_order_are_suspected(bench: Bench) -> None:
+    """Each reading is said to be of the next channel, which a shift of the array explains in part."""
+    rows = [row.split(",") for row in bench.rows()]
+    assert (
+        "outliers: "
+        not in run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")[1]
+    )
+    for row in rows:
+        row[4] = str(int(row[4]) + (int(row[4]) in (12, 13)) - 2 * (int(row[4]) == 14))
+    text = HEAD + "".join(map(",".join, rows))
+    code, told = run("calibrate", bench.file, bench.csv(text), "--out", bench.folder / "o.csv")
+    assert "order of the channels" in told, told
+    assert code == 2 or re.search("warnings: [1-9]", told), told
+
+
 def test_a_microphone_that_stands_still_is_told(bench: Bench) -> None:
     """Where it stands is unknown, and all that it reads fits some calibration."""
     q = bench.q[:1] + np.zeros((10, 1))
