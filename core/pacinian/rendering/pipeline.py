@@ -34,7 +34,12 @@ from pacinian.rendering.probe import Probe
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
-from pacinian.rendering.solve_schedule import MAX_TICKS, SOLVE_TICKS, SolveSchedule
+from pacinian.rendering.solve_schedule import (
+    END_INTERVAL,
+    MAX_TICKS,
+    SOLVE_TICKS,
+    SolveSchedule,
+)
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.account import (
     FAR,
@@ -244,7 +249,10 @@ class Pipeline:
             skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
-        rows = self.player.rows(play, t, self.schedule.interval if beside else 1)
+        interval = self.schedule.interval if beside else 1
+        rows = self.player.rows(
+            play, t, interval if len(play.samples) else min(interval, END_INTERVAL)
+        )
         power = limits.power is not None
         self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
         self._made = made
@@ -285,7 +293,7 @@ class Pipeline:
                     return
         # in the pause between two solves, so that no solution waits for it
         job: Callable[[], Outcome | Measurement] | None = self._find_measuring(limits)
-        if job is None and self.schedule.begin_solve(self._changed):
+        if job is None and self.schedule.begin_solve(self._changed, not scene.objects):
             job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
         if job is None:
             self.stages.report.skipped["solve, not due"] += 1

@@ -19,6 +19,7 @@ SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene lose
 MAX_TICKS = 2 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
 MIN_INTERVAL = 8  # fewest ticks from the beginning of a solve beside them to that of the next
 MAX_INTERVAL = 12  # ticks after which a solve begins although the scene is the same; most over which a change is spread
+END_INTERVAL = 6  # ticks over which the last solution fades into silence; clients wait 20 ms for it
 SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
 
@@ -48,13 +49,16 @@ class SolveSchedule:
         """Count a tick."""
         self._since += 1
 
-    def begin_solve(self, changed: bool) -> bool:
+    def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
         """Return whether a solve is to begin beside this tick, and count it if so. changed: whether the scene has.
+
+        urgent: whether it has changed so that there must be silence soon.
 
         A new scene begins one at once if they come at most every MIN_INTERVAL ticks, as from trackers and games.
         Between them, objects and hands move on as they moved.
         """
-        if self._since < (MIN_INTERVAL if changed else MAX_INTERVAL):
+        least = 1 if changed and urgent else MIN_INTERVAL if changed else MAX_INTERVAL
+        if self._since < least:
             return False
         self._intervals.append(min(self._since, MAX_INTERVAL))
         self.interval, self._since = math.ceil(median(self._intervals)), 0

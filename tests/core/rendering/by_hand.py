@@ -36,7 +36,7 @@ class ByHand(BackgroundSolve[Any]):
 class SolvesAlways(SolveSchedule):
     """Begins a solve as soon as the last one is done, and expects each to take the same number of ticks."""
 
-    def begin_solve(self, changed: bool) -> bool:
+    def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
         return True
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:

@@ -290,6 +290,33 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
         assert (outcome.heard is None) is outcome.solved.cycle
 
 
+@pytest.mark.parametrize("since", range(0, 12, 3))
+def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_fade(
+    since: int,
+) -> None:
+    """However little before a solve began, if solves take 4 ticks."""
+    scene = [at(0.0)]
+    renderer, _ = make(lambda t: scene[0])
+    with renderer:
+        background = renderer._pipeline.background = ByHand()
+        renderer.schedule.beside, begun, count = True, 0, 0
+        for k in range(200):
+            if background.started > count:
+                begun, count = k, background.started
+            background.ready = k >= begun + 4
+            renderer.tick(k * TICK)
+            if k > 100 and k == begun + since:
+                break
+        assert renderer.sent.amplitude.any()
+        scene[0] = pc.Scene()
+        for k in range(k + 1, k + 21):
+            if background.started > count:
+                begun, count = k, background.started
+            background.ready = k >= begun + 4
+            renderer.tick(k * TICK)
+        assert not renderer.sent.amplitude.any()
+
+
 def test_solves_run_after_a_reset_where_they_ran_before() -> None:
     renderer, device = make(at)
     with renderer:
