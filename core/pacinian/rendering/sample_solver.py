@@ -123,6 +123,7 @@ class SampleSolver:
         self._last: Solved | None = None
         self.fresh = []
         self.cycle.reset()
+        self._skin_limit.reset()
 
     def solve(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float

@@ -4,13 +4,15 @@ The skin is that of the hands in the scene, as far as it faces the array. It is 
 apart, then near the strongest of these at points closer and closer together. Without a hand, the places around the
 samples are evaluated instead.
 
+While the highest pressure is far below the limit, only every eighth solution that is like the last is evaluated.
+
 On skin, the pressure is that along its normal, as in targets; see `pacinian.SkinFacing`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -44,6 +46,19 @@ CHUNK = 64  # points that are evaluated at a time
 PHASES = 16  # of the sum of voices, from which its largest amplitude is found
 MARGIN = 1.03  # of the pressure, because the finest points may miss a peak
 MIN_LENGTH = 1e-9  # [m]
+FAR_BELOW = 0.25  # of the limit: highest pressure after which the next solutions are not evaluated,
+NOT_EVALUATED = 7  # at most so many of them,
+MORE = 1.2  # none of which drives or asks for more than so many times as much, or lies a wavelength away
+
+
+class _Look(NamedTuple):
+    """An evaluated solution. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of samples [m]."""
+
+    limit: float
+    drive: float
+    asked: float
+    middle: Floats
+    hands: int
 
 
 class SkinLimit:
@@ -59,6 +74,12 @@ class SkinLimit:
         self._response = 1.0 if array.response is None else np.abs(array.response)
         self._positions = array.positions
         self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
+        self.reset()
+
+    def reset(self) -> None:
+        """Evaluate the next solution, whatever was found before."""
+        self._last: _Look | None = None  # whose pressure was far below the limit
+        self._passed = 0  # solutions since then
 
     def find_peak(
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
@@ -68,6 +89,32 @@ class SkinLimit:
         parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
         """
         parts = np.ascontiguousarray(parts, np.complex64)
+        drive, asked = (
+            float(np.abs(parts).sum()),
+            float(samples.radiation_pressure.max(initial=0.0)),
+        )
+        look = _Look(limit, drive, asked, samples.positions.mean(axis=0), len(skins))
+        if (
+            self._last is not None
+            and self._passed < NOT_EVALUATED
+            and self._is_like(look, self._last)
+        ):
+            self._passed += 1
+            return 0.0
+        peak = self._evaluate_peak(parts, skins, samples, limit)
+        self._last, self._passed = (look if peak <= FAR_BELOW * limit else None), 0
+        return peak
+
+    def _is_like(self, look: _Look, last: _Look) -> bool:
+        away = look.middle - last.middle
+        more = look.drive > MORE * last.drive or look.asked > MORE * last.asked
+        same = look.limit == last.limit and look.hands == last.hands
+        return same and not more and float(away @ away) < self._wavelength**2
+
+    def _evaluate_peak(
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+    ) -> float:
+        """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to the limit."""
         find = self._find_around if samples.capsules is None else self._find_on_skin
         found = find(parts, skins, samples, limit)
         if found is None:

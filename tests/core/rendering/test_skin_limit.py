@@ -220,3 +220,59 @@ def test_gains_that_cannot_reach_the_limit_cost_no_look(drive: float) -> None:
     there = press(gains[0], samples.positions)[0]
     assert P == 0.0 if drive < 1.0 else P >= there > 0.0
     assert not math.isnan(P)
+
+
+def test_far_below_the_limit_only_every_eighth_solution_is_evaluated_and_each_that_may_press_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looks = [0]
+    found = [50.0]
+
+    def evaluate(*arguments: Any) -> float:
+        looks[0] += 1
+        return found[0]
+
+    limit = SkinLimit(pc.Session(ONE, AIR))
+    monkeypatch.setattr(limit, "_evaluate_peak", evaluate)
+    gains, samples = (
+        np.full((1, len(ONE)), 0.5, np.complex64),
+        no_samples().changed(
+            positions=np.array([[0.0, 0.0, 0.2]]), radiation_pressure=np.array([5.0])
+        ),
+    )
+
+    def count(
+        solutions: int,
+        drive: float = 1.0,
+        pressure: float = 5.0,
+        x: float = 0.0,
+        most: float = 200.0,
+    ) -> int:
+        before = looks[0]
+        changed = samples.changed(
+            positions=samples.positions + np.array([x, 0.0, 0.0]),
+            radiation_pressure=np.array([pressure]),
+        )
+        for _ in range(solutions):
+            P = limit.find_peak(np.complex64(drive) * gains, (), changed, most)
+            assert solutions > 1 or (found[0] if looks[0] > before else 0.0) == P
+        return looks[0] - before
+
+    assert count(80) == 10
+    assert count(1) == 1
+    assert count(7, drive=1.1, pressure=5.5, x=0.005) == 0
+    assert count(1) == 1
+    changes: list[dict[str, float]] = [
+        {"drive": 1.3},
+        {"pressure": 6.5},
+        {"x": 0.01},
+        {"most": 190.0},
+    ]
+    for changed in changes:
+        limit.reset()
+        assert (count(2), count(1, **changed)) == (1, 1)
+    limit.reset()
+    assert count(2) == 1
+    found[0] = 51.0  # not far below
+    limit.reset()
+    assert count(20) == 20
