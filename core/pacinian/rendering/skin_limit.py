@@ -52,7 +52,7 @@ MORE = 1.2  # none of which drives or asks for more than so many times as much, 
 
 
 class _Look(NamedTuple):
-    """An evaluated solution. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of samples [m]."""
+    """Evaluated before. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of samples [m]."""
 
     limit: float
     drive: float

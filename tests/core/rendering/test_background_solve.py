@@ -309,7 +309,8 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
                 break
         assert renderer.sent.amplitude.any()
         scene[0] = pc.Scene()
-        for k in range(k + 1, k + 21):
+        last = k
+        for k in range(last + 1, last + 21):
             if background.started > count:
                 begun, count = k, background.started
             background.ready = k >= begun + 4
