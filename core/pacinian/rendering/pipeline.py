@@ -350,13 +350,15 @@ class Pipeline:
         return run
 
     def _hear(self, solved: Solved, limits: Limits) -> Floats | None:
-        """Return the pressures at the samples of what has just been solved, while the propagator is that of these."""
-        propagator, samples = self.session.propagator, solved.played_samples
-        if solved.cycle or samples is None or propagator.nulls is not None:
-            return None
-        if not np.array_equal(propagator.points, samples.positions):
-            return None
-        return np.abs(propagator.apply(self._quantise_frames(solved, limits)[0]))
+        """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
+        samples = solved.played_samples
+        for part in self.solver.cycle.parts:
+            propagator = part.session.propagator
+            whole = samples is not None and np.array_equal(propagator.points, samples.positions)
+            if whole and propagator.nulls is None:
+                p = [propagator.apply(g) for g in self._quantise_frames(solved, limits)]
+                return np.asarray(np.sqrt((np.abs(p) ** 2).mean(axis=0)))
+        return None
 
     def _find_aim(self, t: float, beside: bool) -> float:
         """Return the time for which a job that begins at time t is made [s]: when frames will arrive at its result.

@@ -272,11 +272,21 @@ def test_no_solution_waits_for_a_measurement() -> None:
         assert (solves, looks) == (TICKS_PER_LOOK + 7, 2)
 
 
-@pytest.mark.parametrize("name", ["crowd", "palm", "sliding-ball", "static-focus"])
+AT_ITS_LIMIT = pc.Scene(
+    (
+        pc.Surface(
+            shape=pc.Rectangle(0.03, 0.03), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=30.0
+        ),
+    )
+)
+
+
+@pytest.mark.parametrize("name", ["crowd", "palm", "sliding-ball", "static-focus", "two frames"])
 def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name: str) -> None:
     """With a device of few levels, whose rounding is heard."""
     device = Simulated(rate=1000.0, phases=8, amplitudes=2)
-    with pc.Renderer(ARRAY, SCENES[name], backend=device, clock=ManualClock()) as renderer:
+    scene = SCENES.get(name, AT_ITS_LIMIT)
+    with pc.Renderer(ARRAY, scene, backend=device, clock=ManualClock()) as renderer:
         solve_beside(renderer)
         for k in range(20):
             renderer.tick(k * TICK)
@@ -287,7 +297,8 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
                 )
         assert len(renderer.heard)
         outcome = renderer._pipeline.played
-        assert (outcome.heard is None) is outcome.solved.cycle
+        assert outcome.solved.cycle or name not in ("palm", "two frames")
+        assert (outcome.heard is None) is (name == "palm")  # whose frames are bands
 
 
 @pytest.mark.parametrize("since", range(0, 12, 3))
