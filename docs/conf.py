@@ -2,6 +2,7 @@
 
 import sys
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "building"))
@@ -19,6 +20,10 @@ html_math_renderer = "mathml"
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
+# the pages need no package that only a study needs
+autodoc_mock_imports = [
+    name for name in ("cryptography", "dask", "distributed", "pyarrow") if find_spec(name) is None
+]
 python_use_unqualified_type_names = True
 add_module_names = False
 
