@@ -39,7 +39,7 @@ MIN_POSITIONS, MAX_POSITIONS = 6, 1000
 POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
 SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's frame [m], [rad]
 MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
-MAX_POSE_MOVE = 3.0  # rms correction of the pose, in standard errors
+MAX_POSE_MOVE = 5.0  # rms correction of the pose, in standard errors
 TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
 MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
@@ -87,6 +87,8 @@ class ScanFit:
     pressure: mean P0 of the transducers that are not dead [microphone's unit x m]. pressure_error: its relative error,
         without that of the microphone's sensitivity.
     covariance: of the speed of sound, the absorption [1/m], the shift, the turn and ln P0, in this order, (9, 9).
+    widened: the errors of positions, shift and turn that the scan shows, relative to those that were given, (3,): above
+        1 where positions or pose are further off than was said. All errors include it.
     vague: what the scan does not tell, or does not tell apart, each with the remedy. The errors include it.
     """
 
@@ -111,6 +113,7 @@ class ScanFit:
     pressure: float
     pressure_error: float
     covariance: Floats
+    widened: Floats
     vague: tuple[str, ...]
 
 
@@ -130,8 +133,9 @@ def fit_scan(
     readings in any unit, (M, N), of positive phase where the sound leads; NaN if missing. position_error: standard
     error of each coordinate of a position [m]; above 1 mm the fit may converge a whole wavelength off. shift_error,
     turn_error: standard errors of the array's place [m] and tilt [rad] in the frame of the positions; 0 if they are
-    exact. speed_of_sound: [m/s]; fitted by default. Raises ArgumentError, also if the scan does not fit the array, or
-    has fewer readings than unknowns.
+    exact. All three widen if the scan shows that positions or pose are further off (`ScanFit.widened`).
+    speed_of_sound: [m/s]; fitted by default. Raises ArgumentError, also if the scan does not fit the array, or has
+    fewer readings than unknowns.
     """
     q0 = check_numbers("positions", positions, (None, 3))
     check_near("positions", q0, array.centre)
@@ -181,7 +185,7 @@ def fit_scan(
             f"fit an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
             f"{np.linalg.norm(best.turn):.3f} rad, far more than its pose is wrong by: measure the pose again",
         )
-    return _finish(best, size)
+    return _finish(best, size, best.prior.widths / prior.widths)
 
 
 def _check_count(read: Flags) -> None:
@@ -254,10 +258,10 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
     return (*told, *together)
 
 
-def _finish(model: ScanModel, size: float) -> ScanFit:
+def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
     """Normalise, find dead, unseen and reversed transducers, and propagate errors. Raises ArgumentError.
 
-    size: reading that was scaled to 1.
+    size: reading that was scaled to 1. widened: as in `ScanFit`.
     """
     strength, noise = np.abs(model.s), model.response_noise
     mean, seen = 0.0, model.S > 0.0
@@ -328,5 +332,6 @@ def _finish(model: ScanModel, size: float) -> ScanFit:
         pressure=mean * size,
         pressure_error=float(errors[8]),
         covariance=covariance,
+        widened=widened,
         vague=_find_vague(model),
     )

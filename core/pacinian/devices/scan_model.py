@@ -7,12 +7,15 @@ of each transducer has a closed form (variable projection, Golub and Pereyra 197
 
 Readings far from the rest lose their weight (Cauchy's, iterated). The covariance is that of such an estimate, A^-1 V
 A^-1 (P. J. Huber, Robust Statistics, 1981, section 6.3), with the priors of positions, air and pose in A and V.
+
+Where the positions or the pose are further off than was said, their priors widen to what the scan shows: to the errors
+that make the scan likeliest, by the EM algorithm (Dempster, Laird and Rubin 1977). They never become narrower.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +36,9 @@ ABSORPTION_ERROR = (
     0.2  # of the absorption of a room's air, relative: 15 to 30 degC, 25 to 75 % humidity
 )
 KNOWN = 1e-9  # standard error of what is given
-MAX_STEPS = 60  # Gauss-Newton steps
+MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
+MAX_WIDENINGS = 20  # of the priors
+WIDENED = 0.01  # smallest relative change of a prior's error after which the fit goes on
 SETTLED = 1e-7  # largest correction of a position at convergence [m]
 OUTLYING = 3.0  # distance at which a reading loses weight, in standard errors
 MIN_NOISE = 1e-4  # noise floor, relative to the quantile to which readings are scaled
@@ -53,6 +58,11 @@ class Prior:
     turn: float
     speed: float | None
     absorption: float
+
+    @property
+    def widths(self) -> Floats:
+        """Standard errors of positions [m], shift [m] and turn [rad], (3,)."""
+        return np.maximum([self.position, self.shift, self.turn], KNOWN)
 
     @property
     def shared(self) -> Floats:
@@ -102,7 +112,18 @@ class ScanModel:
         self.p = q.copy()
         self.pose = Pose()
         self.shift, self.turn = np.zeros(3), np.zeros(3)
-        self.c, self.beta, M = c, prior.absorption, len(q)
+        self.c, self.beta = c, prior.absorption
+        said = prior
+        for _ in range(MAX_WIDENINGS):
+            self._converge()
+            if not self._widen(said):
+                break
+        self._weigh()
+        self._compute_covariance()
+
+    def _converge(self) -> None:
+        """Take Gauss-Newton steps until the positions settle."""
+        M = len(self.p)
         for _ in range(MAX_STEPS):
             self._weigh()
             H, slope = self._normal()
@@ -114,13 +135,34 @@ class ScanModel:
             self._move(np.asarray(step[3 * M + 2 :], np.float64))
             if np.abs(step[: 3 * M]).max() < SETTLED:
                 break
+
+    def _widen(self, said: Prior) -> bool:
+        """Set the errors of positions, shift and turn to what the scan shows, or was said; return whether they changed.
+
+        What the scan shows is the mean square of the corrections and of their errors.
+        """
         self._weigh()
-        self._compute_covariance()
+        H, _ = self._normal()
+        P, _ = self._prior()
+        cov = np.linalg.inv(H / self.noise**2 + P)
+        places, pose = self.D.reshape(-1, len(cov)), np.diag(cov)[-6:]
+        away = (self.positions - self.given).ravel()
+        squares = (
+            away**2 + np.einsum("ip,ip->i", places @ cov, places),
+            self.shift**2 + pose[:3],
+            self.turn**2 + pose[3:],
+        )
+        shown = np.sqrt([np.mean(square) for square in squares])
+        position, shift, turn = np.maximum(shown, said.widths).tolist()
+        before = self.prior.widths
+        self.prior = replace(said, position=position, shift=shift, turn=turn)
+        return not np.allclose(self.prior.widths, before, rtol=WIDENED, atol=0.0)
 
     @property
     def cost(self) -> float:
         """Twice the negative logarithm of the likelihood, apart from a constant."""
-        return 4.0 * float(self.read.sum()) * math.log(self.noise) + self.surprise
+        widths = float(np.array([len(self.p), 1, 1]) @ np.log(self.prior.widths))
+        return 4.0 * float(self.read.sum()) * math.log(self.noise) + self.surprise + 6.0 * widths
 
     @property
     def positions(self) -> Floats:
