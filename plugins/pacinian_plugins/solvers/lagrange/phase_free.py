@@ -272,7 +272,7 @@ class PhaseFreeSolve:
             if self.budget.spent:
                 break
             self.workspace.y[:] = self._phases(k)
-            self._equalise(EQUAL)
+            self._step_equal(EQUAL)
             looks.append((worth(np.hypot(*self.workspace.made)), k))
         return looks
 
@@ -323,15 +323,20 @@ class PhaseFreeSolve:
         Returns the multiple of the targets that is nearest to what full drive makes.
         """
         w = self.workspace
+        self._step_equal(steps)
+        reached = w.h[2][w.h[2] > 0.0]
+        w.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
+        return w.multiple
+
+    def _step_equal(self, steps: int) -> None:
+        """Take steps of `equalise`, in small batches if there is a deadline."""
+        w = self.workspace
         chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
         for _ in range(0, steps, chunk):
             taken = equalise(self.B, chunk, w)
             self.steps += abs(taken)
             if taken >= 0 or self.budget.spent:
                 break
-        reached = w.h[2][w.h[2] > 0.0]
-        w.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
-        return w.multiple
 
     def _nearest(self, finished: float) -> float:
         """Take Newton steps on the gains, from the current ones; return the error."""
