@@ -35,8 +35,8 @@ MAX_PROBLEMS = 1_000_000  # problems in one call
 MAX_GAINS = 1 << 31  # gains of all solutions together: 16 GiB in single precision
 MAX_TRIED = 0.05  # time after which problems are no longer solved one by one [s]
 MAX_IN_THREADS = 2.0  # time for which starting processes does not pay [s]
-MIN_IN_PROCESSES = 2e-4  # time of a problem from which the transfer of its solution pays [s]
-MIN_IN_THREADS = 5e-4  # time of a problem below which threads mostly wait for each other [s]
+MIN_IN_PROCESSES = 5e-5  # time of a problem from which the transfer of its solution pays [s]
+MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]
 MAX_PART = 0.1  # time of the problems that a process gets at once [s]
 
 
@@ -107,7 +107,7 @@ def solve_many(
     The gains are those of `solve`, bit for bit; with more than a million elements of B (M N), where BLAS would use all
     cores for one problem, they may differ by rounding. Batches that take more than 2 s also run in other processes,
     which start in about a second, because Python code of a solver does not run in two threads at once. Shorter batches
-    run in threads, and problems of less than 0.2 to 0.5 ms one by one, because workers would only wait for each other.
+    run in threads, and their problems of less than 1 ms one by one, because threads would only wait for each other.
     The solver must keep no state between calls. No solution depends on the time, so there is no deadline.
     Raises what `solve` raises, with a note that gives the number of the problem; and PluginError if a process dies.
     """
