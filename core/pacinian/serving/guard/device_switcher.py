@@ -319,7 +319,7 @@ class DeviceSwitcher:
         except BaseException as error:
             if backend is not None:
                 self._close(backend)
-            return Opened(orders, choice, problem=f"{choice.name}: {describe_error(error)}")
+            return Opened(orders, choice, problem=_name_device(choice.name, describe_error(error)))
         return Opened(orders, choice, (backend, can))
 
 
@@ -330,3 +330,8 @@ def import_backend(choice: Choice | Configured) -> None:
 
 def _make_backend(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
     return cast("Backend", plugin_list.make_plugin("backend", choice, configured))
+
+
+def _name_device(name: str, problem: str) -> str:
+    """Return a problem that begins with the name of its device, once."""
+    return f"{name}: {problem.removeprefix(f'{name}: ')}"

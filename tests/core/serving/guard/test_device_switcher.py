@@ -350,6 +350,19 @@ def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> Non
     assert bench.guard.fault.startswith(f"a: {type(error).__name__}")
 
 
+@pytest.mark.parametrize("text", ["gone", "a: gone"])
+def test_a_reason_names_its_device_once(text: str) -> None:
+    bench = Bench()
+
+    def make(choice: object) -> pc.Backend:
+        raise pc.BackendError(text)
+
+    bench.devices._make = make
+    bench.devices.begin(RequestedSettings())
+    bench.run()
+    assert bench.guard.fault == "a: gone"
+
+
 def test_results_do_not_grow(bench: Bench) -> None:
     for k in range(1, 3 * MAX_RESULTS):
         bench.devices.follow(RequestedSettings(reset=k))
