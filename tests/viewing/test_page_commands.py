@@ -251,6 +251,7 @@ def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
         assert "ValueError" in str(shown.page.text_content("#spoken"))
         assert shown.page.get_attribute("#spoken", "aria-live") == "assertive"
         assert shown.text("#output-name") == "Faulted"
+        shown.until(lambda: shown.page.is_visible("#gone") and "ValueError" in shown.text("#gone"))
         assert shown.page.is_enabled("#reset")
         for size in ((1920, 1080), (1280, 800), (900, 600), (800, 900), (390, 844)):
             shown.page.set_viewport_size({"width": size[0], "height": size[1]})

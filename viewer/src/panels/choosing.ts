@@ -108,7 +108,8 @@ export class Choosing {
       const list = select(kind);
       if (this.pending(kind, state[kind])) continue;
       list.removeAttribute("aria-busy");
-      if (document.activeElement !== list && state[kind]) list.value = state[kind];
+      const told = state[kind] || kind === "backend"; // without a device, none is selected
+      if (document.activeElement !== list && told) list.value = state[kind];
     }
     if (!this.pending("intensity", String(state.intensity)) && this.intensity === undefined) {
       const value = String(Math.round(100 * state.intensity));

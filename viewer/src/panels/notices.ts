@@ -1,23 +1,29 @@
-/** What must be noticed: the connection is gone; something was refused. */
+/** What must be noticed: the connection is gone; the output is faulted; something was refused. */
 
 import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
 import { advice as advise, title } from "./advice";
 import { element, made, marked, say, sayMarked } from "./dom";
+import { forPage } from "./output";
 
 const STAYS = 15_000; // [ms]
 const MAX_NOTES = 2;
 
 export function notices(store: Store): void {
   store.on("refused", refused);
-  store.on("link", (link) => gone(link, store.reason, Boolean(store.newest.array)));
-  gone(store.link, "", false);
+  store.on("link", () => warn(store));
+  store.onBeat("state", () => warn(store));
+  warn(store);
 }
 
-function gone(link: Link, reason: string, before: boolean): void {
+function warn(store: Store): void {
   const card = element("gone");
-  const [title, text] = words(link, reason, before);
-  card.hidden = link === "live";
+  const { state, silence, array } = store.newest;
+  const faulted = store.link === "live" && state?.output === "faulted";
+  const why = silence?.text.startsWith("fault") ? silence.text : (state?.faults.at(-1) ?? "");
+  const fault: [string, string] = ["The output is faulted", ended(forPage(why).replace(/^fault: /, ""))];
+  const [title, text] = faulted ? fault : words(store.link, store.reason, Boolean(array));
+  card.hidden = store.link === "live" && !faulted;
   const [strong, span] = card.children;
   if (strong) say(strong, title);
   if (span) sayMarked(span, text);

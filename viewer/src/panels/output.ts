@@ -160,7 +160,7 @@ export class OutputPanel {
 }
 
 /** What a program would call, as what is pressed on this page. */
-function forPage(text: string): string {
+export function forPage(text: string): string {
   return text
     .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
     .replace("call arm()", "press Arm, or start a program that arms")
