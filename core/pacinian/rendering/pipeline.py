@@ -36,7 +36,7 @@ from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
 from pacinian.rendering.solve_schedule import (
     END_INTERVAL,
-    MAX_TICKS,
+    MAX_INTERVAL,
     SOLVE_TICKS,
     SolveSchedule,
 )
@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from pacinian.solving.felt_regions import FeltSums
     from pacinian.types import Floats, Gains
 
-DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
-MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
+DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_INTERVAL
+MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_INTERVAL if longer [s]
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
@@ -306,7 +306,7 @@ class Pipeline:
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_TICKS * self.period)
+        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_INTERVAL * self.period)
         return bool(self._tape.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
@@ -327,7 +327,7 @@ class Pipeline:
         if self.governor is not None:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
-        time = (MAX_TICKS if beside else 1) * self.period
+        time = (MAX_INTERVAL if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
         at = self._find_aim(t, beside)
         last = self.sampler.account
