@@ -37,8 +37,8 @@ class BudgetController:
     def tick(self, seconds: float, samples: int, ticks: int = 1) -> int:
         """Take account of a tick that took `seconds` [s] for `samples` samples; return the new budget.
 
-        ticks: number of ticks that share this solve.
-        Assumes that the time of a solve grows with the square of the number of samples.
+        ticks: number of ticks until the next solve. Assumes that the time of a solve grows with the square of the
+        number of samples.
         """
         self._last.append(seconds)
         last = list(self._last)

@@ -29,17 +29,13 @@ from pacinian.rendering.deviations import (
     WEAKENED,
     mark,
 )
+from pacinian.rendering.measurement import Measurement, MeasurementSchedule
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.probe import Probe
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
-from pacinian.rendering.solve_schedule import (
-    END_INTERVAL,
-    MAX_INTERVAL,
-    SOLVE_TICKS,
-    SolveSchedule,
-)
+from pacinian.rendering.solve_schedule import MAX_TICKS, SOLVE_TICKS, SolveSchedule
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.account import (
     FAR,
@@ -63,24 +59,12 @@ if TYPE_CHECKING:
     from pacinian.rendering.slew_limiter import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
-    from pacinian.solving.felt_regions import FeltSums
     from pacinian.types import Floats, Gains
 
-DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_INTERVAL
-MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_INTERVAL if longer [s]
+DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
+MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
-TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
-FIRST_LOOK = (
-    4  # ticks from silence to the first measurement, so that the first solves have more time
-)
-
-
-class Measurement(NamedTuple):
-    """What the device emits of a solution, as `Report.add_measurement` takes it."""
-
-    error: float
-    felt: dict[str, FeltSums]
 
 
 class Outcome(NamedTuple):
@@ -165,8 +149,7 @@ class Pipeline:
         self._changed = True  # whether the scene has changed since the last job began
         self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
         self._made: tuple[object, ...] = ()  # inputs of the last frame
-        self._unlooked = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
-        self._looked: tuple[CachedSolution, ...] = ()  # solutions that were measured last
+        self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""
         self._frame: Frame
@@ -239,9 +222,7 @@ class Pipeline:
             self._solve_beside(scene, limits, solver, t)
         else:
             self._solve_now(scene, limits, solver, t)
-        self._unlooked = (
-            self._unlooked + 1 if len(self.played.solved.samples) else TICKS_PER_LOOK - FIRST_LOOK
-        )
+        self._measuring.pass_tick(self.played.solved)
         self.lag = t - self.played.time
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
@@ -249,10 +230,8 @@ class Pipeline:
             skipped["drive, nothing changed"] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
-        interval = self.schedule.interval if beside else 1
-        rows = self.player.rows(
-            play, t, interval if len(play.samples) else min(interval, END_INTERVAL)
-        )
+        spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
+        rows = self.player.rows(play, t, spread)
         power = limits.power is not None
         self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
         self._made = made
@@ -306,7 +285,7 @@ class Pipeline:
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_INTERVAL * self.period)
+        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_TICKS * self.period)
         return bool(self._tape.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
@@ -327,7 +306,7 @@ class Pipeline:
         if self.governor is not None:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
-        time = (MAX_INTERVAL if beside else 1) * self.period
+        time = (MAX_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
         at = self._find_aim(t, beside)
         last = self.sampler.account
@@ -490,19 +469,16 @@ class Pipeline:
                 account.drop(reason, found)
 
     def _find_measuring(self, limits: Limits) -> Callable[[], Measurement] | None:
-        """Return a function that measures what the device will emit of the result that this tick has taken.
+        """Return a function that measures the result that this tick has taken, at the samples and between them.
 
-        It measures at the samples and between them. None if it is too early, or if there is nothing new to measure.
+        None if it is too early, or if there is nothing new to measure.
         """
-        if self._taken is None or self._unlooked < TICKS_PER_LOOK:
+        if self._taken is None or not self._measuring.begin(self._taken.solved):
             return None
         play, heard = self._taken.solved, self._taken.heard
         samples, targets = play.played_samples, play.targets
-        if samples is None or targets is None or not len(samples) or not play.complete:
-            return None
-        if targets.regions is None and play.rows == self._looked:
-            return None
-        self._unlooked, self._looked = 0, play.rows
+        assert samples is not None
+        assert targets is not None
 
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)

@@ -89,23 +89,21 @@ class SkinLimit:
         parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
         """
         parts = np.ascontiguousarray(parts, np.complex64)
-        drive, asked = (
-            float(np.abs(parts).sum()),
-            float(samples.radiation_pressure.max(initial=0.0)),
-        )
-        look = _Look(limit, drive, asked, samples.positions.mean(axis=0), len(skins))
-        if (
-            self._last is not None
-            and self._passed < NOT_EVALUATED
-            and self._is_like(look, self._last)
-        ):
+        asked = float(samples.radiation_pressure.max(initial=0.0))
+        middle = samples.positions.mean(axis=0)
+        look = _Look(limit, float(np.abs(parts).sum()), asked, middle, len(skins))
+        if self._is_like_last(look):
             self._passed += 1
             return 0.0
         peak = self._evaluate_peak(parts, skins, samples, limit)
         self._last, self._passed = (look if peak <= FAR_BELOW * limit else None), 0
         return peak
 
-    def _is_like(self, look: _Look, last: _Look) -> bool:
+    def _is_like_last(self, look: _Look) -> bool:
+        """Return whether a solution is not evaluated, because it is like the last one that was."""
+        last = self._last
+        if last is None or self._passed == NOT_EVALUATED:
+            return False
         away = look.middle - last.middle
         more = look.drive > MORE * last.drive or look.asked > MORE * last.asked
         same = look.limit == last.limit and look.hands == last.hands

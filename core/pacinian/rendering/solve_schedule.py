@@ -16,10 +16,14 @@ SHORT = 0.5  # duration within which a solve must fit to run in a tick again, re
 MIN_FITTING, MAX_FITTING = 256, 4096
 BACK = 8  # solves deducted for one that does not fit; a few may be due to the machine
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
-MAX_TICKS = 2 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
-MIN_INTERVAL = 8  # fewest ticks from the beginning of a solve beside them to that of the next
-MAX_INTERVAL = 12  # ticks after which a solve begins although the scene is the same; most over which a change is spread
-END_INTERVAL = 6  # ticks over which the last solution fades into silence; clients wait 20 ms for it
+MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
+MIN_INTERVAL = (
+    0.008  # shortest time from the beginning of a solve beside the ticks to that of the next [s]
+)
+MAX_INTERVAL = 0.012  # after which a solve begins although the scene is the same; longest spread of a change [s]
+END_SPREAD = (
+    0.006  # over which the last solution fades into silence, for which clients wait 20 ms [s]
+)
 SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
 
@@ -38,29 +42,38 @@ class SolveSchedule:
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
     _intervals: deque[int] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
-    _since: int = field(
-        default=MAX_INTERVAL, init=False
-    )  # ticks since the last solve beside them began
+    _since: int = field(init=False)  # ticks since the last solve beside them began
     _far: bool = field(default=False, init=False)  # whether the last tick was far too long
     _fits: int = field(default=0, init=False)
     _wait: int = field(default=MIN_FITTING, init=False)
+
+    def __post_init__(self) -> None:
+        self._since = self._count_ticks(MAX_INTERVAL)
+
+    def _count_ticks(self, seconds: float) -> int:
+        """Return the number of ticks in a time [s], at least 1."""
+        return max(1, round(seconds / self.period))
+
+    def find_spread(self, ends: bool) -> int:
+        """Return the number of ticks over which to spread a change. ends: whether there will be silence."""
+        return min(self.interval, self._count_ticks(END_SPREAD)) if ends else self.interval
 
     def pass_tick(self) -> None:
         """Count a tick."""
         self._since += 1
 
     def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
-        """Return whether a solve is to begin beside this tick, and count it if so. changed: whether the scene has.
+        """Return whether a solve is to begin beside this tick, and count it if so.
 
-        urgent: whether it has changed so that there must be silence soon.
+        changed: whether the scene has. urgent: whether there must be silence soon.
 
-        A new scene begins one at once if they come at most every MIN_INTERVAL ticks, as from trackers and games.
-        Between them, objects and hands move on as they moved.
+        A new scene begins a solve at once if scenes come at intervals of at least MIN_INTERVAL, as from trackers and
+        games. Between them, objects and hands move on as they moved.
         """
-        least = 1 if changed and urgent else MIN_INTERVAL if changed else MAX_INTERVAL
-        if self._since < least:
+        least, most = self._count_ticks(MIN_INTERVAL), self._count_ticks(MAX_INTERVAL)
+        if self._since < (most if not changed else 1 if urgent else least):
             return False
-        self._intervals.append(min(self._since, MAX_INTERVAL))
+        self._intervals.append(min(self._since, most))
         self.interval, self._since = math.ceil(median(self._intervals)), 0
         return True
 

@@ -14,9 +14,10 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.rendering.background_solve import BackgroundSolve
-from pacinian.rendering.pipeline import MAX_AGE, TICKS_PER_LOOK
+from pacinian.rendering.measurement import TICKS_PER_LOOK
+from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.solve_schedule import MAX_INTERVAL
+from pacinian.rendering.solve_schedule import MAX_TICKS
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
@@ -371,7 +372,7 @@ def test_a_deadline_is_longer_beside_the_ticks() -> None:
         solve_beside(renderer)
         renderer.tick(2 * TICK)
         renderer.tick(3 * TICK)
-    assert seen[-1] == pytest.approx(MAX_INTERVAL * inside)
+    assert seen[-1] == pytest.approx(MAX_TICKS * inside)
 
 
 def test_a_real_thread_solves_while_ticks_go_on_and_ends_with_the_renderer() -> None:

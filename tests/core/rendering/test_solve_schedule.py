@@ -4,10 +4,12 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.rendering.solve_schedule import (
+    END_SPREAD,
     FAR_TOO_LONG,
     LONG_SHARE,
     MAX_FITTING,
@@ -23,6 +25,10 @@ from pacinian.rendering.solve_schedule import (
 )
 
 PERIOD = 1e-3  # [s]
+LEAST, MOST = (
+    round(MIN_INTERVAL / PERIOD),
+    round(MAX_INTERVAL / PERIOD),
+)  # ticks from solve to solve
 bounded = settings(max_examples=60)
 
 
@@ -108,7 +114,7 @@ def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[SolveSchedule, 
 
 
 @bounded
-@given(st.integers(MIN_INTERVAL, MAX_INTERVAL), st.integers(1, MIN_INTERVAL))
+@given(st.integers(LEAST, MOST), st.integers(1, LEAST))
 def test_a_new_scene_begins_a_solve_at_once_at_the_rate_of_a_tracker(
     every: int, taken: int
 ) -> None:
@@ -124,9 +130,23 @@ def test_solves_are_never_more_frequent_than_needed_nor_rarer_than_motion_allows
 ) -> None:
     schedule, began = list_solves(every, 1000, taken)
     gaps = np.diff(began)
-    assert gaps.min() >= max(MIN_INTERVAL, taken)
-    assert gaps.max() <= max(MAX_INTERVAL, taken)
-    assert schedule.interval == min(math.ceil(np.median(gaps[-SOLVES_SEEN:])), MAX_INTERVAL)
+    assert gaps.min() >= max(LEAST, taken)
+    assert gaps.max() <= max(MOST, taken)
+    assert schedule.interval == min(math.ceil(np.median(gaps[-SOLVES_SEEN:])), MOST)
+
+
+@pytest.mark.parametrize(("rate", "ticks"), [(20.0, 1), (100.0, 1), (250.0, 3), (4000.0, 48)])
+def test_the_intervals_are_times_whatever_the_rate(rate: float, ticks: int) -> None:
+    schedule = SolveSchedule(1.0 / rate, beside=True)
+    assert schedule.begin_solve(False)
+    began = 0
+    while True:
+        schedule.pass_tick()
+        began += 1
+        if schedule.begin_solve(False):
+            break
+    assert began == ticks
+    assert schedule.find_spread(ends=True) <= max(1, round(END_SPREAD * rate))
 
 
 def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:

@@ -140,17 +140,15 @@ class GuardLoop:
             self._told = now
         if switched:
             return 0.0
-        permit = self._permit.value
+        permit, pending = self._permit.value, guard.stuck or self.devices.busy
         if not (permit.armed or guard.loud):
-            self._listens = bool(known) and not (guard.stuck or self.devices.busy)
+            self._listens = bool(known) and not pending
             return REST_TELL if self._listens else IDLE_INTERVAL
         left = guard.compute_time_left(permit)
-        self._listens = self._wake.works and not (guard.stuck or self.devices.busy) and left > 0.0
-        return (
-            min(left, max(TELL - (now - self._told), POLL_INTERVAL))
-            if self._listens
-            else POLL_INTERVAL
-        )
+        self._listens = self._wake.works and not pending and left > 0.0
+        if not self._listens:
+            return POLL_INTERVAL
+        return min(left, max(TELL - (now - self._told), POLL_INTERVAL))
 
     def wait(self, seconds: float) -> None:
         """Wait until the next round. If only time can change anything, a new permit, frame or order ends the wait."""

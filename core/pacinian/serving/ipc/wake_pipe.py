@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import select
 import sys
 import time
 from typing import TYPE_CHECKING
@@ -30,8 +31,6 @@ class WakePipe:
     def __init__(self, path: Path) -> None:
         self._file = -1
         if sys.platform != "win32":
-            import select
-
             try:
                 with contextlib.suppress(FileExistsError):
                     os.mkfifo(path, 0o600)
@@ -40,7 +39,6 @@ class WakePipe:
                 return
             self._poll = select.poll()
             self._poll.register(self._file, select.POLLIN)
-            self._select = select.select
 
     @property
     def works(self) -> bool:
@@ -65,7 +63,7 @@ class WakePipe:
         """
         if self.works:
             if self._file < MAX_SELECTED:
-                woken = bool(self._select([self._file], [], [], max(0.0, seconds))[0])
+                woken = bool(select.select([self._file], [], [], max(0.0, seconds))[0])
             else:  # in steps of a millisecond
                 woken = bool(self._poll.poll(max(0, math.ceil(1e3 * seconds))))
             if woken:

@@ -1,0 +1,50 @@
+"""Decide when the loop measures what the device emits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from pacinian.rendering.cached_solution import CachedSolution
+    from pacinian.rendering.sample_solver import Solved
+    from pacinian.solving.felt_regions import FeltSums
+
+TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
+FIRST_LOOK = 4  # ticks from silence to the first one, so that the first solves have more time
+
+
+class Measurement(NamedTuple):
+    """What the device emits of a solution, as `Report.add_measurement` takes it."""
+
+    error: float
+    felt: dict[str, FeltSums]
+
+
+class MeasurementSchedule:
+    """Counts ticks, and knows what was measured last."""
+
+    def __init__(self) -> None:
+        self._passed = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
+        self._measured: tuple[CachedSolution, ...] = ()
+
+    def pass_tick(self, played: Solved) -> None:
+        """Count a tick that plays this."""
+        if len(played.samples):
+            self._passed += 1
+        else:
+            self._passed = TICKS_PER_LOOK - FIRST_LOOK
+
+    def begin(self, solved: Solved) -> bool:
+        """Return whether to measure this now, and count it if so.
+
+        Regions are measured again and again, at other places each time; points only if they have a new solution.
+        """
+        if self._passed < TICKS_PER_LOOK or not solved.complete:
+            return False
+        samples, targets = solved.played_samples, solved.targets
+        if not samples or targets is None:
+            return False
+        if targets.regions is None and solved.rows == self._measured:
+            return False
+        self._passed, self._measured = 0, solved.rows
+        return True
