@@ -1,8 +1,8 @@
 """Find the highest radiation pressure of a solution on the skin that is seen, also where no target was set.
 
 The skin is that of the hands in the scene, as far as it faces the array. It is evaluated at points half a wavelength
-apart, then near the strongest of these at points closer and closer together. Without a hand, the places around the
-samples are evaluated instead.
+apart, then near the strongest of these at points closer and closer together. Without a hand, no skin is seen, and
+nothing is evaluated.
 
 While the highest pressure is far below the limit, only every eighth solution that is like the last is evaluated.
 
@@ -34,12 +34,10 @@ if TYPE_CHECKING:
 SPACING = 0.58  # of the first points, over the wavelength
 HIDDEN = 8.0  # largest ratio of a peak between these points to the pressure at the nearest of them
 AWAY = -0.3  # cosine of the angle from a normal to the array's centre, below which skin faces away
-LATTICE = (
-    2,
-    0.4,
-)  # rings around a sample that are evaluated without a hand, and their spacing over the wavelength
-PATCH = 2, 0.17  # the same around the strongest of these
-FINEST = 3, 0.05  # the same around the strongest points at last
+FINEST = (
+    3,
+    0.05,
+)  # rings of points around the strongest at last, and their spacing over the wavelength
 PEAKS = 16  # most points around which to look at last
 NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
 CHUNK = 64  # points that are evaluated at a time
@@ -113,35 +111,34 @@ class SkinLimit:
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
     ) -> float:
         """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to the limit."""
-        find = self._find_around if samples.capsules is None else self._find_on_skin
-        found = find(parts, skins, samples, limit)
-        if found is None:
+        found = self._find_strong(parts, skins, samples, limit)
+        if found is None or samples.capsules is None:
             return 0.0
         points, normals, P = found
         peak = float(P.max(initial=0.0))
         best = np.argsort(P)[-PEAKS:]
         best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
         if len(best):
-            points, normals = self._spread(points[best], normals[best], FINEST)
-            peak = max(
-                peak, float(self._evaluate(parts, points, find_facing(normals, samples)).max())
-            )
+            rings, spacing = FINEST
+            points, normals = spread(points[best], normals[best], rings, spacing * self._wavelength)
+            facing = SkinFacing.of(normals, samples.capsules)
+            peak = max(peak, float(self._evaluate(parts, points, facing).max()))
         return MARGIN * peak
 
-    def _find_on_skin(
+    def _find_strong(
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
     ) -> tuple[Floats, Floats, Floats] | None:
         """Return points of skin near those whose pressure is high, and of samples: points, normals, pressures [Pa].
 
-        None if all pressures are clearly below the limit.
+        None without a hand, or if all pressures are clearly below the limit.
         """
-        alone = samples.regions == ISOLATED
-        found = [(samples.positions[alone], samples.normals[alone])]
         skins = [
             skin for skin in skins if not self._is_below(parts, skin.box[:3], skin.box[3:], limit)
         ]
-        if not skins:
+        if not skins or samples.capsules is None:
             return None
+        alone = samples.regions == ISOLATED
+        found = [(samples.positions[alone], samples.normals[alone])]
         for skin in skins:
             level = skin.skin.level(SPACING * self._wavelength)
             nodes, owners = skin.skin.counts[level], skin.skin.share[level].indices
@@ -152,7 +149,8 @@ class SkinLimit:
             near = near[self._faces(skin, near)]
             found.append((skin.points[near], skin.normals[near]))
         points, normals = (np.concatenate(each) for each in zip(*found, strict=True))
-        return points, normals, self._evaluate(parts, points, find_facing(normals, samples))
+        facing = SkinFacing.of(normals, samples.capsules)
+        return points, normals, self._evaluate(parts, points, facing)
 
     def _faces(self, skin: PosedSkin, which: Indices | slice) -> Flags:
         """Return whether the points `which`, (I,), are on the outside and do not face away from the array, (I,)."""
@@ -160,24 +158,6 @@ class SkinLimit:
         along = np.einsum("ij,ij->i", skin.normals[which], d)
         faces = along > AWAY * np.sqrt(np.einsum("ij,ij->i", d, d))
         return np.asarray(faces & ~skin.skin.hidden[which])
-
-    def _find_around(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
-    ) -> tuple[Floats, Floats, Floats] | None:
-        """Like `_find_on_skin`, for places around the samples, across their normals or the way to the array."""
-        q, n = samples.positions, samples.normals
-        n = np.where(n.any(axis=1, keepdims=True), n, self._wave.origin - q)
-        n = n / np.maximum(np.sqrt((n * n).sum(axis=1, keepdims=True)), MIN_LENGTH)
-        if self._is_below(parts, q.min(axis=0), q.max(axis=0), limit):
-            return None
-        points, normals = self._spread(q, n, LATTICE)
-        cells = np.round(points / (LATTICE[1] * self._wavelength))
-        kept = np.unique(cells, axis=0, return_index=True)[1]
-        points, normals = points[kept], normals[kept]
-        high = self._evaluate(parts, points) >= limit / HIDDEN
-        points, normals = self._spread(points[high], normals[high], PATCH)
-        points, normals = np.concatenate([q, points]), np.concatenate([n, normals])
-        return points, normals, self._evaluate(parts, points)
 
     def _is_below(self, parts: Gains, low: Floats, high: Floats, limit: float) -> bool:
         """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
@@ -215,17 +195,6 @@ class SkinLimit:
                 kernels.apply(B, part, out)
             p[first : first + CHUNK] = np.abs(z[0]) if len(parts) == 1 else sum_up(z)
         return radiation_pressure(p, self._medium)
-
-    def _spread(
-        self, points: Floats, normals: Floats, patch: tuple[int, float]
-    ) -> tuple[Floats, Floats]:
-        rings, spacing = patch
-        return spread(points, normals, rings, spacing * self._wavelength)
-
-
-def find_facing(normals: Floats, samples: Samples) -> SkinFacing | None:
-    """Return the facing of skin with these normals, (K, 3), on the hands of the samples; None without a hand."""
-    return None if samples.capsules is None else SkinFacing.of(normals, samples.capsules)
 
 
 def sum_up(z: Complexes) -> Floats:
