@@ -78,7 +78,7 @@ def read(t: Type, into: str) -> str:
         case Float():
             bounds = [_range(t)]
         case Scalar():
-            bounds = [_range(t.real), _lengths(t.text)]
+            return f"get_scalar(in, {into}, {_range(t.real)}, {_lengths(t.text)})"
         case Text() | Bin():
             bounds = [_lengths(t)]
         case Bool() | Anything():
@@ -110,12 +110,11 @@ def default(t: Type, value: Any) -> str:
 def reset(field: Field) -> str:
     """A statement that sets a field to its default, without memory where that can be."""
     if isinstance(field.type, CLEARED):
-        return f"{field.name}.clear();"
+        return f"message.{field.name}.clear();"
     if isinstance(field.type, Maybe):
-        return f"{field.name}.reset();"
-    return (
-        f"{field.name} = {default(field.type, field.default) or declare_type(field.type) + '{}'};"
-    )
+        return f"message.{field.name}.reset();"
+    value = default(field.type, field.default) or f"{declare_type(field.type)}{{}}"
+    return f"message.{field.name} = {value};"
 
 
 def list_names(t: Type) -> list[str]:

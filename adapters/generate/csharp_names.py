@@ -29,6 +29,8 @@ def rename(model: Model) -> Model:
 def _rename(part: Any) -> Any:
     if type(part) is tuple:
         return tuple(_rename(each) for each in part)
+    if isinstance(part, frozenset):
+        return frozenset(NAMES.get(each, each) for each in part)
     if isinstance(part, dict):
         return {key: _rename(each) for key, each in part.items()}
     if not is_dataclass(part) or isinstance(part, type):

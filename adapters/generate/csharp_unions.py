@@ -12,49 +12,65 @@ if TYPE_CHECKING:
 REUSED = "one of the same kind that is there already is used again"
 
 
-def words(model: Model) -> list[str]:
+def words(model: Model, for_tests: bool) -> list[str]:
     """Enumerations, and their words."""
     lines: list[str] = []
+    if not for_tests:
+        for kind in model.words:
+            lines += [f"/// <summary>{', '.join(kind.values)}.</summary>"]
+            lines += [f"public enum {kind.name}", "{"]
+            lines += [*(f"    {pascal(value)}," for value in kind.values), "}", ""]
+        lines += ["/// <summary>The words of the enumerations.</summary>"]
+    lines += ["internal static partial class Words", "{"]
+    if not for_tests:
+        for kind in model.words:
+            given = ", ".join(f'"{value}"' for value in kind.values)
+            lines.append(f"    public static readonly byte[][] {kind.name} = Utf8.Of({given});")
     for kind in model.words:
-        lines += [f"/// <summary>{', '.join(kind.values)}.</summary>", f"public enum {kind.name}"]
-        lines += ["{", *(f"    {pascal(value)}," for value in kind.values), "}", ""]
-    lines += ["/// <summary>The words of the enumerations.</summary>"]
-    lines += ["internal static class Words", "{"]
-    for kind in model.words:
-        given = ", ".join(f'"{value}"' for value in kind.values)
-        lines.append(f"    public static readonly byte[][] {kind.name} = Utf8.Of({given});")
-    for kind in model.words:
-        lines += [
-            "",
-            f"    public static bool Read(Reader r, ref {kind.name} value)",
-            "    {",
-            "        int index;",
-            f"        bool known = r.Word({kind.name}, out index);",
-            f"        value = known ? ({kind.name})index : value;",
-            "        return known;",
-            "    }",
-        ]
+        if (kind.name in model.heard) != for_tests:
+            lines += [
+                *([""] if lines[-1] != "{" else []),
+                f"    public static bool Read(Reader r, ref {kind.name} value)",
+                "    {",
+                "        int index;",
+                f"        bool known = r.Word({kind.name}, out index);",
+                f"        value = known ? ({kind.name})index : value;",
+                "        return known;",
+                "    }",
+            ]
     return [*lines, "}"]
 
 
-def unions(model: Model) -> list[str]:
+def unions(model: Model, for_tests: bool) -> list[str]:
     """Interfaces, words that stand in for a message, and how it is told which one comes."""
     lines: list[str] = []
     for each in model.unions:
-        if not each.base:
-            said = f"One of {', '.join(each.kinds)}"
-            lines += [
-                f"/// <summary>{said}.</summary>",
-                f"public interface {union(each)} : IMessage",
-            ]
-            lines += ["{", "}", ""]
-        if each.words:
+        lines += _declare(each, model, for_tests)
+        if each.words and not for_tests:
             lines += [*_generate_named(each), ""]
-    lines += [f"/// <summary>Reads one of several messages; {REUSED}.</summary>"]
-    lines += ["internal static class Unions", "{"]
-    for i, each in enumerate(model.unions):
-        lines += ([""] if i else []) + [f"    {line}".rstrip() for line in _reader(each, model)]
+    if not for_tests:
+        lines += [f"/// <summary>Reads one of several messages; {REUSED}.</summary>"]
+    lines += ["internal static partial class Unions", "{"]
+    for each in model.unions:
+        if (each.name in model.heard) != for_tests:
+            gap = [""] if lines[-1] != "{" else []
+            lines += gap + [f"    {line}".rstrip() for line in _reader(each, model)]
     return [*lines, "}"]
+
+
+def _declare(each: Union, model: Model, for_tests: bool) -> list[str]:
+    """The interface of a union, unless its messages have a base. Only tests write those that a client hears."""
+    is_written = each.name in model.written
+    if each.base or (for_tests and is_written):
+        return []
+    partial = "" if is_written else "partial "
+    return [
+        *([] if for_tests else [f"/// <summary>One of {', '.join(each.kinds)}.</summary>"]),
+        f"public {partial}interface {union(each)}{' : IMessage' * (is_written or for_tests)}",
+        "{",
+        "}",
+        "",
+    ]
 
 
 def _generate_named(each: Union) -> list[str]:
@@ -74,7 +90,7 @@ def _generate_named(each: Union) -> list[str]:
         f"        w.Word(Words.{kind}[(int)Value]);",
         "    }",
         "",
-        "    /// <inheritdoc/>",
+        "    /// <summary>Reads it.</summary>",
         "    public bool Read(Reader r)",
         "    {",
         "        return Words.Read(r, ref Value);",
@@ -111,16 +127,19 @@ def _take(kind: str) -> list[str]:
     ]
 
 
-def protocol(model: Model) -> list[str]:
+def protocol(model: Model, for_tests: bool) -> list[str]:
     """The protocol's numbers, and what comes to each socket."""
-    lines = ["/// <summary>The protocol's numbers, and its messages.</summary>"]
-    lines += ["public static class Protocol", "{"]
-    for name, value in model.constants.items():
-        lines.append(f"    public const int {pascal(name.lower())} = {value};")
+    lines = ["public static partial class Protocol", "{"]
+    if not for_tests:
+        lines.insert(0, "/// <summary>The protocol's numbers, and its messages.</summary>")
+        for name, value in model.constants.items():
+            lines.append(f"    public const int {pascal(name.lower())} = {value};")
     for socket, (each, most) in model.sockets.items():
+        if (each.name in model.heard) == for_tests:
+            continue
         place = "Reader r, byte[] data, int start, int count"
         lines += [
-            "",
+            *([""] if lines[-1] != "{" else []),
             f"    /// <summary>Reads a message of the kind `{socket}`; {REUSED}.</summary>",
             f"    public static bool Read{pascal(socket)}({place}, ref {union(each)} value)",
             "    {",

@@ -190,7 +190,8 @@ class Model:
     """All of the wire.
 
     messages: each after those that it holds. bases: what some derive from; never on the wire themselves. words,
-    unions: by name. sockets: what may come there, and the most bytes. constants: numbers of the protocol.
+    unions: by name. sockets: what may come there, and the most bytes. constants: numbers of the protocol. written,
+    heard: names of the messages, bases, words and unions that a client writes, and that it reads.
     """
 
     messages: tuple[Message, ...]
@@ -199,3 +200,10 @@ class Model:
     unions: tuple[Union, ...]
     sockets: dict[str, tuple[Union, int]]
     constants: dict[str, int]
+    written: frozenset[str]
+    heard: frozenset[str]
+
+
+def is_whole(model: Model, name: str) -> bool:
+    """Return whether a client both writes and reads what has this name."""
+    return name in model.written and name in model.heard

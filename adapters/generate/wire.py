@@ -26,8 +26,17 @@ from model import (
 )
 from msgspec import Struct, inspect
 
-from pacinian.wire import commands, control, message_docs, objects, protocol, replies, shapes, state
-from pacinian.wire import time as times
+from pacinian.wire import (
+    commands,
+    control,
+    message_docs,
+    modulation,
+    objects,
+    protocol,
+    replies,
+    shapes,
+    state,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +44,7 @@ if TYPE_CHECKING:
     from model import Type
 
 WORDS: dict[str, Any] = {
-    "PresetName": times.PresetName,
+    "PresetName": modulation.PresetName,
     "Code": replies.Code,
     "Output": state.Output,
 }
@@ -45,8 +54,8 @@ UNIONS: dict[str, Any] = {
     "Piece": shapes.Primitive | shapes.Placed,
     "Solid": shapes.Solid,
     "Curve": shapes.Curve,
-    "Envelope": times.Envelope,
-    "Technique": times.Technique,
+    "Envelope": modulation.Envelope,
+    "Technique": modulation.Technique,
     "Route": Literal["samples", "outline"] | shapes.Curve,
     "Object": objects.Object,
     "AnyCommand": commands.AnyCommand,
@@ -61,6 +70,8 @@ SOCKETS = {
     "state": ("AnyState", protocol.MAX_REPLY_BYTES),
 }
 BASES = commands.Command, control.Request, replies.Reply, objects.Felt
+WRITTEN = "AnyCommand", "AnyControl"  # by a client
+HEARD = "AnyReply", "AnyState", "Object"  # by a client; it reads its own objects to check them
 
 
 def read() -> Model:
@@ -77,14 +88,33 @@ def read() -> Model:
         assert isinstance(union, Union)
         sockets[socket] = union, most
         held.append(union)
+    unions = {t.name: t for t in held if isinstance(t, Union)}
+    by_name = {message.name: message for message in messages}
     return Model(
         messages,
         bases=tuple(_message(kind) for kind in BASES),
         words=tuple({t.name: t for t in held if isinstance(t, Words)}.values()),
-        unions=tuple({t.name: t for t in held if isinstance(t, Union)}.values()),
+        unions=tuple(unions.values()),
         sockets=sockets,
         constants={name: n for name, n in vars(protocol).items() if isinstance(n, int)},
+        written=_list_names([unions[name] for name in WRITTEN], by_name),
+        heard=_list_names([unions[name] for name in HEARD], by_name),
     )
+
+
+def _list_names(types: list[Type], messages: dict[str, Message]) -> frozenset[str]:
+    """The names of messages, bases, words and unions that there are in some types."""
+    names: set[str] = set()
+    while types:
+        for t in _within(types.pop()):
+            if not isinstance(t, (Part, Union, Words)) or t.name in names:
+                continue
+            names.add(t.name)
+            kinds = () if isinstance(t, Words) else t.kinds if isinstance(t, Union) else (t.name,)
+            for kind in kinds:
+                names |= {kind, messages[kind].base}
+                types += [field.type for field in messages[kind].fields]
+    return frozenset(names - {""})
 
 
 def _gather(kind: type[Struct], found: dict[type[Struct], None]) -> None:

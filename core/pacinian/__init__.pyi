@@ -56,7 +56,7 @@ from .errors import UnsupportedLimit as UnsupportedLimit
 from .errors import WireError as WireError
 from .plugins.backend import Backend as Backend
 from .plugins.backend import Capability as Capability
-from .plugins.backend import Found as Found
+from .plugins.backend import FoundDevice as FoundDevice
 from .plugins.backend import Frame as Frame
 from .plugins.hookspecs import hookimpl as hookimpl
 from .plugins.registry import Plugins as Plugins

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import threading
 import time
 from typing import TYPE_CHECKING, cast
 
@@ -19,8 +20,9 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.certificate import certify, measure_felt
+from pacinian.solving.corrections import MAX_CORRECTIONS, WORTHWHILE, correct_amplitudes
 from pacinian.solving.evidence import determine_status, measure_violations, relative_error
+from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce_zones
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
@@ -50,7 +52,7 @@ class Session:
 
     array: the array. medium: `Air()` by default. solver: a name or a `Solver`; it can be replaced at any time.
     precision: "single", or "double" for studies of ill-conditioned problems. clock: returns the time [s] for deadlines.
-    Raises ArgumentError, UnknownPlugin, PluginError. Not thread-safe.
+    Raises ArgumentError, UnknownPlugin, PluginError. Belongs to one thread at a time.
     """
 
     def __init__(
@@ -72,7 +74,10 @@ class Session:
         self.clock = clock
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
+        self.corrections = MAX_CORRECTIONS
+        """Most solves that correct what a solve for regions has left missing; 0 for its optimum in least squares."""
         self.last: Solution | None = None
+        self._solving = threading.Lock()
         self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # solved by a solver; its gains are in _work
@@ -117,15 +122,32 @@ class Session:
         from the sound that reaches the point. If no sound reaches it, the status is `unreachable`.
         limits: `Limits(gain=1.0)` by default. scale: "exact" (these pressures) or "max" (as strong as the solver can
         make them, in these proportions).
-        deadline: time from now [s]; the solver then returns its best result so far. With a deadline, regions on skin
-        keep the phases of a wave, which takes half the time and is less exact.
+        deadline: time from now [s]; the solver then returns its best result so far. With a deadline, regions are less
+        exact and take half the time: there are no corrections, and on skin they keep the phases of a wave.
         solver: for this solve, in place of the session's. out: array to write the gains to: contiguous, complex64
         (complex128 in double precision), shape (N,).
 
         The session measures the evidence in the result (pressures, residual, status) on the returned gains and does
         not rely on the solver's report. Gains are always finite, and |g| <= limits.gain always holds.
-        Raises ArgumentError, PointOnTransducer, UnsupportedLimit, and any exception of a solver plug-in.
+        Raises ArgumentError, PointOnTransducer, UnsupportedLimit, RuntimeError if another thread solves in this
+        session, and any exception of a solver plug-in.
         """
+        if not self._solving.acquire(blocking=False):
+            raise RuntimeError(
+                "another thread solves in this session: make a Session for each thread"
+            )
+        try:
+            return self._solve(
+                points, amplitudes, phases, regions, facing, limits, scale, deadline, solver, out
+            )
+        finally:
+            self._solving.release()
+
+    def _solve(
+        self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, regions: ArrayLike | None,
+        facing: SkinFacing | None, limits: Limits | None, scale: str, deadline: float | None,
+        solver: Solver | None, out: Complexes | None,
+    ) -> Solution:  # fmt: skip
         start = self.clock()
         budget = ENDLESS if deadline is None else Budget.until(deadline, self.clock)
         if limits is None:
@@ -149,9 +171,10 @@ class Session:
                 if len(warm.targets.amplitudes) and len(q)
                 else None
             )
-        self.last = self._base = self._solve_anew(
-            targets, limits, warm, budget, out, start, ready, solver
-        )
+        made = self._solve_anew(targets, limits, warm, budget, out, start, ready, solver)
+        if targets.regions is not None and budget.endless:
+            made = self._correct_regions(made, limits, start, solver)
+        self.last = self._base = made
         self._solved_with = (solver, limits, self.propagator.version, self.tilt)
         return self.last
 
@@ -326,10 +349,8 @@ class Session:
         out[:] = g
         miss, bound, objective = relative_error(targets, p), result.bound, result.objective
         if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
-            rest = (miss if asked is targets else asked.relative_error(p)) * targets.norm
-            quiet = p[targets.beside]
-            rest = rest * rest + result.quiet_weight * float(np.vdot(quiet, quiet).real)
-            objective = (rest + result.mu * kernels.power(g)) / 2.0
+            missed = miss if asked is targets else None
+            objective = _compute_objective(asked, p, g, result.mu, result.quiet_weight, missed)
             bound = min(bound, objective)  # any excess is rounding
         hard = limits.solver_limits or limits.zones
         broken = measure_violations(propagator, limits, targets, p, g) if hard else {}
@@ -350,6 +371,52 @@ class Session:
             facing=propagator.facing,
         )  # fmt: skip
 
+    def _correct_regions(
+        self, first: Solution, limits: Limits, start: float, solver: Solver
+    ) -> Solution:
+        """Return `first` with gains that make up for what the regularisation leaves missing in regions (decision 69).
+
+        The phases, the multipliers and the bound are those of `first`. Its gains stay if no correction comes clearly
+        nearer to the targets.
+        """
+        targets = first.targets
+        plain = targets.scale == "exact" and not (limits.solver_limits or limits.zones)
+        if not plain or limits.power is not None or first.mu != first.mu or first.late:
+            return first
+        assert first.asked_phases is not None
+        asked, best, error = targets.amplitudes, first, first.error
+        iterations = first.iterations
+        for _ in range(self.corrections):
+            asked = correct_amplitudes(asked, targets.amplitudes, best.sound_pressure)
+            kept, gains = self._work.copy(), np.empty_like(first.gains)
+            made = self._solve_anew(
+                dataclasses.replace(targets, amplitudes=asked, phases=first.asked_phases),
+                limits, best, ENDLESS, gains, start, True, solver,
+            )  # fmt: skip
+            iterations += made.iterations
+            miss = targets.relative_error(made.sound_pressure)
+            if not miss < WORTHWHILE * error:
+                self._work[:] = kept
+                break
+            best, error = made, miss
+        if best is first:
+            return first
+        first.gains[:] = best.gains
+        p = best.sound_pressure
+        weighed = targets.with_phases(first.asked_phases)
+        return dataclasses.replace(
+            first,
+            sound_pressure=p,
+            status=determine_status(
+                self.propagator, targets, error,
+                broken=False, late=best.late, scaled=best.status is Status.scaled,
+                limited=best.status is Status.limited,
+            ),
+            iterations=iterations,
+            objective=_compute_objective(weighed, p, self._work, first.mu, first.quiet_weight),
+            seconds=self.clock() - start,
+        )  # fmt: skip
+
     def _check_out_array(self, out: Complexes | None) -> Complexes:
         N, dtype = len(self.array), self.propagator.dtype
         if out is None:
@@ -359,6 +426,24 @@ class Session:
         if not (fits and out.flags.c_contiguous and out.flags.writeable):
             raise ArgumentError("out", f"must be {dtype}, contiguous, writable, of shape ({N},)")
         return out
+
+
+def _compute_objective(
+    asked: Targets,
+    p: Complexes,
+    g: Complexes,
+    mu: float,
+    quiet_weight: float,
+    miss: float | None = None,
+) -> float:
+    """Return 1/2 sum_m w_m |t_m - p_m|^2 + mu/2 ||g||^2 for targets t of fixed phases [Pa^2].
+
+    miss: relative error of p, if known.
+    """
+    rest = (asked.relative_error(p) if miss is None else miss) * asked.norm
+    quiet = p[asked.beside]
+    rest = rest * rest + quiet_weight * float(np.vdot(quiet, quiet).real)
+    return float(rest + mu * kernels.power(cast("Gains", g))) / 2.0
 
 
 def _as_rows(points: ArrayLike) -> ArrayLike:

@@ -33,10 +33,11 @@ from pacinian.testing import ManualClock
 Floats = NDArray[np.float64]
 
 SECONDS, FPS = 6.0, 15
+FIRST = 2.5  # [s] time of the first picture: where films do not play, it shows the touch
 SETTLED = 20  # ticks until the start of a moment has no effect any more
 SIZE, FINER = (800, 480), 2  # pixels; rays per side of a pixel
 SAVED, QUALITY = (640, 384), 38  # pixels of the loop; quality of the WebP
-EYE, TARGET = np.array([0.0, -0.47, 0.095]), np.array([0.005, 0.0, 0.108])  # [m]
+EYE, TARGET = np.array([0.0, -0.48, 0.115]), np.array([0.005, 0.0, 0.122])  # [m]
 ANGLE = 52.0  # horizontal angle of view [deg]
 BALL, RADIUS, PRESSURE = np.array([0.0, 0.0, 0.168]), 0.032, 6.0  # [m], [m], [Pa]
 TOP = 9.0  # end of the colour scale [Pa]
@@ -289,6 +290,8 @@ def main(path: Path, *moments: float) -> None:
                 drawn[-1].save(path.with_name(f"{path.stem}-{t:.2f}.png"))
     if not moments:
         drawn = [page.resize(SAVED, Image.Resampling.LANCZOS) for page in drawn]
+        first = round(FIRST * FPS)
+        drawn = drawn[first:] + drawn[:first]
         drawn[0].save(
             path, save_all=True, append_images=drawn[1:], duration=round(1000 / FPS), loop=0,
             quality=QUALITY, method=6,

@@ -26,9 +26,7 @@ def draw(name: str) -> None:
     """Draw the thumbnail of a picture."""
     (source,) = (DOCS / "pictures").glob(f"{name}.*")
     with Image.open(source) as opened:
-        if getattr(opened, "n_frames", 1) > 1:
-            opened.seek(opened.n_frames // 2)
-        picture = opened.convert("RGB")
+        picture = opened.convert("RGB")  # a film's first picture
     for prefix, (left, top, right, bottom) in PARTS.items():
         if name.startswith(prefix):
             w, h = picture.size

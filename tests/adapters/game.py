@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from pacinian.wire.state import State
-    from pacinian_lab.server.faults.device import Log
+    from pacinian_lab.server.faults.logging_device import Log
     from pacinian_lab.server.faults.server import Server
 
     from ..core.client.fake import Fake

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
-PURE = "client_outbox", "client_dialogue", "client_felt"
+PURE = "client_outbox", "client_session", "client_felt"
 ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
 OTHER = {
     "test_one_that_is_forgotten_says_goodbye",  # C++ forgets nothing

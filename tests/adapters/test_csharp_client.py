@@ -179,7 +179,9 @@ def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
             lambda: next((t for t in game.told if t.get("code") == "session"), None)
         )
         assert "`put` was asked for, but there is no session" in refused["message"]
-        game.until(lambda s: s["status"] == "Connected")
+        status = game.until(lambda s: s["status"] == "Connected")
+        assert status["cause"] == "not connected"
+        assert status["why"] == "connected; the server has not sent its first state yet"
         server.stream = lambda: state(cause="pause", why="an envelope is at 0")
         game.until(lambda s: (s["cause"], s["why"]) == ("pause", "an envelope is at 0"))
         server.stream = lambda: state(output="sounding", owner="other", scene="hall")

@@ -88,7 +88,7 @@ def test_where_nobody_is(tmp_path: Path, start: Start) -> None:
     path = tmp_path / "connection.json"
     with start(path) as game:
         game.do("start")
-        says = "no connection file; is `pacinian serve` running"
+        says = "no connection file; is `pacinian serve` running, or still starting?"
         game.until(lambda s: says in s["problem"] and s["status"] == "Connecting")
         Connection(pid=2**22 + 1, control=at, command=at, state=at, token="x").write(path)
         game.until(lambda s: "has gone; is `pacinian serve` running" in s["problem"])

@@ -15,7 +15,8 @@ pytestmark = pytest.mark.deep("mono", "mcs")
 
 
 def test_the_pure_parts(tmp_path: Path) -> None:
-    sources = [*tools.CORE.rglob("*.cs"), *(tools.CSHARP / "tests").glob("ClientUnit*.cs")]
+    tests = [*tools.SERVER_SIDE.glob("*.cs"), *(tools.CSHARP / "tests").glob("ClientUnit*.cs")]
+    sources = [*tools.CORE.rglob("*.cs"), *tests]
     program = tools.csharp(tmp_path / "ClientUnit.exe", sources)
     assert tools.run("mono", "--debug", program).splitlines()[-1].endswith(" passed")
 

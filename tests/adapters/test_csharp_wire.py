@@ -31,14 +31,20 @@ KNOWN = vectors()
 STOP = b"\x82\xa4type\xa4stop"
 
 
+@pytest.fixture(scope="module")
+def both_sides(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The core with readers and writers of all messages."""
+    return tools.core(tmp_path_factory.mktemp("both-sides"), tools.SERVER_SIDE.glob("*.cs"))
+
+
 @pytest.fixture
-def program(csharp_core: Path) -> Program:
+def program(both_sides: Path) -> Program:
     """Compiles a program of the tests beside the core, once."""
 
     def made(name: str) -> Path:
-        path = csharp_core.with_name(f"{name}.exe")
+        path = both_sides.with_name(f"{name}.exe")
         sources = [TESTS / f"{name}.cs", TESTS / "VectorsDecoder.cs"]
-        return path if path.exists() else tools.csharp(path, sources, csharp_core)
+        return path if path.exists() else tools.csharp(path, sources, both_sides)
 
     return made
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import fields
 
-from pacinian.wire import commands, control, objects, replies, shapes, state, time
+from pacinian.wire import commands, control, modulation, objects, replies, shapes, state
 
 from . import tools
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 GENERATE = tools.ADAPTERS / "generate"
-MODULES = commands, control, objects, replies, shapes, state, time
+UNITY = tools.ADAPTERS / "unity"
+MODULES = commands, control, objects, replies, shapes, state, modulation
 KINDS: dict[str, Any] = {
     name: kind
     for module in MODULES
@@ -47,7 +49,7 @@ def test_all_is_written_from_nothing_and_nothing_more(tmp_path: Path) -> None:
     files = {path for path in adapters.rglob("*.[ch]*") if path.suffix != ".pyc"}
     made = {path.relative_to(adapters) for path in files if path.is_file()}
     marked = [path for path in tools.ADAPTERS.rglob("*.[ch]*") if is_generated(path)]
-    marked += [path.with_name(f"{path.name}.meta") for path in marked if path.suffix == ".cs"]
+    marked += [path.with_name(f"{path.name}.meta") for path in marked if path.is_relative_to(UNITY)]
     assert made == {path.relative_to(tools.ADAPTERS) for path in marked}
     assert generate(adapters / "generate").stdout == ""
 
@@ -85,6 +87,30 @@ def test_messages_come_after_those_that_they_hold(model: Any) -> None:
         for field in message.fields:
             assert held(field.type) <= before, (message.name, field.name)
         before.add(message.name)
+
+
+def test_the_cores_have_only_what_a_client_needs(model: Any) -> None:
+    """Which is not to read what it sends, but for objects, nor to write what it hears."""
+    core = tools.ADAPTERS / "unreal" / "Pacinian" / "Source" / "PacinianCore"
+    cpp = "".join(path.read_text(encoding="utf-8") for path in core.rglob("*.h"))
+    files = (tools.CORE / "Wire").glob("Messages*.cs")
+    csharp = "".join(path.read_text(encoding="utf-8") for path in files)
+    parts = re.split(r"\n    public (?:sealed|abstract) (?:partial )?class ", csharp)
+    bodies = {
+        re.sub("^Haptic", "", part.split()[0]): part.split("\n    }\n")[0] for part in parts[1:]
+    }
+    for message in model.messages:
+        is_read, is_written = message.name in model.heard, message.name in model.written
+        assert f"{message.name}& message);" in cpp
+        assert is_read == (f"std::uint32_t left, {message.name}& message);" in cpp)
+        assert is_written == (f"write(Writer& out, const {message.name}& message);" in cpp)
+        assert is_read == ("bool Read(Reader r)" in bodies[message.name])
+        assert is_written == ("void Write(Writer w)" in bodies[message.name])
+    kinds = {socket: set(union.kinds) for socket, (union, _) in model.sockets.items()}
+    assert kinds["reply"] | kinds["state"] <= model.heard
+    assert kinds["command"] | kinds["control"] <= model.written
+    assert not (kinds["command"] | kinds["control"]) & model.heard
+    assert not (kinds["reply"] | kinds["state"]) & model.written
 
 
 def held(t: Any) -> set[str]:

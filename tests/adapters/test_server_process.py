@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from ..waiting import PATIENCE
+from ..waiting import PATIENCE, eventually
 from . import tools, unreal
 from .game import Game, find_server
 
@@ -39,7 +39,7 @@ def file(tmp_path: Path) -> Path:
     ]
 )
 def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., Game]]:
-    """Starts a game, whose server is as told."""
+    """Starts a game, whose server is as told; the folder of `file` is the one for temporary files."""
     program: list[str | Path] = (
         [build_cpp() / "core" / "client_server"] if request.param == "cpp" else []
     )
@@ -49,9 +49,11 @@ def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., 
         program = ["mono", tools.csharp(core.with_name("ClientServer.exe"), sources, core)]
     games: list[Game] = []
 
-    def begin(*command: str) -> Game:
-        log, words = file.with_name(f"log{len(games)}"), command or (SERVER, "--quiet")
-        games.append(Game([*program, file, log, *words], tools.environment()))
+    def begin(*command: str, log: str | None = None) -> Game:
+        named = str(file.with_name(f"log{len(games)}")) if log is None else log
+        words = command or (SERVER, "--quiet")
+        environment = {**tools.environment(), "TMPDIR": str(file.parent)}
+        games.append(Game([*program, file, named, *words], environment))
         return games[-1]
 
     yield begin
@@ -102,6 +104,25 @@ def test_why_there_is_no_server_is_told(
     assert not start(*command).until(lambda s: problem in s["problem"])["runs"]
 
 
+def test_a_server_that_was_killed_is_told_apart(start: Callable[..., Game], tmp_path: Path) -> None:
+    program = tmp_path / "pacinian"
+    program.write_text("#!/bin/sh\nkill -9 $$\n")
+    program.chmod(0o755)
+    start(str(program)).until(lambda s: s["problem"] == "the server was killed (signal 9)")
+
+
+@pytest.mark.parametrize("start", [pytest.param("csharp", marks=CSHARP)], indirect=True)
+def test_a_log_that_the_game_does_not_name_has_a_random_name_and_is_deleted(
+    start: Callable[..., Game], tmp_path: Path
+) -> None:
+    game = start("/nowhere/pacinian", log="")
+    game.until(lambda s: "was not found" in s["problem"])
+    (log,) = tmp_path.glob("pacinian-*.log")
+    assert len(log.stem) == len("pacinian-") + 32
+    game.say("stop")
+    eventually(lambda: not log.exists())
+
+
 @CPP
 def test_the_unreal_components_start_it_and_end_it(file: Path) -> None:
     with Game([build_cpp() / "play", file], tools.environment()) as game:
@@ -112,5 +133,6 @@ def test_the_unreal_components_start_it_and_end_it(file: Path) -> None:
         assert not psutil.wait_procs(processes, PATIENCE)[1]
         game.do("serve /nowhere/pacinian")
         told = game.until(lambda s: "cannot be started" in s["problem"])
+        assert "install Pacinian, or give the program's full path" in told["problem"]
         assert told["silence"] == told["problem"]
         assert game.end() == 0, game.told[-20:]

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
-from pacinian.wire.time import Wave
+from pacinian.wire.modulation import Wave
 from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually

@@ -18,7 +18,7 @@ SOURCES = unreal.layer()
 HEADERS = sorted((unreal.SOURCE / "Pacinian" / "Public").glob("*.h"))
 ENGINE = (unreal.STUBS / "headers.txt").read_text(encoding="utf-8").splitlines()
 KNOWN = {line.split()[0] for line in ENGINE if line and not line.startswith("#")}
-OWN = {"ZeroMQ", "MsgPack", *unreal.MODULES}
+OWN = {"ZeroMQ", *unreal.MODULES}
 ENGINE_MODULES = {
     "Core", "CoreUObject", "Engine", "DeveloperSettings", "HeadMountedDisplay", "InputCore", "PhysicsCore", "Projects",
     "PropertyEditor", "RHI", "RenderCore", "Slate", "SlateCore", "ToolMenus", "UnrealEd",
@@ -74,26 +74,19 @@ def test_libzmq_is_used_only_where_it_is() -> None:
 
 
 @pytest.mark.deep("cmake")
-@pytest.mark.parametrize("asked", [False, True])
-def test_the_recipe_builds_libzmq_only_if_asked(tmp_path: Path, asked: bool) -> None:
+def test_the_recipe_places_libzmq_where_the_module_looks(tmp_path: Path) -> None:
     """It is configured, and places stand-ins for what it would have built: it fetches nothing."""
-    recipe, word = unreal.SOURCE / "ThirdParty", "ON" if asked else "OFF"
-    tools.run("cmake", "-S", recipe, "-B", tmp_path / "build", f"-DPACINIAN_LIBZMQ={word}")
-    said = tools.run("cmake", "--build", tmp_path / "build", "--target", "help")
-    assert "msgpack" in said
-    assert ("zeromq" in said) == asked
+    recipe = unreal.SOURCE / "ThirdParty"
+    tools.run("cmake", "-S", recipe, "-B", tmp_path / "build")
+    assert "zeromq" in tools.run("cmake", "--build", tmp_path / "build", "--target", "help")
     here, stage = tmp_path / "plugin" / "Source" / "ThirdParty", tmp_path / "stage"
-    for name in ("msgpack/include/msgpack.h", "msgpack/lib/libmsgpack-c.a", "zeromq/include/zmq.h",
-                 "zeromq/lib/libzmq.so.5"):  # fmt: skip
+    for name in ("zeromq/include/zmq.h", "zeromq/lib/libzmq.so.5"):
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         (stage / name).touch()
-    given = f"-DHERE={here}", f"-DSTAGE={stage}", f"-DWITH_LIBZMQ={word}"
-    tools.run("cmake", *given, "-P", recipe / "place.cmake")
-    assert (here / "MsgPack" / "Include" / "msgpack.h").exists()
-    assert (here / "MsgPack" / "Lib" / "Linux" / "libmsgpackc.a").exists()
+    tools.run("cmake", f"-DHERE={here}", f"-DSTAGE={stage}", "-P", recipe / "place.cmake")
+    assert (here / "ZeroMQ" / "Include" / "zmq.h").exists()
     library = tmp_path / "plugin" / "Binaries" / "ThirdParty" / "ZeroMQ" / "Linux" / "libzmq.so.5"
-    assert (here / "ZeroMQ" / "Include" / "zmq.h").exists() == asked
-    assert library.exists() == asked
+    assert library.exists()
 
 
 def test_nothing_but_text_is_kept() -> None:
@@ -130,7 +123,7 @@ def test_the_core_knows_nothing_of_the_engine_and_its_public_headers_need_no_lib
         assert not re.search(r"\b(UE_LOG|FString|UObject|TEXT)\b", text), path
         assert not KNOWN.intersection(re.findall(r'#include "(.*?)"', raw)), path
         if "Public" in path.parts:
-            assert not re.search(r"#include <(zmq|msgpack|windows)", raw), path
+            assert not re.search(r"#include <(zmq|windows)", raw), path
 
 
 def test_headers_are_as_their_tool_wants_them() -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 ADAPTERS = Path(__file__).resolve().parents[2] / "adapters"
 CORE = ADAPTERS / "unity" / "Runtime" / "Core"
 CSHARP = ADAPTERS / "csharp"
+SERVER_SIDE = CSHARP / "tests" / "ServerSide"  # reads what a client sends, and writes what it hears
 CPP = ADAPTERS / "cpp"
 LIMIT = 550.0  # [s] for a compiler
 JOINED = "-DCMAKE_UNITY_BUILD=ON"  # sources compiled together, as Unreal does: sooner done
@@ -58,9 +59,9 @@ def csharp(
     return made
 
 
-def core(folder: Path, *, defines: Iterable[str] = ()) -> Path:
-    """The engine-free core in C#, as a library."""
-    made = csharp(folder / "Pacinian.dll", CORE.rglob("*.cs"), defines=defines)
+def core(folder: Path, more: Iterable[Path] = ()) -> Path:
+    """The engine-free core in C#, as a library. more: sources that it does not contain."""
+    made = csharp(folder / "Pacinian.dll", [*CORE.rglob("*.cs"), *more])
     shutil.copy(CSHARP / "Pacinian.dll.config", folder)
     return made
 

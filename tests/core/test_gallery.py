@@ -75,7 +75,7 @@ def test_in_the_crowd_three_balls_are_in_reach_and_all_are_felt() -> None:
     for t in MOMENTS:
         one = sampler()
         samples = one.sample(SCENES["crowd"](t), t)
-        assert one.skipped["objects out of reach"] == 97
+        assert one.skipped["objects away from hands"] == 97
         assert set(samples.objects.tolist()) == {0, 1, 2}
 
 
@@ -85,7 +85,7 @@ def test_there_are_as_many_balls_as_asked(count: int) -> None:
     assert len(scene.objects) == len({item.name for item in scene.objects}) == count
     one = sampler()
     one.sample(scene.with_hands(gallery.HAND))
-    assert one.skipped["objects out of reach"] == max(0, count - 3)
+    assert one.skipped["objects away from hands"] == max(0, count - 3)
 
 
 def test_the_stone_is_a_solid_of_ten_thousand_triangles() -> None:

@@ -105,3 +105,15 @@ def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(name: str, said:
 def test_hasattr_and_getattr_work_for_missing_names() -> None:
     assert not hasattr(pacinian, "no_such_name")
     assert getattr(pacinian, "no_such_name", 1) == 1
+
+
+@pytest.mark.parametrize("points", ["[(0.0, 0.0, 0.2)]", "[(0.0, 0.0, 0.2), (0.03, 0.0, 0.2)]"])
+def test_the_time_of_the_first_solve_includes_no_loading(points: str) -> None:
+    code = (
+        "import sys, pacinian as pc\n"
+        "session = pc.Session(pc.autd())\n"
+        "before = set(sys.modules)\n"
+        f"session.solve({points}, 1000.0)\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    assert fresh(code) == ""

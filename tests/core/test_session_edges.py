@@ -2,6 +2,7 @@
 
 import itertools
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any, ClassVar
 
@@ -193,3 +194,27 @@ def test_the_objective_is_that_of_the_gains_as_returned(limits: Any, level: floa
         rest = solution.residual
         exact = (np.vdot(rest, rest).real + solution.mu * np.vdot(g, g).real) / 2
         assert solution.objective == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_solve_in_another_thread_meanwhile_is_refused_and_harms_nothing() -> None:
+    """Both would write to the same memory."""
+    enter, leave = threading.Event(), threading.Event()
+
+    class Waits(pc.Solver):
+        name = "waits"
+
+        def solve(self, propagator: Any, targets: Any, *rest: Any) -> pc.Result:
+            enter.set()
+            assert leave.wait(60.0)
+            rest[-1][:] = 0.1
+            return pc.Result()
+
+    session = pc.Session(pc.autd(), solver=Waits())
+    with ThreadPoolExecutor() as pool:
+        first = pool.submit(session.solve, [0.0, 0.0, 0.2], 100.0)
+        assert enter.wait(60.0)
+        with pytest.raises(RuntimeError, match="make a Session for each thread"):
+            session.solve([0.0, 0.0, 0.2], 100.0)
+        leave.set()
+        assert first.result().gains[0] == np.float32(0.1)
+    assert session.solve([0.0, 0.0, 0.2], 100.0).gains[0] == np.float32(0.1)

@@ -10,7 +10,7 @@ import sys, numpy as np, pacinian as pc
 from pacinian_plugins.backends.openmpd import OpenMpd
 from pacinian_plugins.backends.sonicsurface import SonicSurface
 from pacinian_plugins.backends.usb_autd import UsbAutd
-OpenMpd(), SonicSurface(), list(OpenMpd.found()), list(SonicSurface.found())
+OpenMpd(), SonicSurface(), list(OpenMpd.find_devices()), list(SonicSurface.find_devices())
 b = UsbAutd(pretend=True); b.open(pc.autd(3, 3)); z = np.zeros((2, 2241), np.uint16)
 b.send(pc.Frame(0, 0.0, z, z)); b.close()
 loaded = {"pacinian.native", "scipy", "pyftdi"} & set(sys.modules)

@@ -11,7 +11,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link, server_session
-from pacinian_lab.server.faults.device import BLOCKED, UNPLUGGED
+from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually

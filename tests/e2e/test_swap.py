@@ -8,8 +8,8 @@ import numpy as np
 
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.control import Choice
-from pacinian_lab.server.faults.device import Probe
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
+from pacinian_lab.server.faults.logging_device import Probe
 
 from .game import RADIUS
 

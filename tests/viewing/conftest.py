@@ -37,7 +37,8 @@ SETTINGS = Settings(
 class Game:
     """Lets a ball, a plate and a point be felt, in a thread of its own, until it is left.
 
-    names: of those that are. moves: whether the plate does. refused: codes of what the server refused.
+    names: of those that are. envelope: of the plate. moves: whether the plate does. refused: codes of what the server
+    refused.
     """
 
     def __init__(
@@ -45,8 +46,10 @@ class Game:
         connection: Path,
         scene: str = "room",
         names: tuple[str, ...] = ("ball", "plate", "spark"),
+        envelope: pc.Constant | pc.Sine | None = None,
     ) -> None:
         self._connection, self._scene, self._names = connection, scene, names
+        self._envelope = envelope or pc.Constant()
         self._ended, self._sounds = threading.Event(), threading.Event()
         self.moves = False
         self.refused: list[str] = []
@@ -59,7 +62,7 @@ class Game:
         )  # fmt: skip
         plate = pc.Surface(
             name="plate", shape=pc.Disc(0.01), pose=pc.Pose((0.03, 0.03, 0.15)),
-            radiation_pressure=5.0,
+            radiation_pressure=5.0, envelope=self._envelope,
         )  # fmt: skip
         spark = pc.Point(name="spark", position=(-0.03, -0.03, 0.15), radiation_pressure=5.0)
         with pc.Client(self._connection, name="game", scene=self._scene) as client:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 SIZE = 1280, 800  # [px]
 COLOURS = 256
 LEGENDS = (894, 123, 12, 200), (30, 540, 70, 70)  # [px]: left, top, width, height of bar and wheel
+SHOW_SAMPLES = "() => document.getElementById('samples').scrollIntoView({ block: 'end' })"
 SETTLED = 12_000  # [ms]
 HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))
 BALL = pc.Volume(
@@ -92,8 +93,10 @@ def pictures() -> Iterator[tuple[str, bytes]]:
             for key in 5 * ["ArrowUp"] + 5 * ["+"]:
                 page.press("canvas", key)
             page.evaluate("() => document.activeElement.blur()")
+            page.evaluate(SHOW_SAMPLES)
             page.wait_for_timeout(1000)
             yield "viewer-error", take(shown)
+        page.evaluate("() => document.getElementById('panels').scrollTo(0, 0)")
         page.check("[name=of][value=pressure]")
         page.check("[name=axis][value=auto]")
         page.select_option("#slice-size", "0.1")

@@ -137,6 +137,7 @@ def test_a_server_that_goes_is_lost_and_another_one_is_found(tmp_path: Path) -> 
                 server.connection.write(connection)
                 page.next("array")
                 page.next("state")
+                page.until(lambda: "session" in page.newest)
                 assert page.newest["session"]["armed"] is False
             page.next("lost")
 

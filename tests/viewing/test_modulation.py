@@ -7,8 +7,8 @@ import pytest
 
 from pacinian.scene.modulation.envelope import resolve
 from pacinian.viewing.modulation import Modulation, share_time
-from pacinian.wire import time as wire
-from pacinian.wire.convert_time import envelope_to_scene, technique_to_scene
+from pacinian.wire import modulation as wire
+from pacinian.wire.convert_modulation import envelope_to_scene, technique_to_scene
 
 HAND = Modulation(wire.Constant(level=0.5))
 TIMES = 5.0 + np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 60)) / 60.0

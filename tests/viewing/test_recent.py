@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from pacinian.viewing.recent_frames import MAX_FRAMES, MODULATED_SPAN, MOVING_SPAN, RecentFrames
+from pacinian.wire.modulation import AM, Pulse, Sine
 from pacinian.wire.objects import Point
-from pacinian.wire.time import AM
 
 EVERY = 1.0 / 60.0
 FRAME_COUNT = min(MAX_FRAMES, int(MODULATED_SPAN / EVERY) + 1)
@@ -121,3 +123,27 @@ def test_a_recording_that_goes_back_begins_anew() -> None:
     recent = filled()
     recent.add(0.0, frame(-1.0))
     assert values(recent) == [-1.0]
+
+
+def test_the_strength_of_an_object_is_its_mean_over_the_modulation() -> None:
+    def point(**options: Any) -> Point:
+        return Point(position=(0.0, 0.0, 0.1), radiation_pressure=1.0, **options)
+
+    objects = {
+        "steady": STEADY_POINT,
+        "modulated": MODULATED_POINT,
+        "sine": point(envelope=Sine(frequency=150.0)),
+        "pulse": point(envelope=Pulse(width=0.1, period=0.4)),
+    }
+    poses = dict.fromkeys(objects, bytes(28))
+    recent = RecentFrames()
+    recent.see_scene(0.0, objects, poses)
+    names = [*objects, "gone"]
+    found = dict(zip(names, recent.find_strengths(names), strict=True))
+    assert found["steady"] == found["gone"] == 1.0
+    assert found["modulated"] == pytest.approx(0.5, abs=1e-3)
+    assert found["sine"] == pytest.approx(0.5, abs=1e-3)
+    assert found["pulse"] == pytest.approx(0.25, abs=1e-2)
+    recent.see_state(0.0, "am", b"", AM(frequency=200.0))
+    found = dict(zip(names, recent.find_strengths(names), strict=True))
+    assert found["steady"] == pytest.approx(0.5, abs=1e-3)

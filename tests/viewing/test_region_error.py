@@ -36,9 +36,14 @@ TWO = np.exp(1j * np.random.default_rng(0).uniform(0.0, 6.0, (2, 249))).astype(n
 
 
 def regions(
-    points: Floats, asked: Floats, normals: Floats | None = None, /, **more: Any
+    points: Floats,
+    asked: Floats,
+    normals: Floats | None = None,
+    /,
+    strength: float = 1.0,
+    **more: Any,
 ) -> Regions:
-    """Of one object."""
+    """Of one object. strength: its mean over the modulation."""
     made = {
         "points": pack(points),
         "normals": pack(np.tile(UP, (len(points), 1)) if normals is None else normals),
@@ -47,7 +52,7 @@ def regions(
         "felt": pack([[1.0, 0.0, 0.0, 0.0]]),
         **more,
     }
-    found = Regions.of(state(**made))
+    found = Regions.of(state(**made), np.array([strength, 1.0]))
     assert found is not None
     return found
 
@@ -82,14 +87,22 @@ def test_a_hole_between_samples_is_outside() -> None:
     assert found.asked.tolist() == [0.0, 1.0]
 
 
+def test_what_is_modulated_is_asked_for_on_average() -> None:
+    index = (np.arange(20) >= 10).astype("<i4").tobytes()
+    felt = pack([[1.0, 0.0, 0.0, 0.0]] * 2)
+    told = regions(GRID, np.full(20, 8.0), strength=0.25, index=index, felt=felt)
+    asked = np.frombuffer(told.asked, "<f4")
+    assert asked.tolist() == [2.0] * 10 + [8.0] * 10
+
+
 def test_isolated_samples_are_no_region() -> None:
     points = np.vstack([GRID, [[0.02, 0.0, 0.2]]])
     index = np.append(np.zeros(len(GRID)), 1).astype("<i4").tobytes()
     felt = pack([[1.0, 0.0, 0.0, 0.0], [np.nan] * 4])
     found = nearest_places(points, UP, regions(points, np.ones(21), index=index, felt=felt))
     assert found.rows.tolist() == list(range(20))
-    assert Regions.of(state(felt=felt[16:], index=bytes(4))) is None
-    assert Regions.of(state()) is None
+    assert Regions.of(state(felt=felt[16:], index=bytes(4)), np.ones(1)) is None
+    assert Regions.of(state(), np.ones(0)) is None
 
 
 @pytest.mark.parametrize(

@@ -193,6 +193,14 @@ def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
     np.testing.assert_array_equal(np.frombuffer(found or b"", "<f4"), wanted.astype("<f4"))
     assert 0 < np.isfinite(wanted).sum() < len(wanted)
 
+    # the frames of a modulation, of which fewer are computed
+    frames = np.linspace(0.1, 1.0, 30)[:, None] * np.stack([GAINS, GAINS.conj()] * 15)
+    many = DRIVE._replace(gains=frames.astype(np.complex64).tobytes(), regions=told)
+    found = asyncio.run(fields.pressure(asked, many, lambda: True))
+    wanted = compute_error(ARRAY, AIR, frames.astype(np.complex64), at, across, told)
+    scale = np.nanmax(np.abs(wanted))
+    np.testing.assert_allclose(np.frombuffer(found or b"", "<f4"), wanted, atol=1e-3 * scale)
+
 
 def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
     fields: FieldWorker, monkeypatch: pytest.MonkeyPatch
@@ -219,7 +227,16 @@ def test_silence_takes_no_process(fields: FieldWorker) -> None:
     quiet = DRIVE._replace(gains=b"")
     found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
     assert found == bytes(4 * 30 * 40)
+    error = msgspec.structs.replace(HERE, of="error")
+    told = quiet._replace(regions=Regions(bytes(12), bytes(12), bytes(4), bytes(4), b""))
+    found = asyncio.run(fields.pressure(error, told, lambda: True))
+    assert np.isnan(np.frombuffer(found or b"", "<f4")).all()
     assert not workers()
+
+
+def test_silent_frames_are_a_field_of_zeros() -> None:
+    silent = np.zeros((3, len(ARRAY)), np.complex64).tobytes()
+    assert not np.frombuffer(at_once(DRIVE.model.packed, silent, make_grid(HERE), peak=True)).any()
 
 
 def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(

@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import fields
 
 from pacinian.errors import WireError
-from pacinian.wire import commands, control, objects, replies, shapes, state, time
+from pacinian.wire import commands, control, modulation, objects, replies, shapes, state
 from pacinian.wire.codec import encode
 from pacinian_lab.vectors.examples import make_examples
 from pacinian_lab.vectors.vectors import DECODE, make_lines, make_text, make_vectors
@@ -46,10 +46,16 @@ def test_every_class_of_the_wire_is_in_them() -> None:
     seen = set().union(*(held(message) for _, _, message in make_examples()))
     wanted: set[Any] = {*commands.COMMANDS, *control.CONTROLS, *replies.REPLIES, *state.STATES}
     wanted |= {*objects.OBJECTS, commands.HandFrame, commands.Zone, control.Choice, replies.Plugin}
-    for group in (shapes.Shell, shapes.Solid, shapes.Curve, time.Envelope, time.Technique):
+    for group in (
+        shapes.Shell,
+        shapes.Solid,
+        shapes.Curve,
+        modulation.Envelope,
+        modulation.Technique,
+    ):
         wanted |= {kind for kind in group.__args__ if isinstance(kind, type)}
     assert not wanted - seen
-    modules = commands, control, objects, replies, shapes, state, time
+    modules = commands, control, objects, replies, shapes, state, modulation
     all_there_are = {
         kind
         for module in modules

@@ -1,28 +1,28 @@
 /** The page: the feed goes to the store, the store to space and panels, and what the user does goes back. */
 
-import { Boxer } from "./field/boxer";
+import { SurfaceBox } from "./field/surface-box";
 import { Scale } from "./field/scale";
-import { Skinner } from "./field/skinner";
-import { Slicer } from "./field/slicer";
+import { SkinPlane } from "./field/skin-plane";
+import { SlicePlane } from "./field/slice-plane";
 import { address, Feed } from "./feed/feed";
 import type { ToServer } from "./feed/messages";
 import { Store } from "./feed/store";
 import { Charts } from "./panels/charts";
-import { Demonstrating } from "./panels/demonstrating";
-import { Choosing } from "./panels/choosing";
+import { DemonstrationPanel } from "./panels/demonstration";
+import { ServerChoices } from "./panels/server-choices";
 import { element, say } from "./panels/dom";
-import { FieldPanel } from "./panels/fielding";
+import { FieldPanel } from "./panels/field";
 import { drawLegend, scaleBar, scaleSamples } from "./panels/legend";
 import { Lists } from "./panels/lists";
 import { notices } from "./panels/notices";
 import { OutputPanel } from "./panels/output";
-import { Replaying } from "./panels/replaying";
-import { Skinning } from "./panels/skinning";
-import { tell } from "./panels/telling";
-import { watchViews } from "./panels/views";
-import { shown } from "./shown";
+import { RecordingPanel } from "./panels/recording";
+import { SkinPanel } from "./panels/skin";
+import { showHoverValue } from "./panels/hover-value";
+import { watchViews } from "./panels/view-buttons";
+import { shown } from "./page-state";
 import { listen } from "./space/keys";
-import { Pointing } from "./space/pointing";
+import { Pointer } from "./space/pointer";
 import { Space } from "./space/space";
 import type { View } from "./space/view";
 
@@ -33,8 +33,8 @@ const feed = new Feed(address(location), {
   closed: () => store.linked("closed"),
 });
 const send = (message: ToServer): void => void feed.send(message);
-const slicer = new Slicer(send);
-const boxer = new Boxer(send);
+const slicePlane = new SlicePlane(send);
+const surfaceBox = new SurfaceBox(send);
 const scales = { pressure: new Scale(), error: new Scale() };
 
 /**
@@ -61,7 +61,7 @@ function acknowledge(view: View | undefined): void {
 /** All that is seen in space; null where there is no WebGL: the panels do without. */
 function makeSpace(): Space | null {
   try {
-    return new Space(element("space"), store, slicer, boxer, scales);
+    return new Space(element("space"), store, slicePlane, surfaceBox, scales);
   } catch (error) {
     const note = element("no-space");
     note.hidden = false;
@@ -73,18 +73,18 @@ function makeSpace(): Space | null {
 drawLegend();
 notices(store);
 new OutputPanel(store, send);
-new Choosing(store, send);
+new ServerChoices(store, send);
 new Lists(store);
-new Demonstrating(store, send);
-new Replaying(store, send);
+new DemonstrationPanel(store, send);
+new RecordingPanel(store, send);
 const space = makeSpace();
 new Charts(store, () => space?.transducers.drive ?? { mean: 0, most: 0 });
 if (space) {
-  listen(space, slicer);
+  listen(space, slicePlane);
   watchViews(space);
-  const pointing = new Pointing(space, slicer, tell);
-  new Skinning(store, new Skinner(send), space);
-  new FieldPanel(space, slicer, boxer, scales, store);
+  const pointing = new Pointer(space, slicePlane, showHoverValue);
+  new SkinPanel(store, new SkinPlane(send), space);
+  new FieldPanel(space, slicePlane, surfaceBox, scales, store);
   store.onBeat("slice", () => {
     element("bar").hidden = false;
     scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
@@ -92,10 +92,10 @@ if (space) {
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));
   store.on("array", (array) => {
-    if (array.fields && slicer.on) slicer.ask();
-    if (array.fields && boxer.on) boxer.ask();
+    if (array.fields && slicePlane.on) slicePlane.ask();
+    if (array.fields && surfaceBox.on) surfaceBox.ask();
   });
-  window.pacinian = shown(store, space, slicer, boxer);
+  window.pacinian = shown(store, space, slicePlane, surfaceBox);
 }
 acknowledge(space?.view);
 feed.open();

@@ -11,7 +11,7 @@ test("values over the last half minute, without growing", () => {
   assert.equal(times.length, first.length);
   assert.ok((times[0] ?? 0) >= -30 && times.length > 115 && times.length < 125);
   assert.equal(second.at(-1), 3000);
-  assert.ok((first.at(-1) ?? 0) > 2990);
+  assert.ok(Math.abs((first.at(-1) ?? 0) - 2985) < 5, String(first.at(-1))); // of the last second
 });
 
 test("a modulation shows as its mean and its maximum, not as beats", () => {
@@ -19,8 +19,8 @@ test("a modulation shows as its mean and its maximum, not as beats", () => {
   const strength = (t: number): number => 0.5 - 0.5 * Math.cos(2 * Math.PI * 29.7 * t);
   for (let k = 0; k < 300; k++) history.add(k / 30 + 0.02 * ((k * 0.618) % 1), strength(k / 30 + 0.02 * ((k * 0.618) % 1)), strength(k / 30 + 0.02 * ((k * 0.618) % 1)));
   const [, mean, max] = history.data as unknown as number[][];
-  for (const each of mean?.slice(1, -1) ?? []) assert.ok(Math.abs(each - 0.5) < 0.35, String(each));
-  for (const each of max?.slice(1, -1) ?? []) assert.ok(each > 0.5, String(each));
+  for (const each of mean?.slice(4) ?? []) assert.ok(Math.abs(each - 0.5) < 0.25, String(each));
+  for (const each of max?.slice(4) ?? []) assert.ok(each > 0.7, String(each));
 });
 
 test("no line where nothing is asked, nor over a gap; a time that goes back begins anew", () => {

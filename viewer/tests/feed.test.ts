@@ -106,6 +106,23 @@ test("a lost server comes back with an array; what was shown stays", () => {
   assert.deepEqual(links, ["live", "lost", "live", "closed"]);
 });
 
+test("a server that comes back before a beat leaves nothing of before to read", (t) => {
+  const failed = t.mock.method(console, "error", () => undefined);
+  const beats: (() => void)[] = [];
+  const store = new Store((read) => beats.push(read));
+  const seen: number[] = [];
+  store.onBeat("state", ({ sequence }) => seen.push(sequence));
+  store.take({ type: "array" } as Arrayed);
+  store.take({ type: "state", sequence: 5 } as State);
+  store.take({ type: "lost", reason: "it has gone" });
+  store.take({ type: "array" } as Arrayed);
+  for (const read of beats) read();
+  assert.deepEqual([seen, failed.mock.callCount()], [[], 0]);
+  store.take({ type: "state", sequence: 6 } as State);
+  beats.at(-1)?.();
+  assert.deepEqual(seen, [6]);
+});
+
 test("the feed is where the page is, with its token", () => {
   const page = { protocol: "http:", host: "127.0.0.1:8000", search: "?token=a%2Bb" } as Location;
   assert.equal(address(page), "ws://127.0.0.1:8000/feed?token=a%2Bb");

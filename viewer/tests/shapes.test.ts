@@ -6,8 +6,8 @@ import { BufferGeometry, Vector3 } from "three";
 import type { Bytes, Triple } from "../src/feed/messages";
 import type { Part, Shape } from "../src/feed/objects";
 import { way } from "../src/shapes/curves";
-import { surface } from "../src/shapes/marching";
-import { made, shaped } from "../src/shapes/things";
+import { surface } from "../src/shapes/marching-cubes";
+import { made, shaped } from "../src/shapes/geometry";
 
 function packed(values: Iterable<number>, kind: Float32ArrayConstructor | Uint32ArrayConstructor = Float32Array): Bytes {
   return new Uint8Array(kind.from(values as never).buffer as ArrayBuffer);

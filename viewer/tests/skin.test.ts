@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { Vector3 } from "three";
 
-import { square } from "../src/field/skinner";
+import { square } from "../src/field/skin-plane";
 import type { Bytes, State } from "../src/feed/messages";
 
 function bytes(values: number[], kind: typeof Float32Array | typeof Int32Array = Float32Array): Bytes {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import type { Arrayed, Bytes, Frame } from "../src/feed/messages";
-import { radii } from "../src/space/crowding";
+import { radii } from "../src/space/ring-sizes";
 import { Quads } from "../src/space/quads";
 import { Transducers } from "../src/space/transducers";
 

@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { LAWS, opacity, place, shareAt } from "../src/field/law";
+import { SCALE_LAWS, opacity, place, shareAt } from "../src/field/scale-law";
 import { advice } from "../src/panels/advice";
 import { split } from "../src/panels/reasons";
 
-for (const law of LAWS) {
+for (const law of SCALE_LAWS) {
   test(`places on the ${law} bar are those of their shares`, () => {
     for (const share of [0.002, 0.1, 0.5, 1]) assert.ok(Math.abs(shareAt(place(share, law), law) - share) < 1e-12);
     assert.equal(place(7, law), 1);

@@ -43,7 +43,7 @@ class Play {
     latencies_.reserve(100'000);
     client_.on.connected = [this] { begin(); };
     client_.on.refused = [](const pacinian::Refusal& why) {
-      std::fprintf(stderr, "refused: %s %s\n", why.code.c_str(), why.message.c_str());
+      std::fprintf(stderr, "refused: %s\n", why.text().c_str());
     };
     client_.on.ended = client_.on.refused;
     client_.on.state_changed = [this](const wire::State& state) { look(state); };

@@ -2,14 +2,14 @@
 
 #include <vector>
 
-#include "client/outlet.h"
+#include "client/message_sink.h"
 #include "expect.h"
-#include "pacinian/wire/codec.h"
+#include "server_side/decode.h"
 
 namespace check {
 
 /// Keeps what is sent, as long as there is room.
-class Sink : public pacinian::client::Outlet {
+class Sink : public pacinian::client::MessageSink {
  public:
   bool control(const pacinian::wire::Writer& message) override {
     return keep(message, controls, pacinian::wire::decode_control);

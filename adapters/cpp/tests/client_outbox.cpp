@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "client/attempts.h"
-#include "client/checking.h"
+#include "client/reconnect_backoff.h"
+#include "client/object_validation.h"
 #include "client/outbox.h"
 #include "client/timing.h"
 #include "client_check.h"
@@ -13,8 +13,8 @@ namespace {
 
 using check::Sink;
 using pacinian::Status;
-using pacinian::client::Attempts;
-using pacinian::client::Courier;
+using pacinian::client::ReconnectBackoff;
+using pacinian::client::CommandSender;
 using pacinian::client::Outbox;
 using pacinian::client::Place;
 using pacinian::client::Speed;
@@ -24,7 +24,7 @@ namespace wire = pacinian::wire;
 
 struct Box : Outbox {
   bool flush(double now) {
-    Courier courier{sink, session, sequence, writer};
+    CommandSender courier{sink, session, sequence, writer};
     return Outbox::flush(now, courier);
   }
   template <class T>
@@ -155,7 +155,7 @@ void what_the_server_would_refuse_is_found() {
 }
 
 void pauses_grow_and_shrink() {
-  Attempts attempts;
+  ReconnectBackoff attempts;
   EXPECT(attempts.status() == Status::connecting && attempts.due() <= 0.0);
   double now = 5.0, expected = 0.1;
   for (int i = 0; i < 8; ++i, expected = std::fmin(2.0, 2.0 * expected)) {
@@ -170,6 +170,13 @@ void pauses_grow_and_shrink() {
   EXPECT(std::fabs(attempts.due() - now - 0.1) < 1e-9);
   attempts.failed({"update the server", true}, now);
   EXPECT(attempts.status() == Status::refused && attempts.due() > now);
+  for (int i = 0; i < 8; ++i) attempts.failed({"no connection file", false}, now, ReconnectBackoff::unasked);
+  EXPECT(std::fabs(attempts.due() - now - 0.5) < 1e-9);
+}
+
+void refusals_are_told_without_what_is_empty() {
+  EXPECT(pacinian::Refusal({"limit", "is too large", "", ""}).text() == "limit: is too large");
+  EXPECT(pacinian::Refusal({"stopped", "no", "$.id", "reset first"}).text() == "stopped: no ($.id); reset first");
 }
 
 void round_trips() {
@@ -195,6 +202,7 @@ int main() {
   messages_are_small_enough();
   what_the_server_would_refuse_is_found();
   pauses_grow_and_shrink();
+  refusals_are_told_without_what_is_empty();
   round_trips();
   return check::result();
 }

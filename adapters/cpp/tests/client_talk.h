@@ -1,12 +1,12 @@
 #pragma once
 
-#include "client/dialogue.h"
+#include "client/server_session.h"
 #include "client_check.h"
 
 namespace talk {
 
 namespace wire = pacinian::wire;
-using pacinian::client::Dialogue;
+using pacinian::client::ServerSession;
 
 inline wire::Hello hello() {
   wire::Hello made;
@@ -15,9 +15,9 @@ inline wire::Hello hello() {
   return made;
 }
 
-/// A dialogue and a server that answers as it is told to.
-struct Talk : Dialogue {
-  Talk() : Dialogue(hello(), 2.0) {}
+/// A session and a server that answers as it is told to.
+struct Talk : ServerSession {
+  Talk() : ServerSession(hello(), 2.0) {}
 
   template <class T>
   void reply(T message) {
@@ -25,7 +25,7 @@ struct Talk : Dialogue {
     wire::encode(wire::AnyReply(std::move(message)), writer, SIZE_MAX);
     hear(writer.data(), writer.size(), now);
   }
-  void speak() { Dialogue::speak(now, sink); }
+  void speak() { ServerSession::speak(now, sink); }
   template <class T>
   std::vector<T> sent() const {
     return check::Sink::of<T>(sink.controls);

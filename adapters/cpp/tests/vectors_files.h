@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pacinian/wire/codec.h"
+#include "server_side/decode.h"
 
 namespace vectors {
 

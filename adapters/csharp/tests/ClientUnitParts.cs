@@ -193,6 +193,11 @@ namespace Pacinian.Tests
             ClientUnit.Holds(!RegionFelt.Of(state, "ball").Known);
         }
 
+        public void PlacesAreToldByTheirNumbers()
+        {
+            ClientUnit.Equal("(0.1, -2, 30)", new Vec3(0.1, -2.0, 30.0).ToString());
+        }
+
         public void ProblemsSayWhatToDo()
         {
             ClientUnit.Holds(Problems.Version(2).EndsWith("update the client", StringComparison.Ordinal));

@@ -249,10 +249,10 @@ namespace Pacinian.Tests
             }
             while (last.Poll(patience, SelectMode.SelectWrite));
             last.Close();
-            using (AutoResetEvent bell = new AutoResetEvent(false))
+            using (AutoResetEvent wake = new AutoResetEvent(false))
             {
                 double now = 0.0;
-                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, bell, () => now);
+                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, wake, () => now);
                 for (int i = opened.Count; i > 0; i--) // those that have come, and then the one that waited
                 {
                     opened.Add(listener.AcceptSocket());
@@ -363,9 +363,9 @@ namespace Pacinian.Tests
         {
             TcpListener listener = new TcpListener(IPAddress.Loopback, 0);
             listener.Start();
-            using (AutoResetEvent bell = new AutoResetEvent(false))
+            using (AutoResetEvent wake = new AutoResetEvent(false))
             {
-                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, bell, Timing.Now);
+                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, wake, Timing.Now);
                 using (Socket peer = listener.AcceptSocket())
                 {
                     peer.Send(Bytes(Greeting31 + Null));

@@ -14,7 +14,7 @@ namespace Pacinian.Tests
     internal sealed class ZmtpDriver
     {
         private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
-        private readonly AutoResetEvent _bell = new AutoResetEvent(false);
+        private readonly AutoResetEvent _wake = new AutoResetEvent(false);
         private readonly byte[] _into = new byte[1 << 20];
         private readonly ZmtpSocket _socket;
         private bool _ends, _ended, _holds;
@@ -32,7 +32,7 @@ namespace Pacinian.Tests
                 ConnectTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
                 HandshakeTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
             };
-            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _bell, Timing.Now);
+            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _wake, Timing.Now);
         }
 
         private static int Main(string[] arguments)
@@ -76,7 +76,7 @@ namespace Pacinian.Tests
                 ClientJson.Say("ended", _socket.Ended, "problem", _socket.Problem);
             }
             _socket.Watch();
-            _bell.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.Patience)));
+            _wake.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.Patience)));
             _socket.Work();
         }
 
@@ -115,10 +115,10 @@ namespace Pacinian.Tests
             while ((line = Console.In.ReadLine()) != null)
             {
                 _lines.Enqueue(line);
-                _bell.Set();
+                _wake.Set();
             }
             _lines.Enqueue("end");
-            _bell.Set();
+            _wake.Set();
         }
     }
 }

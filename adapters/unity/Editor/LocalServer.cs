@@ -18,10 +18,10 @@ namespace Pacinian.Haptics.Editing
 
         private static Process s_process;
 
-        /// <summary>Where it logs to.</summary>
+        /// <summary>Where it logs to: among the project's logs, where only its users can write.</summary>
         public static string LogFile
         {
-            get { return Path.Combine(Path.GetTempPath(), "pacinian-serve-" + Environment.UserName + ".log"); }
+            get { return Path.GetFullPath(Path.Combine("Logs", "pacinian-serve.log")); }
         }
 
         /// <summary>Whether it runs.</summary>
@@ -52,11 +52,13 @@ namespace Pacinian.Haptics.Editing
             how.EnvironmentVariables["PYTHONUNBUFFERED"] = "1";
             try
             {
+                Directory.CreateDirectory(Path.GetDirectoryName(LogFile));
                 s_process = Process.Start(how);
                 SessionState.SetString(Key, Mark(s_process));
                 return "";
             }
-            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException)
+            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException
+                || error is IOException || error is UnauthorizedAccessException)
             {
                 return executable + ": cannot be started: " + error.Message;
             }

@@ -92,7 +92,7 @@ namespace Pacinian.Haptics
             {
                 Describe(felt, now);
                 Place(felt, pose);
-                problem = Checking.Problem(felt);
+                problem = ObjectValidation.Problem(felt);
             }
             Tell(problem);
             _changed = false;

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 EXTRA_NODES = 20  # nodes along an axis, in addition to two per wavelength
 EVEN = 1e-5  # error accepted in return for almost even nodes
-LAST = 3  # highest coefficients along an axis that are checked
+CHECKED_COEFFICIENTS = 3  # highest coefficients along an axis that are checked
 MAX_REMAINDER = 1e-4  # largest size of these, relative to the largest pressure
 PROBES = 9  # check points along an axis, including corners, where the field is computed directly
 WRONG = 4e-4  # largest error at these, relative to the largest pressure
@@ -95,7 +95,7 @@ class Axis:
     """Interpolation from n nodes to K points along one axis.
 
     nodes: positions in steps, (n,). values: matrix from values at the nodes to values at the points, (K, n). last:
-    matrix from values at the nodes to the last coefficients, (LAST, n).
+    matrix from values at the nodes to the last coefficients, (CHECKED_COEFFICIENTS, n).
     """
 
     nodes: Floats
@@ -114,5 +114,5 @@ def _axis(K: int, n: int) -> Axis:
     d[d == 0.0] = 1e-300
     values = (-1.0) ** np.arange(n) * np.sin(angles) / d
     values /= values.sum(axis=1, keepdims=True)
-    last = 2.0 / n * np.cos(np.arange(n - LAST, n)[:, None] * angles)
+    last = 2.0 / n * np.cos(np.arange(n - CHECKED_COEFFICIENTS, n)[:, None] * angles)
     return Axis((x + 1.0) / 2.0 * (K - 1), values.astype(np.float32), last.astype(np.float32))

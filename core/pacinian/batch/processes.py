@@ -1,18 +1,23 @@
 """Other processes that solve parts of a batch, for solvers whose own Python code would keep threads waiting.
 
-A process reads a pickled task from its standard input, then numbers of problems, and writes their solutions as columns.
+A process reads pickled tasks and numbers of problems from its standard input, and writes the solutions as columns.
 Pickles go only between this process and the children that it started. Arrays and the medium go once, and solutions
 refer to them.
+
+A process takes some 0.4 s to start, so it stays for the batches to come, and ends after `KEPT` without any.
 """
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import io
 import os
 import pickle
+import signal
 import subprocess
 import sys
+import threading
 from typing import IO, TYPE_CHECKING, Any
 
 from pacinian.batch.columns import from_columns, to_columns
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
 
 LENGTH_BYTES = 8  # bytes of the length before each pickle
 COMMAND = "from pacinian.batch.processes import serve; serve()"
+KEPT = 60.0  # time for which a process waits for the next batch [s]
 HERE = b"__main__"  # the module that only this process has
 
 
@@ -40,10 +46,14 @@ def pack_task(task: Task) -> bytes | None:
 
 
 class WorkerProcess:
-    """A process that solves problems of one task. task: and its bytes, by `pack_task`."""
+    """A process that solves problems of one task at a time. code: by `WaitingProcesses.identify_code`."""
 
-    def __init__(self, task: Task, packed: bytes) -> None:
-        self._shared = [*task.arrays, task.medium]
+    def __init__(self, code: object) -> None:
+        self.code = code
+        self.started = threading.Event()
+        """Whether it can solve; also set if it has died."""
+        self._task: Task | None = None
+        self._packed: bytes | None = None
         path = os.pathsep.join(sys.path)
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", COMMAND],
@@ -52,16 +62,31 @@ class WorkerProcess:
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._out, self._in = self._process.stdin, self._process.stdout
-        self._packed = packed
+        self._greeter = threading.Thread(target=self._await_greeting, daemon=True)
+        self._greeter.start()
+
+    def _await_greeting(self) -> None:
+        with contextlib.suppress(OSError, EOFError, ValueError):
+            _receive(self._in)
+        self.started.set()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process.poll() is None
+
+    def begin(self, task: Task, packed: bytes) -> None:
+        """Take a task. packed: its bytes, by `pack_task`."""
+        self._task, self._packed = task, packed
 
     def solve(self, numbers: Sequence[int]) -> list[tuple[int, Solution]]:
         """Return the solutions of the problems with these numbers. Raises what the solver raises, and PluginError."""
+        assert self._task is not None
+        self.started.wait()
         try:
-            if self._packed:
-                _send(self._out, self._packed)
-                self._packed = b""
-            _send(self._out, pickle.dumps(numbers))
-            answer = _unpack(_receive(self._in), self._shared)
+            _send(self._out, pickle.dumps((self._packed, numbers)))
+            self._packed = None
+            answer = _unpack(_receive(self._in), [*self._task.arrays, self._task.medium])
         except (OSError, EOFError):
             raise PluginError("a process that solves a part of a batch has died") from None
         if isinstance(answer, Exception):
@@ -71,23 +96,98 @@ class WorkerProcess:
     def close(self) -> None:
         """End the process, even in the middle of a solve."""
         self._process.kill()
+        self._greeter.join()
         with contextlib.suppress(OSError):
             self._out.close()
         self._in.close()
         self._process.wait()
 
 
+class WaitingProcesses:
+    """The processes that wait for the next batch."""
+
+    def __init__(self) -> None:
+        self._all: list[WorkerProcess] = []
+        self._lock = threading.Lock()
+        self._timer: threading.Timer | None = None
+        self._written: dict[str, int] = {}  # times by module [ns]
+        self._edits = 0
+
+    def identify_code(self, task: Task) -> object:
+        """Return what differs if processes that have solved other tasks may lack the code of this one, or have old one.
+
+        It is where modules are found, and how often users have edited modules of solvers since they solved with them.
+        """
+        module, written = type(task.solver).__module__, 0
+        file = getattr(sys.modules.get(module), "__file__", None)
+        with contextlib.suppress(OSError):
+            written = os.stat(file).st_mtime_ns if file else 0
+        with self._lock:
+            self._edits += self._written.setdefault(module, written) != written
+            self._written[module] = written
+            return tuple(sys.path), self._edits
+
+    def count(self, code: object) -> int:
+        """Return how many processes wait that know this code."""
+        with self._lock:
+            return sum(one.code == code and one.alive for one in self._all)
+
+    def take(self, code: object, count: int) -> list[WorkerProcess]:
+        """Return `count` processes that know this code; starts those that are missing, and ends all others."""
+        with self._lock:
+            waiting, self._all = self._all, []
+        fit = [one for one in waiting if one.code == code and one.alive]
+        for one in waiting:
+            if one not in fit[:count]:
+                one.close()
+        return fit[:count] + [WorkerProcess(code) for _ in range(count - len(fit))]
+
+    def keep(self, processes: Sequence[WorkerProcess]) -> None:
+        """Keep processes that have no work for the next batch, for `KEPT`."""
+        with self._lock:
+            self._all += processes
+            if self._timer is not None:
+                self._timer.cancel()
+            self._timer = threading.Timer(KEPT, self.close)
+            self._timer.daemon = True
+            self._timer.start()
+
+    def close(self) -> None:
+        """End all processes that wait."""
+        with self._lock:
+            waiting, self._all = self._all, []
+        for one in waiting:
+            one.close()
+
+    def forget(self) -> None:
+        """Leave them to the process that this one was forked from."""
+        self._all, self._lock, self._timer = [], threading.Lock(), None
+
+
+waiting = WaitingProcesses()
+atexit.register(waiting.close)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=waiting.forget)
+
+
 def serve() -> None:
     """Solve problems until the standard input ends: what a process of a batch does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asks
     source, out = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a solver prints is no answer
-    task: Task = pickle.loads(_receive(source))
-    shared = [*task.arrays, task.medium]
-    with limit_blas_threads(), contextlib.suppress(EOFError, KeyboardInterrupt):
+    _send(out, b"started")
+    shared: list[object] = []
+    task: Task | None = None
+    with limit_blas_threads(), contextlib.suppress(EOFError, OSError):
         while True:
-            numbers: Sequence[int] = pickle.loads(_receive(source))
+            packed, numbers = pickle.loads(_receive(source))
             answer: Any
             try:
+                if packed is not None:
+                    task = pickle.loads(packed)
+                    assert task is not None
+                    shared = [*task.arrays, task.medium]
+                assert task is not None
                 answer = _pack(to_columns([one for _, one in task.solve(iter(numbers))]), shared)
             except Exception as error:
                 try:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-import math
 import os
+import threading
 import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
@@ -15,7 +15,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.batch.processes import WorkerProcess, pack_task
+from pacinian.batch.processes import pack_task, waiting
 from pacinian.batch.task import Task
 from pacinian.checks import check_integer, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError
@@ -28,16 +28,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from pacinian.acoustics.propagation import Precision
+    from pacinian.batch.processes import WorkerProcess
     from pacinian.solving.solution import Solution
     from pacinian.types import ArrayLike, Complexes, Floats, Longs
 
 MAX_PROBLEMS = 1_000_000  # problems in one call
 MAX_GAINS = 1 << 31  # gains of all solutions together: 16 GiB in single precision
-MAX_TRIED = 0.05  # time after which problems are no longer solved one by one [s]
-MAX_IN_THREADS = 2.0  # time for which starting processes does not pay [s]
+MAX_TRIED = 0.005  # time after which problems are no longer solved one by one [s]
+MIN_FOR_WAITING = 0.01  # time of a batch from which processes that wait for one help [s]
+MIN_FOR_NEW = (
+    0.5  # time of a batch from which a process is started: for each, its start takes 0.4 s [s]
+)
 MIN_IN_PROCESSES = 5e-5  # time of a problem from which the transfer of its solution pays [s]
 MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]
 MAX_PART = 0.1  # time of the problems that a process gets at once [s]
+PARTS = 8  # parts for each process, so that none waits long for the last
+POLL = 0.005  # time between looks whether a process has started [s]
 
 
 class Solutions(Sequence["Solution"]):
@@ -105,9 +111,10 @@ def solve_many(
     for `solve`. workers: number of problems solved at the same time; default: the number of cores.
 
     The gains are those of `solve`, bit for bit; with more than a million elements of B (M N), where BLAS would use all
-    cores for one problem, they may differ by rounding. Batches that take more than 2 s also run in other processes,
-    which start in about a second, because Python code of a solver does not run in two threads at once. Shorter batches
-    run in threads, and their problems of less than 1 ms one by one, because threads would only wait for each other.
+    cores for one problem, they may differ by rounding. Python code of a solver does not run in two threads at once, so
+    problems of more than 0.05 ms are also solved in other processes. A batch of more than 0.5 s starts them, in some
+    0.4 s; meanwhile, the first problems are solved here. They stay for a minute, and help from 10 ms on. Solvers and
+    directivities that other processes cannot load run in threads, if a problem takes more than 1 ms.
     The solver must keep no state between calls. No solution depends on the time, so there is no deadline.
     Raises what `solve` raises, with a note that gives the number of the problem; and PluginError if a process dies.
     """
@@ -136,16 +143,19 @@ def _solve_all(task: Task, workers: int) -> list[Solution]:
     if first < K:
         each = (time.perf_counter() - begin) / (first - 1)  # [s]
         rest = K - first
-        workers = min(workers, rest)
-        long = each * rest > MAX_IN_THREADS and each > MIN_IN_PROCESSES
-        packed = pack_task(task) if long else None
+        code, whole = waiting.identify_code(task), each * rest  # [s]
+        others = min(workers, rest) - 1
+        helpers = min(others, max(waiting.count(code), int(whole / MIN_FOR_NEW)))
+        pays = each > MIN_IN_PROCESSES and whole > MIN_FOR_WAITING
+        packed = pack_task(task) if helpers and pays else None
         if packed is None:
             numbers = iter(range(first, K))  # shared by the threads: each takes the next number
-            workers = 1 if each < MIN_IN_THREADS else workers
-            _run([lambda: _take(task, numbers, found)] * workers, numbers)
+            threads = 1 + others if each >= MIN_IN_THREADS else 1
+            _run([lambda: _take(task, numbers, found)] * threads, numbers)
         else:
-            size = max(1, min(int(MAX_PART / each), math.ceil(rest / workers)))
-            _solve_in_processes(task, packed, first, size, workers, found)
+            size = max(1, min(int(MAX_PART / each), rest // ((1 + helpers) * PARTS)))
+            parts = [range(k, min(k + size, K)) for k in range(first, K, size)]
+            _solve_in_processes(task, packed, waiting.take(code, helpers), parts, found)
     return [found[k] for k in range(K)]
 
 
@@ -154,24 +164,33 @@ def _take(task: Task, numbers: Iterator[int], found: dict[int, Solution]) -> Non
 
 
 def _solve_in_processes(
-    task: Task, packed: bytes, first: int, size: int, workers: int, found: dict[int, Solution]
-) -> None:
-    """Solve the problems from `first` on in this process and in others, `workers` in all, `size` at once."""
-    K = len(task.points)
-    parts = iter([range(k, min(k + size, K)) for k in range(first, K, size)])
-    processes: list[WorkerProcess] = []
+    task: Task, packed: bytes, processes: Sequence[WorkerProcess], parts: Sequence[range], found: dict[int, Solution]
+) -> None:  # fmt: skip
+    """Solve the problems of these parts in this process and in others, as soon as these have started."""
+    rest = iter(parts)
+    done = threading.Event()  # no part is left
+
+    def here() -> None:
+        try:
+            _take(task, itertools.chain.from_iterable(rest), found)
+        finally:
+            done.set()
 
     def drain(process: WorkerProcess) -> None:
-        for part in parts:
+        process.begin(task, packed)
+        while not process.started.wait(POLL):
+            if done.is_set():
+                return
+        for part in rest:
             found.update(process.solve(part))
 
     try:
-        processes += (WorkerProcess(task, packed) for _ in range(workers - 1))
-        here = partial(_take, task, itertools.chain.from_iterable(parts), found)
-        _run([here, *(partial(drain, process) for process in processes)], parts)
-    finally:
+        _run([here, *(partial(drain, process) for process in processes)], rest)
+    except BaseException:
         for process in processes:
             process.close()
+        raise
+    waiting.keep(processes)
 
 
 def _run(jobs: Sequence[Callable[[], None]], rest: Iterator[object]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import click
@@ -53,7 +52,7 @@ def demo(
         click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
 
     from pacinian.acoustics.array import autd
-    from pacinian.cli.run_output import picture, print_summary, progress, summary
+    from pacinian.cli.run_output import ProcessorMeter, picture, print_summary, progress, summary
     from pacinian.demo import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer
@@ -62,15 +61,15 @@ def demo(
     device = backend("simulated", rate=rate)
     renderer = Renderer(array, make_circling_scene, solver=solver, backend=device, rate=rate)
     extra: dict[str, Any] = {"seconds": seconds}
-    processor: float | None = None
+    others: float | None = None
     with renderer, progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick:
-        begin = time.process_time()
+        meter = ProcessorMeter()
         if dummy:  # which only burns the processor's time
             extra["dummy"] = alternate(renderer, seconds, on_tick).summary()
         else:
             renderer.run(seconds, on_tick)
-            processor = time.process_time() - begin
+            others = meter.measure_others()
     title = "A circling ball and a button: radiation pressure"
     extra["picture"] = picture(renderer, out, title, quiet=as_json)
     less = "" if units == 1 else "fewer units (`--units 1`), or "
-    print_summary(summary(renderer, extra, processor), as_json, f"try {less}a lower `--rate`")
+    print_summary(summary(renderer, extra, others), as_json, f"try {less}a lower `--rate`")

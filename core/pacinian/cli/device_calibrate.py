@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import asdict
 from functools import reduce
 from operator import add
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -18,16 +19,21 @@ if TYPE_CHECKING:
     from pacinian.devices.description import DeviceDescription
     from pacinian.devices.scan import Scan
     from pacinian.devices.scan_fit import ScanFit
-    from pacinian.types import Floats
+    from pacinian.types import Flags, Floats
 
 MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
 VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
-MAX_POSE_ERRORS = 2.5  # pose, in standard errors, above which these are too small
+DOUBTFUL_POSE, WRONG_POSE = (
+    2.5,
+    4.0,
+)  # pose, in standard errors, above which it is told, and refused
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
 MANY_OUTLIERS = 0.02  # share of the readings above which outliers are a warning
 CLIPPED = 0.995, 0.01  # of the highest amplitude, and the share of readings that may be above
 MIN_CLIPPED = 10  # readings above; fewer may be chance
+MAX_ODD = 0.05  # share of the channels that do not fit, above which their order is wrong
+WIDENED = 1.05  # factor from which a standard error that has widened is told
 MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
@@ -71,7 +77,8 @@ def calibrate(
     A scan is a CSV file with the columns x,y,z,serial,channel,amplitude,phase ([m], any unit, [rad]) of channels driven
     one at a time, or an NPZ or HDF5 file with positions, readings and perhaps drives. It needs at least 6 positions of
     the microphone, better 12, at different heights. The result has standard errors. It replaces all strengths, phases
-    and dead channels of FILE. This command drives no device; docs/devices.md explains how to measure.
+    and dead channels of FILE. If the scan contradicts FILE, for example by another order of the channels, nothing is
+    written, and the exit code is 1. This command drives no device; docs/devices.md explains how to measure.
     """
     import numpy as np
 
@@ -114,16 +121,18 @@ def calibrate(
         for key, n in zip(keys, order, strict=True)
         if not fit.unseen[n]
     }
-    write_calibration(out, measured)
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
     known = np.r_[[shift_error] * 3, [turn_error] * 3]
     findings = [
         *_findings(fit, scan, names, known),
         _judge_strength(fit, scan, device, sensitivity_error),
     ]
+    good = all(finding.level != "problem" for finding in findings)
+    if good:
+        write_calibration(out, measured)
     if as_json:
         result = {
-            "out": str(out),
+            "out": str(out) if good else None,
             "findings": [asdict(f) for f in findings],
             "pressure": fit.pressure,
             "pressure_error": float(np.hypot(fit.pressure_error, sensitivity_error)),
@@ -132,6 +141,7 @@ def calibrate(
             "speed_error": fit.speed_error,
             "pose": {"position": fit.pose.position, "rotation": fit.pose.rotation},
             "pose_errors": fit.pose_errors.tolist(),
+            "widened": dict(zip(("positions", "shift", "turn"), fit.widened.tolist(), strict=True)),
             "channels": [
                 {"serial": serial, "channel": channel, **values._asdict()}
                 for (serial, channel), values in measured.items()
@@ -140,7 +150,12 @@ def calibrate(
         click.echo(json.dumps(result))
     else:
         print_findings(findings)
-        click.echo(f"{out}: {len(measured)} channels; set it as `calibration` in {file}")
+        told = f"not written, because the scan contradicts {file}"
+        if good:
+            told = f"{len(measured)} channels; set it as `calibration` in {file}"
+        click.echo(f"{out}: {told}")
+    if not good:
+        sys.exit(1)
 
 
 def _judge_strength(
@@ -204,16 +219,38 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     if mean > VAGUE:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
         found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
-    if (np.abs(np.r_[fit.shift, fit.turn]) > MAX_POSE_ERRORS * known + ROUNDING).any():
+    level: Literal["warning", "problem"]
+    off = float(
+        np.max((np.abs(np.r_[fit.shift, fit.turn]) - ROUNDING) / np.maximum(known, ROUNDING))
+    )
+    if off > DOUBTFUL_POSE:
         fix = (
             "check the positions' frame and the order of the channels. If they are right, give --shift-error and "
-            "--turn-error as large as they may be; the gains and phases then hold all the same"
+            "--turn-error as large as they may be; the gains and phases then hold"
         )
-        found.append(Finding("pose", "warning", "off by more than its standard errors allow", fix))
+        level = "problem" if off > WRONG_POSE else "warning"
+        found.append(Finding("pose", level, f"off by {off:.1f} of the standard errors given", fix))
+    wider = [
+        f"{factor:.1f} times --{name}-error"
+        for name, factor in zip(("position", "shift", "turn"), fit.widened, strict=True)
+        if factor >= WIDENED
+    ]
+    if wider:
+        text = f"the scan shows {', '.join(wider)}; all errors told here include that"
+        fix = "nothing to do, unless positions and pose are known that well: then check them"
+        found.append(Finding("standard errors", "ok", text, fix))
     for text in fit.vague:
         what, _, fix = text.partition(": ")
         found.append(Finding("unknown", "warning", what, fix))
     places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
+    if fit.odd.any():
+        wrong = fit.odd.sum() > max(
+            MAX_ODD * len(fit.odd), 2.0
+        )  # two may be a pair of swapped wires
+        fix = "check the order of the channels, their wires and joints, or leave their rows out"
+        text = _list(names, fit.odd)
+        level = "problem" if wrong else "warning"
+        found.append(Finding("channels that do not fit", level, text, fix))
     for name, which, items, fix in (
         (
             "positions that do not fit",
@@ -230,12 +267,16 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
         ),
         ("unseen", fit.unseen, names, "left out: scan closer to them, or at more positions"),
     ):
-        chosen = [items[i] for i in np.flatnonzero(which)]
-        more = f" and {len(chosen) - MAX_LISTED} more" if len(chosen) > MAX_LISTED else ""
-        if chosen:
-            text = f"{len(chosen)}: {', '.join(chosen[:MAX_LISTED])}{more}"
-            found.append(Finding(name, "warning", text, fix))
+        if which.any():
+            found.append(Finding(name, "warning", _list(items, which), fix))
     return found
+
+
+def _list(items: list[str], which: Flags) -> str:
+    """Return how many items are chosen, and the first of them."""
+    chosen = [item for item, here in zip(items, which, strict=True) if here]
+    more = f" and {len(chosen) - MAX_LISTED} more" if len(chosen) > MAX_LISTED else ""
+    return f"{len(chosen)}: {', '.join(chosen[:MAX_LISTED])}{more}"
 
 
 def _measure(values: Floats, errors: Floats, form: str) -> str:

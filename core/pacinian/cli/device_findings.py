@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from pacinian.devices.board import Board
     from pacinian.devices.description import DeviceDescription
-    from pacinian.plugins.backend import Capability, Found
+    from pacinian.plugins.backend import Capability, FoundDevice
 
 MIN_SPACING = 0.008  # least plausible distance of transducers [m]
 UNLIKE = 2.0  # largest plausible ratio of a channel's strength to that of its kind, or inverse
@@ -95,7 +95,7 @@ def levels(device: DeviceDescription, can: Capability) -> Finding:
     return Finding("levels", "ok", str(can))
 
 
-def check_connected(device: DeviceDescription, found: Iterable[Found]) -> list[Finding]:
+def check_connected(device: DeviceDescription, found: Iterable[FoundDevice]) -> list[Finding]:
     """Check that the described boards are connected, and no others."""
     ours = [f for f in found if device.backend in ("", f.backend)]
     here = [f for f in ours if f.title]

@@ -17,7 +17,7 @@ from pacinian.cli.run_output import check_picture_path
 if TYPE_CHECKING:
     from pacinian.cli.doctor_rules import Finding
     from pacinian.devices.description import DeviceDescription
-    from pacinian.plugins.backend import Found
+    from pacinian.plugins.backend import FoundDevice
 
 FILE = click.argument("file", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
@@ -54,7 +54,7 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
         raise SystemExit(1)
 
 
-def _list(found: list[Found]) -> None:
+def _list(found: list[FoundDevice]) -> None:
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table

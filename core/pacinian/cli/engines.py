@@ -75,15 +75,8 @@ def unreal(path: Path, replace: bool) -> None:
         click.echo(
             "The project has no C++ code, which a plugin of sources needs: in the editor, Tools > New C++ Class, once."
         )
-    click.echo("\nNext:\n  1. Start a server:    pacinian serve")
-    library = target / "Source" / "ThirdParty" / "MsgPack" / "Include"
-    if not library.is_dir():
-        click.echo(
-            f"  -  Build its library: cd {target}\n"
-            "                        cmake -S Source/ThirdParty -B Intermediate/ThirdParty\n"
-            "                        cmake --build Intermediate/ThirdParty --config Release"
-        )
     click.echo(
+        "\nNext:\n  1. Start a server: pacinian serve\n"
         "  2. Generate the project files again, build, and open the editor.\n"
         "  3. In your level: place a Haptic Array, and add a Haptic Volume to a sphere 17.5 cm above it. Press Play."
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +52,7 @@ def render(
     """
     from msgspec.structs import replace
 
-    from pacinian.cli.run_output import picture, print_summary, progress, summary
+    from pacinian.cli.run_output import ProcessorMeter, picture, print_summary, progress, summary
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.scene_renderer import make_renderer
     from pacinian.scene.file import load_scene_file
@@ -73,9 +72,9 @@ def render(
         "strict": strict,
     }
     with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
-        begin = time.process_time()
+        meter = ProcessorMeter()
         renderer.run(seconds or None, on_tick)
-        processor = time.process_time() - begin
+        others = meter.measure_others()
     extra["picture"] = picture(renderer, out, scene.name, quiet=as_json)
     remedy = "give the scene file a lower `rate`, a smaller `array` or fewer objects"
-    print_summary(summary(renderer, extra, processor), as_json, remedy)
+    print_summary(summary(renderer, extra, others), as_json, remedy)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import time
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +21,10 @@ if TYPE_CHECKING:
 
 MAX_LISTED = 8  # objects whose felt quality is shown
 TIMELY_SHARE = 0.95  # share of ticks on time from which a run counts as on time
-BUSY_SHARE = 0.7  # share of the ticks' time below which other programs held the processor
+OTHERS_SHARE = (
+    0.25  # share of all processors from which other programs count as the cause of late ticks
+)
+ENDED_EARLY_SHARE = 0.5  # share of the solves from which it is said that they ended early
 
 
 def progress(
@@ -68,12 +73,35 @@ def check_picture_path(context: click.Context, parameter: click.Parameter, path:
     return path
 
 
+class ProcessorMeter:
+    """Measures which share of all processors other programs take."""
+
+    def __init__(self) -> None:
+        self._begin = self._read()
+
+    def _read(self) -> tuple[float, float, float]:
+        """Return the time of the clock, of this process and of all programs on the processors [s]."""
+        import psutil
+
+        times = psutil.cpu_times()._asdict()
+        idle = ("idle", "iowait", "guest", "guest_nice")  # guests' time is part of user's
+        busy = sum(spent for name, spent in times.items() if name not in idle)
+        return time.perf_counter(), time.process_time(), busy
+
+    def measure_others(self) -> float:
+        """Return the share since the start, 0 to 1."""
+        wall, own, busy = (
+            end - begin for end, begin in zip(self._read(), self._begin, strict=True)
+        )
+        everything = (os.cpu_count() or 1) * wall
+        return min(1.0, max(0.0, (busy - own) / everything)) if everything else 0.0
+
+
 def summary(
-    renderer: Renderer, extra: dict[str, Any], processor: float | None = None
+    renderer: Renderer, extra: dict[str, Any], others: float | None = None
 ) -> dict[str, Any]:
-    """Return the figures of a run. processor: time that the processor spent on it [s], if that was measured."""
+    """Return the figures of a run. others: the share of all processors that other programs took, if it was measured."""
     session, report = renderer.session, renderer.report
-    busy = float(report.recent(report.ticks).sum())  # [s]
     return {
         "transducers": len(session.array),
         "samples": len(session.propagator.points),
@@ -81,7 +109,7 @@ def summary(
         "solver": session.solver.name,
         "backend": renderer.backend.name,
         **report.summary(),
-        "processor_share": min(1.0, processor / busy) if processor and busy else None,
+        "others_share": others,
         **extra,
     }
 
@@ -99,7 +127,7 @@ def print_summary(figures: dict[str, Any], as_json: bool, remedy: str = "") -> N
         _print_table(figures, remedy)
     if figures["interrupted"]:
         raise SystemExit(130)
-    if figures["fault_count"] or (figures.get("strict") and not figures["intact"]):
+    if figures["fault_count"] or (figures.get("strict") and not figures["as_asked"]):
         raise SystemExit(1)
 
 
@@ -114,18 +142,32 @@ def judge_pace(figures: dict[str, Any], remedy: str) -> str:
         return ""
     on_time = f"{timely / planned:.0%} of the {planned:,} planned ticks were on time"
     if timely >= TIMELY_SHARE * planned:
-        return f"{on_time}."
-    took, free, due = figures["tick_p50_ms"], figures["processor_share"], 1e3 / figures["rate"]
+        return f"{on_time}.{_describe_early(figures)}"
+    took, others, due = figures["tick_p50_ms"], figures["others_share"], 1e3 / figures["rate"]
     most = f"one took {took:.1f} ms (median)"
-    if took < due:
+    if took < due <= figures["tick_p99_ms"]:
         most += f", but one in a hundred {figures['tick_p99_ms']:.1f} ms or more"
-    text = f"Only {on_time}: {most}, and {figures['rate']:g} Hz leave {due:g} ms."
-    if free is not None and free < BUSY_SHARE:
-        text += f" Other programs held the processor for {1.0 - free:.0%} of that time: close them."
-        took *= free
+    most += f", and {figures['rate']:g} Hz leave {due:g} ms"
+    if figures["tick_p99_ms"] < due:
+        most += ", but many began late"
+    text = f"Only {on_time}: {most}."
+    text += _describe_early(figures)
+    if others is not None and others >= OTHERS_SHARE:
+        return (
+            f"{text} Other programs took {others:.0%} of the processors: close them, or {remedy}."
+        )
     if took >= due:
-        text += f" This machine is too slow for this scene at this rate: {remedy}."
-    return text
+        return f"{text} This machine is too slow for this scene at this rate: {remedy}."
+    return f"{text} For more, {remedy}."
+
+
+def _describe_early(figures: dict[str, Any]) -> str:
+    """Say how many solves ended early, if many did."""
+    solves = sum(figures["statuses"].values())
+    early = figures["statuses"].get("deadline", 0)
+    if early < ENDED_EARLY_SHARE * solves or not early:
+        return ""
+    return f" {early:,} of {solves:,} solves ran out of time, which makes the pressure weaker or less even."
 
 
 def _print_table(figures: dict[str, Any], remedy: str) -> None:
@@ -172,7 +214,7 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
     console = make_console()
     console.print(table)
     if pace := judge_pace(figures, remedy):
-        console.print(Text(pace, style="yellow" if pace.startswith("Only") else "green"))
+        console.print(Text(pace, style="green" if pace.endswith("on time.") else "yellow"))
     if figures.get("picture"):
         console.print(Text(f"Picture: {Path(figures['picture']).resolve()}"), soft_wrap=True)
 

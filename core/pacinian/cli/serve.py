@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
 
     from pacinian.plugins.registry import Kind
-    from pacinian.scene.setup import Choice
+    from pacinian.scene.setup import PluginConfig
     from pacinian.serving.settings import Settings
 
 FAREWELL = 5.0  # time for the viewer to end [s]
@@ -94,7 +94,7 @@ def _known(settings: Settings) -> None:
     from pacinian.plugins.registry import GROUP, Plugins
 
     installed = entry_points(group=GROUP)
-    chosen: tuple[tuple[Kind, str | Choice], ...] = (
+    chosen: tuple[tuple[Kind, str | PluginConfig], ...] = (
         ("solver", settings.solver),
         ("backend", settings.backend),
     )

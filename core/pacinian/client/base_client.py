@@ -45,70 +45,70 @@ class BaseClient(Closing):
         self._hello: dict[str, Any] = {"client": name, "scene": scene, "lease": lease}
         self._owner = os.getpid(), threading.get_ident()
         self._ids, self._closed = itertools.count(), False
-        self._dialogue = self._connect()
+        self._server_session = self._connect()
 
     @property
     def trips(self) -> Trips:
         """Round trips of the last blocking calls."""
-        return self._dialogue.timing.trips
+        return self._server_session.timing.trips
 
     @property
     def errors(self) -> list[Refused]:
         """Errors of the calls that did not wait. Reading this clears them."""
         self._look()
-        told = list(self._dialogue.errors)
-        self._dialogue.errors.clear()
+        told = list(self._server_session.errors)
+        self._server_session.errors.clear()
         return told
 
     @property
     def connected(self) -> bool:
         """Whether the session is still connected."""
         self._look()
-        return not self._dialogue.lost
+        return not self._server_session.lost
 
     @property
     def armed(self) -> bool:
         """Whether this client's scene is armed, as the server last reported."""
-        return self._dialogue.armed and self._dialogue.owner
+        return self._server_session.armed and self._server_session.owner
 
     @property
     def lease(self) -> float:
         """Time from the last renewal to silence [s], as agreed with the server."""
-        return self._dialogue.welcome.lease
+        return self._server_session.welcome.lease
 
     @property
     def scene(self) -> str:
         """The name of the scene."""
-        return self._dialogue.welcome.scene
+        return self._server_session.welcome.scene
 
     @property
     def server(self) -> str:
         """The name and version of the server."""
-        return self._dialogue.welcome.server
+        return self._server_session.welcome.server
 
     def reconnect(self) -> None:
         """Start a new session, after a loss or instead of this one. Reads the connection file again."""
         self._check()
-        self._dialogue.close()
-        self._dialogue = self._connect()
+        self._server_session.close()
+        self._server_session = self._connect()
 
     def close(self) -> None:
         """End the session. The server removes this client's objects, and silences the output if the client owns it."""
         self._check(closed=True)
         self._closed = True
-        self._dialogue.close()
+        self._server_session.close()
 
     def __del__(self) -> None:
         """Close, so that a notebook cell that is run again finds the output free."""
-        if not self.__dict__.get("_closed", True) and "_dialogue" in self.__dict__:
+        if not self.__dict__.get("_closed", True) and "_server_session" in self.__dict__:
             with suppress(Exception):  # fails in another thread or process
                 self.close()
             warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=2)
 
     def __repr__(self) -> str:
-        if "_dialogue" not in self.__dict__:
+        if "_server_session" not in self.__dict__:
             return "<Client, never connected>"
-        live = self._dialogue
+        live = self._server_session
         what = (
             f"not connected: {live.lost}" if live.lost else "armed" if self.armed else "not armed"
         )
@@ -135,6 +135,6 @@ class BaseClient(Closing):
 
     def _live(self, *, again: bool = True) -> ServerSession:
         self._check()
-        if self._dialogue.lost and again and self._again:
+        if self._server_session.lost and again and self._again:
             self.reconnect()
-        return self._dialogue
+        return self._server_session

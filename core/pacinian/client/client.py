@@ -17,7 +17,7 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.convert import envelope_to_wire, technique_to_wire
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
-from pacinian.wire.silence import DISCONNECTED
+from pacinian.wire.silence_cause import DISCONNECTED
 from pacinian.wire.state import State
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pacinian.solving.felt_regions import FeltRegion
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
-    from pacinian.wire.silence import Silence
+    from pacinian.wire.silence_cause import Silence
 
 CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
 
@@ -165,7 +165,7 @@ class Client(BaseClient):
         """
         with suppress(ServerError):  # called from another thread, or the session is closed or lost
             self._check()
-            self._dialogue.stop(control.Stop())
+            self._server_session.stop(control.Stop())
             return
         emergency_stop(self._where, timeout=self._timeout, keys=self._keys)
 
@@ -279,7 +279,7 @@ class Client(BaseClient):
         return {name: felt for name, felt in told.items() if not math.isnan(felt.force)}
 
     def age(self, state: State) -> float:
-        """Return the age of a state [s], accurate to half of the shortest round trip."""
+        """Return the age of a state [s], accurate to half of the shortest round trip of a connection or a renewal."""
         return self._live(again=False).timing.age(state.time, self._clock())
 
     def _make_object(
@@ -298,6 +298,6 @@ class Client(BaseClient):
     ) -> None:
         command = self._make_object(kind, ttl, time, **fields)
         if wait:
-            self._dialogue.send_command(command, replies.Ok)
+            self._server_session.send_command(command, replies.Ok)
         else:
-            self._dialogue.send_nowait(command)
+            self._server_session.send_nowait(command)

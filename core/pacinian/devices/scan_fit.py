@@ -7,7 +7,7 @@ Least squares for s, q, c and the pose T of the array in the frame of the scan, 
 X_mn is the reading of the microphone at position m while only transducer n is driven. mu, the microphone's gain and
 phase, is one complex number for the whole scan. It cannot be separated from a factor common to all responses, so their
 mean strength is set to 1 and their common phase to 0; the factor is P0 in the microphone's unit.
-`pacinian.devices.scan_model` has the method.
+`pacinian.devices.scan_least_squares` has the method.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.checks import check_near, check_number, check_numbers
-from pacinian.devices.scan_model import (
+from pacinian.devices.scan_least_squares import (
     MAX_SPEED,
     MIN_NOISE,
     MIN_SPEED,
@@ -44,6 +44,8 @@ TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be o
 MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
+OUTLYING = 0.1  # weight below which a reading is an outlier
+MAX_OUTLYING = 0.5  # share of outliers in a transducer's readings above which these are odd
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
 MIN_TOLD = (
     0.1  # information from the scan, relative to that from before; below, a parameter is unknown
@@ -89,6 +91,7 @@ class ScanFit:
     covariance: of the speed of sound, the absorption [1/m], the shift, the turn and ln P0, in this order, (9, 9).
     widened: the errors of positions, shift and turn that the scan shows, relative to those that were given, (3,): above
         1 where positions or pose are further off than was said. All errors include it.
+    odd: most readings of the transducer are outliers and hardly explained, (N,), as if they were another's.
     vague: what the scan does not tell, or does not tell apart, each with the remedy. The errors include it.
     """
 
@@ -114,6 +117,7 @@ class ScanFit:
     pressure_error: float
     covariance: Floats
     widened: Floats
+    odd: Flags
     vague: tuple[str, ...]
 
 
@@ -176,14 +180,16 @@ def fit_scan(
         raise ArgumentError(
             "positions",
             f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
-            f"{1e3 * position_error:g} mm: measure them again, and check the temperature if it is given",
+            f"{1e3 * position_error:g} mm: measure them again, and check the order of the channels, and the "
+            "temperature if it is given",
         )
     pose = np.r_[best.shift, best.turn] / prior.shared[2:]
     if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
         raise ArgumentError(
             "positions",
             f"fit an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
-            f"{np.linalg.norm(best.turn):.3f} rad, far more than its pose is wrong by: measure the pose again",
+            f"{np.linalg.norm(best.turn):.3f} rad, far more than its pose is wrong by: measure the pose again, and "
+            "check the order of the channels",
         )
     return _finish(best, size, best.prior.widths / prior.widths)
 
@@ -205,7 +211,10 @@ def _check_count(read: Flags) -> None:
 def _advise(residual: float, turned: float) -> str:
     told = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
     if turned <= MAX_RESIDUAL:
-        return told + "They do with phases of the other sign: count them positive where sound leads"
+        return told + (
+            "They do with phases of the other sign: count them positive where sound leads. If they are, the channels "
+            "may be in reverse order"
+        )
     return told + (
         "Check the positions (in metres, in the frame of the description), the order of the channels, the drive "
         "frequency, that phases are in radians and have one reference, and the temperature; and that it is this array"
@@ -310,6 +319,9 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
     errors = np.sqrt(np.diag(covariance))
+    outlying = model.read & (model.W < OUTLYING)
+    sizes = np.maximum((np.abs(model.X) ** 2).sum(axis=0), MIN_SUM)
+    missed = np.sqrt((np.abs(model.read * (model.X - model.F)) ** 2).sum(axis=0) / sizes)  # (N,)
     return ScanFit(
         responses=s,
         gain_errors=np.sqrt(own + by_size),
@@ -322,7 +334,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         residuals=np.array(residuals),
         residual=_residual(model),
         doubtful=misfits > MAX_SPREAD * typical,
-        outliers=int((model.read & (model.W < 0.1)).sum()),
+        outliers=int(outlying.sum()),
         speed_of_sound=model.c,
         speed_error=float(errors[0]),
         pose=model.pose,
@@ -333,5 +345,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         pressure_error=float(errors[8]),
         covariance=covariance,
         widened=widened,
+        odd=(outlying.sum(axis=0) > MAX_OUTLYING * model.read.sum(axis=0))
+        & (missed > MAX_RESIDUAL),
         vague=_find_vague(model),
     )

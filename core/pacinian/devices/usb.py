@@ -82,7 +82,7 @@ class UsbKind:
         return sorted(found, key=lambda one: one.serial)
 
     def describe(self, title: str, library: Any = None) -> list[tuple[str, str, str]]:
-        """Return serial, title and problem of each device, for `Found`; only a problem if the search fails."""
+        """Return serial, title and problem of each device, for `FoundDevice`; only a problem if the search fails."""
         try:
             return [
                 (one.serial, f"{title}, {one.place}", one.problem)

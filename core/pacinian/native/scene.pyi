@@ -142,11 +142,11 @@ def ramp(keys: Longs, positions: Floats, regions: Longs, area: Floats, P: Floats
     samples fade out, with what pressure [Pa], and whether they jumped; room for all, (L,).
     """
 
-def merge(points: Floats, P: Floats, area: Floats, source: Longs, voice: Longs, radius: Floats, pressed: Floats, stands: Floats, kept: Flags) -> int:
+def merge(points: Floats, P: Floats, area: Floats, source: Longs, group: Longs, radius: Floats, pressed: Floats, stands: Floats, kept: Flags) -> int:
     """
-    Merge samples of different sources and one voice, nearer than both their `radius` [m], into the first of them.
+    Merge samples of different sources and one group, nearer than both their `radius` [m], into the first of them.
 
-    points: (M, 3) [m], in order of importance. P: (M,) [Pa]. area: (M,) [m^2]. source, voice: (M,). Writes pressures,
+    points: (M, 3) [m], in order of importance. P: (M,) [Pa]. area: (M,) [m^2]. source, group: (M,). Writes pressures,
     areas (a sample that takes another has both areas and the sum of the forces), and which are kept; returns how many
     are not.
     """

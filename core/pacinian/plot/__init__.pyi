@@ -3,9 +3,9 @@ from .drives import drive as drive
 from .exporting import export as export
 from .fields import field as field
 from .fields import slices as slices
-from .fronts import pareto as pareto
 from .page import figure as figure
 from .page import save as save
+from .pareto_front import pareto as pareto
 from .scenes import scene as scene
 from .timelines import timeline as timeline
 from .traces import convergence as convergence

@@ -15,7 +15,7 @@ from pacinian.checks import check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both
-from pacinian.plot.paints import make_plain_mesh, make_textured_mesh, picture, strip, wheel
+from pacinian.plot.mesh_colours import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.quantities import clear, limits
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume

@@ -112,7 +112,7 @@ def slices(
     axes = page.subplots(1, 2, width_ratios=[1.0, narrow])
     draw_both(page, array, gains, axes, both, q, medium)
     if title:
-        page.suptitle(title)
+        page.suptitle(title, wrap=True)
     return page
 
 

@@ -36,9 +36,9 @@ def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
     require()
     for name, side in (("width", width), ("height", height)):
         check_number(name, side, low=0.1, high=MAX_SIDE)
-    from pacinian.plot.shown import Shown
+    from pacinian.plot.notebook_figure import NotebookFigure
 
-    return Shown(figsize=(width, height), layout="constrained", dpi=DPI)
+    return NotebookFigure(figsize=(width, height), layout="constrained", dpi=DPI)
 
 
 def panels(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
 GRID = 240  # points along the longer edge
-MARGIN, ALONE = 0.03, 0.08  # margin around samples; the same without samples [m]
+MARGIN, HALF_WIDTH = 0.03, 0.08  # margin around samples; the same without samples [m]
 BESIDE = 0.012  # distance up to which samples are marked in a plane [m]
 MAX_CIRCLES = 24  # samples up to which circles mark them; more are dots, which hide less
 AHEAD = 0.2  # distance before the array to look at without samples [m]
@@ -154,7 +154,7 @@ def _compute_direction(array: Array) -> Floats:
 def _half(size: float | tuple[float, float] | None, places: Floats) -> Floats:
     """Half the width and height [m], (2,), unless given so that places about the middle, (M, 2) [m], are held."""
     if size is None:
-        return np.full(2, MARGIN + float(np.abs(places).max()) if len(places) else ALONE)
+        return np.full(2, MARGIN + float(np.abs(places).max()) if len(places) else HALF_WIDTH)
     sides = [check_length("size", side) for side in np.atleast_1d(size).tolist()]
     if len(sides) not in (1, 2):
         raise ArgumentError("size", f"must be one length or two [m], not {size!r}")

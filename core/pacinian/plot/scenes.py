@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.plot.discs import Discs, View, array_of, make_object, skin, towards
 from pacinian.plot.fields import check_array_and_medium, cut_both, draw_both
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import figure
 from pacinian.plot.planes import middle_of
-from pacinian.plot.space import Discs, View, array_of, make_object, skin, towards
 from pacinian.scene.objects import Body
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def scene(
     for panel, (plane, _) in zip(panels, both, strict=True):
         draw_outlines(panel, plane, scene, t)
     if title:
-        page.suptitle(title)
+        page.suptitle(title, wrap=True)
     page.draw_without_rendering()
     for view in views:
         view.fit(page.dpi)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, overload
 
 from pacinian.errors import ArgumentError
-from pacinian.plot.fronts import plainly
 from pacinian.plot.labels import label
 from pacinian.plot.page import panels
+from pacinian.plot.pareto_front import plainly
 from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
 from pacinian.plugins.registry import discover_plugins, solver
 from pacinian.session import Session

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.checks import check_length, check_near, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.plot.planes import ALONE, MARGIN, middle_of
+from pacinian.plot.planes import HALF_WIDTH, MARGIN, middle_of
 from pacinian.plot.quantities import heard
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def around(array: Array, points: Floats) -> tuple[Floats, Floats]:
     if len(points):
         return points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     middle = middle_of(array, points)
-    return middle - ALONE, middle + ALONE
+    return middle - HALF_WIDTH, middle + HALF_WIDTH
 
 
 def isosurface(

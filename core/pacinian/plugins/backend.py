@@ -133,7 +133,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundDevice:
     """A device that is connected now.
 
     backend: name of the backend that drives it. serial: serial number; empty if it cannot be read. title: what the
@@ -165,7 +165,7 @@ class Backend(ABC):
     """
 
     @classmethod
-    def found(cls) -> Iterable[Found]:
+    def find_devices(cls) -> Iterable[FoundDevice]:
         """Return the devices of this kind that are connected now. One that cannot be read has a `problem`."""
         return ()
 

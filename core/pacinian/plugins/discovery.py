@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from pacinian.errors import describe_error
-from pacinian.plugins.backend import Found
+from pacinian.plugins.backend import FoundDevice
 
 if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
@@ -14,37 +14,38 @@ if TYPE_CHECKING:
 TWICE = "another one has this serial, so neither can be chosen by it: unplug one"
 
 
-def list_connected(plugins: Plugins, backend: str = "") -> list[Found]:
+def list_connected(plugins: Plugins, backend: str = "") -> list[FoundDevice]:
     """List the devices that are connected now, sorted by backend and serial.
 
     backend: the backend to ask; all of them if empty. A backend that does not load or cannot search is listed as a
     problem, and so are two devices with the same serial. Plug-ins that offer no backend are not imported. Raises
     UnknownPlugin and PluginError for a `backend` that is given.
     """
-    found: list[Found] = []
+    found: list[FoundDevice] = []
     if backend:
         plugins.find("backend", backend)
     else:
         plugins.load(kind="backend")
         broken = {**plugins.failed, **plugins.clashes}
         found += [
-            Found(name, "", "", describe_error(error)) for name, error in sorted(broken.items())
+            FoundDevice(name, "", "", describe_error(error))
+            for name, error in sorted(broken.items())
         ]
     for (kind, name), offer in sorted(plugins.offers.items()):
         if kind == "backend" and backend in ("", name):
             found += _ask(cast("type[Backend]", offer.cls))
     keys = [(f.backend, f.serial) for f in found]
     return [
-        Found(f.backend, f.serial, f.title, f.problem or TWICE)
+        FoundDevice(f.backend, f.serial, f.title, f.problem or TWICE)
         if f.serial and keys.count((f.backend, f.serial)) > 1
         else f
         for f in found
     ]
 
 
-def _ask(backend: type[Backend]) -> list[Found]:
+def _ask(backend: type[Backend]) -> list[FoundDevice]:
     try:
-        return sorted(backend.found(), key=lambda f: f.serial)
+        return sorted(backend.find_devices(), key=lambda f: f.serial)
     except Exception as error:  # one failing plug-in must not hide the devices of the others
         problem = f"this backend cannot look for its devices: {describe_error(error)}"
-        return [Found(backend.name, "", "", problem)]
+        return [FoundDevice(backend.name, "", "", problem)]

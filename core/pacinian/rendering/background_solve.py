@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 import queue
 import threading
+import weakref
 from concurrent.futures import Future, wait
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +21,7 @@ def start_daemon(work: Callable[[], object], name: str) -> None:
 
 
 class BackgroundSolve(Generic[T]):
-    """Runs one job at a time in a thread, which begins with the first job.
+    """Runs one job at a time in a thread, which begins with the first job, and ends with this object or the process.
 
     start_thread: runs a function in a new thread of this name. If `deferred`, there is no thread: a job runs when its
     result is taken, so that a recording can be rendered again.
@@ -34,6 +34,7 @@ class BackgroundSolve(Generic[T]):
         self._start_thread = start_thread
         self._job: tuple[Callable[[], T], Future[T]] | None = None
         self._jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None] | None = None
+        self._last: list[Future[T]] = []  # of the job that was started last
 
     @property
     def running(self) -> bool:
@@ -47,14 +48,16 @@ class BackgroundSolve(Generic[T]):
 
     def start(self, job: Callable[[], T]) -> None:
         """Start a job. The result of the last one must have been taken."""
-        self._job = job, Future()
-        if self.deferred:
-            return
-        if self._jobs is None:
-            jobs = self._jobs = queue.SimpleQueue()
-            self._start_thread(lambda: _run_jobs(jobs), "solve")
-            atexit.register(self.close)  # a thread in a kernel must not outlive the interpreter
-        self._jobs.put(self._job)
+        new: tuple[Callable[[], T], Future[T]] = job, Future()
+        if not self.deferred:
+            if self._jobs is None:
+                jobs: queue.SimpleQueue[Any] = queue.SimpleQueue()
+                self._end = weakref.finalize(self, _end_thread, jobs, self._last)
+                self._start_thread(lambda: _run_jobs(jobs), "solve")  # may be interrupted
+                self._jobs = jobs
+            self._last[:] = [new[1]]
+            self._jobs.put(new)
+        self._job = new
 
     def take(self) -> T:
         """Wait for the job that runs, and return its result, or raise its exception."""
@@ -75,11 +78,16 @@ class BackgroundSolve(Generic[T]):
         """End the thread after the job that runs, if any; wait for that, but not for ever."""
         if self._jobs is None:
             return
-        atexit.unregister(self.close)
-        self._jobs.put(None)
+        self._end()
         self._jobs = None
-        if self._job is not None and wait([self._job[1]], MAX_CLOSING).done:
+        if self._job is not None and self._job[1].done():
             self._job = None
+
+
+def _end_thread(jobs: queue.SimpleQueue[Any], last: list[Future[Any]]) -> None:
+    """End a thread after the job that runs: in a kernel, it must not outlive the interpreter."""
+    jobs.put(None)
+    wait(last, MAX_CLOSING)
 
 
 def _run_jobs(jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None]) -> None:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-HIGH, LOW = 0.75, 0.5  # the budget shrinks above HIGH periods per tick, and may grow below LOW
-RUN = 8  # successive long ticks before it shrinks; a few may be due to the machine
+MAX_LOAD, MIN_LOAD = (
+    0.75,
+    0.5,
+)  # the budget shrinks above MAX_LOAD periods per tick, and may grow below MIN_LOAD
+MAX_LONG_TICKS = 8  # successive long ticks before it shrinks; a few may be due to the machine
 FAR_TOO_LATE, SOON_TICKS = 3.0, 2  # two ticks over three periods suffice
 WAIT = 50  # short ticks before it grows
 MAX_WAIT = (
@@ -26,7 +29,7 @@ class BudgetController:
     period: float
     most: int
     allowed: int = field(init=False)
-    _last: deque[float] = field(default_factory=lambda: deque(maxlen=RUN), init=False)
+    _last: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_LONG_TICKS), init=False)
     _short: int = field(default=0, init=False)
     _wait: int = field(default=WAIT, init=False)
     _grown: bool = field(default=False, init=False)  # since the budget last shrank
@@ -43,7 +46,7 @@ class BudgetController:
         self._last.append(seconds)
         last = list(self._last)
         soon = min(last[-SOON_TICKS:])
-        slow = len(last) == RUN and min(last) > HIGH * self.period
+        slow = len(last) == MAX_LONG_TICKS and min(last) > MAX_LOAD * self.period
         if samples > MIN_BUDGET and (
             slow or (len(last) >= SOON_TICKS and soon > FAR_TOO_LATE * self.period)
         ):
@@ -54,7 +57,7 @@ class BudgetController:
             if self._grown:
                 self._wait = min(2 * self._wait, MAX_WAIT)
             self._short, self._grown = 0, False
-        elif seconds > LOW * self.period:
+        elif seconds > MIN_LOAD * self.period:
             self._short = 0
         else:
             self._grow(ticks)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,17 +19,17 @@ if TYPE_CHECKING:
 class CachedSolution:
     """Gains for a set of samples.
 
-    gains: at full envelope, (N,). voices: the samples' groups by envelope; None if the gains contain the envelopes.
-    parts: contribution of each voice, (voices + 1, N), if there is more than one. solution: with its evidence. samples:
-    those solved for. steady: whether it is valid unchanged at all times. final: whether solving again would be useless,
-    because the solver had enough time, or more time did not help. vain: number of successive solves without
-    improvement. averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items`
-    of each object to which little sound comes, with the number of such samples. limited: whether it is scaled down,
-    because the pressure on skin would exceed its limit.
+    gains: at full envelope, (N,). groups: the samples' groups by envelope; None if the gains contain the envelopes.
+    parts: contribution of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
+    those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would be
+    useless, because the solver had enough time. vain: number of successive solves without improvement. averaged:
+    whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each object to which
+    little sound comes, with the number of such samples. limited: whether it is scaled down, because the pressure on
+    skin would exceed its limit. retry: time from which to solve again if it is not final [s].
     """
 
     gains: Gains
-    voices: EnvelopeGroups | None
+    groups: EnvelopeGroups | None
     parts: Gains | None
     solution: Solution
     samples: Samples
@@ -38,6 +39,11 @@ class CachedSolution:
     averaged: bool = False
     weakened: tuple[tuple[int, int], ...] = ()
     limited: bool = False
+    retry: float = -math.inf
+
+    def rests(self, t: float) -> bool:
+        """Return whether a solve at time t [s] is not needed, or not yet."""
+        return self.final or t < self.retry
 
     @property
     def ran_out_of_time(self) -> bool:

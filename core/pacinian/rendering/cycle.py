@@ -36,7 +36,9 @@ CALM = 0.1  # fraction below which several frames are allowed again
 SEEN = 64  # time constant of this fraction, in solves
 MIN_SHARE, MAX_SHARE = 0.15, 2.5  # range of a frame's target, relative to its nominal share
 ROUNDS = 3  # most complete solves of each frame after the samples have changed
-TRIES = 12  # most solves of each frame, with those that ran out of time
+TRIES = 12  # solves of each frame, with those that ran out of time, after which the next one waits
+RETRY = 0.25  # for this time [s]: a busy processor may have spoilt them
+LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
 
 
 @dataclass
@@ -45,7 +47,8 @@ class Part:
 
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
-    that had enough time. turn: number of the cycle's solve in which it was solved last.
+    that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
+    again after TRIES [s].
     """
 
     session: Session
@@ -54,13 +57,15 @@ class Part:
     tries: int = 0
     rounds: int = 0
     turn: int = 0
+    retry: float = -math.inf
 
 
 class Cycle:
     """The frames that sound in turn, for one modulator.
 
     Each tick solves for only one frame, so that the output lags further behind moving objects with more frames. If most
-    solves for moved samples are late, only one frame is used.
+    solves for moved samples are late, only one frame is used; and if there is no time for two frames of samples that do
+    not move, one frame is used for these samples.
 
     session: solves for the first frame, and for samples that need only one. most: largest number of frames. budget:
     largest number of samples in each band, if bands can achieve this. peak: largest target of a frame [Pa].
@@ -78,7 +83,7 @@ class Cycle:
         self._first.solved, self._first.turn = None, 0
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
-        self._late, self._hurried, self._moved = 0.0, False, False
+        self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
         self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
         self.samples = no_samples()
         """The samples that the frames render together."""
@@ -94,7 +99,8 @@ class Cycle:
     @property
     def hurried(self) -> bool:
         """Whether regions get fewer frames than they could have, for want of time."""
-        return self._hurried and self.most > 1 and bool((self.samples.regions >= 0).any())
+        hurried = (self._hurried and self.most > 1) or self._given_up
+        return hurried and bool((self.samples.regions >= 0).any())
 
     @property
     def allowed(self) -> int:
@@ -105,7 +111,7 @@ class Cycle:
         """Render these samples from now on. most: largest number of frames; `self.most` by default."""
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
-        self._moved = True
+        self._moved, self._given_up = True, False
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._shares = self._bands.shares(samples, self.budget, most)
         self._banded = self._shares.shape[1] > 1
@@ -149,9 +155,13 @@ class Cycle:
             part.rounds = part.tries = 0
             part.session.tilt = tilt
 
-    def due(self) -> Part | None:
-        """Return the part to solve next, which is the one solved least recently; None if all have converged."""
-        open_ = [part for part in self.parts if part.rounds < ROUNDS and part.tries < TRIES]
+    def due(self, t: float) -> Part | None:
+        """Return the part to solve at time t [s], which is the one solved least recently; None if there is none."""
+        open_ = [
+            part
+            for part in self.parts
+            if part.rounds < ROUNDS and (part.tries < TRIES or t >= part.retry)
+        ]
         return min(open_, key=lambda part: part.turn) if open_ else None
 
     def sounds(self, part: Part) -> Flags:
@@ -180,11 +190,15 @@ class Cycle:
         wanted = np.clip(K * P - others, MIN_SHARE * nominal, MAX_SHARE * nominal)
         return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
-    def keep(self, part: Part, solved: CachedSolution) -> None:
-        """Store the new solution of a part."""
+    def keep(self, part: Part, solved: CachedSolution, t: float) -> None:
+        """Store the new solution of a part, made at time t [s]."""
         self._turn += 1
         part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
         part.rounds += solved.final
+        part.retry = t + RETRY
+        if self._tilted and not part.rounds and part.tries == LATE_TRIES:
+            self._given_up, self._tilted, self._wanted = True, False, 1
+            self._arrange()
 
     @property
     def frames(self) -> tuple[CachedSolution, ...]:

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.scene.sampling.account import HAND_FADING, HAND_LOST, LEFT_OUT, TOO_FINE
+from pacinian.scene.sampling.sample_counts import HAND_FADING, HAND_LOST, LEFT_OUT, TOO_FINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -22,20 +22,20 @@ MU = 1e-6  # regularisation of the contributions, relative to the mean square pr
 
 
 class EnvelopeGroups:
-    """The voices of `samples`: groups with equal envelope and technique.
+    """Groups of `samples` that have equal envelopes and techniques.
 
-    items: one object of each voice. index: voice of each sample, (M,).
+    items: one object of each group. index: group of each sample, (M,).
     """
 
     def __init__(self, samples: Samples) -> None:
         self.items: list[Object] = []
         self.index: Indices = np.zeros(len(samples), dtype=np.intp)
         for i in sorted(set(samples.objects.tolist())):
-            voice = self._voice(samples.items[i])
-            if voice:
-                self.index[samples.objects == i] = voice
+            group = self._group(samples.items[i])
+            if group:
+                self.index[samples.objects == i] = group
 
-    def _voice(self, item: Object) -> int:
+    def _group(self, item: Object) -> int:
         for v, other in enumerate(self.items):
             if _alike(item, other):
                 return v
@@ -43,7 +43,7 @@ class EnvelopeGroups:
         return len(self.items) - 1
 
     def alike(self, other: EnvelopeGroups) -> bool:
-        """Return whether both consist of one voice, and it is the same."""
+        """Return whether both consist of one group, and it is the same."""
         return len(self) == len(other) == 1 and _alike(self.items[0], other.items[0])
 
     def __len__(self) -> int:
@@ -58,7 +58,7 @@ class EnvelopeGroups:
         )
 
     def strength(self, t: Floats, switches: bool = False) -> Floats:
-        """Return the factor on the radiation pressure of each voice at times t, (K,) [s]: 0..1, (voices, K).
+        """Return the factor on the radiation pressure of each group at times t, (K,) [s]: 0..1, (groups, K).
 
         switches: whether square waves have steps.
         """
@@ -68,7 +68,7 @@ class EnvelopeGroups:
 
     @cached_property
     def _constant(self) -> Floats:
-        """Strength of each voice at all times, if it is `steady`, (voices, 1)."""
+        """Strength of each group at all times, if it is `steady`, (groups, 1)."""
         return self._compute_strength(np.zeros(1), switches=False)
 
     def _compute_strength(self, t: Floats, switches: bool) -> Floats:
@@ -89,10 +89,10 @@ def _alike(item: Object, other: Object) -> bool:
 def split_contributions(
     solution: Solution, propagator: Propagator, index: Indices, count: int
 ) -> Gains:
-    """Return the contribution of each voice to the gains of a solution, (voices + 1, N); their sum is the solution.
+    """Return the contribution of each group to the gains of a solution, (groups + 1, N); their sum is the solution.
 
-    The contribution of a voice is the least-squares gains for the achieved pressures at its samples, and zero at all
-    others. The last row is the remainder. index: voice of each sample, (M,). count: number of voices.
+    The contribution of a group is the least-squares gains for the achieved pressures at its samples, and zero at all
+    others. The last row is the remainder. index: group of each sample, (M,). count: number of groups.
     """
     p = solution.sound_pressure
     mu = solution.mu if solution.mu > 0.0 else MU * propagator.power

@@ -1,6 +1,6 @@
-"""Scale each voice in a row of gains, also while one solution fades into the next.
+"""Scale each group in a row of gains, also while one solution fades into the next.
 
-A voice is a group of samples that share one envelope, see `EnvelopeGroups`.
+A group is all samples that share one envelope; see `EnvelopeGroups`.
 """
 
 from __future__ import annotations
@@ -20,36 +20,36 @@ MIN_DIFFERENCE = (
 MAX_SHARE = 4.0  # largest coefficient of a part while it fades; more is rounding
 
 
-def voice_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
-    """Return the factor on the sound pressure of each voice at times t, (K,) [s], shape (voices, K).
+def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
+    """Return the factor on the sound pressure of each group at times t, (K,) [s], shape (groups, K).
 
     The factor is 1 if the gains already contain it. switches: whether square waves have steps.
     """
-    voices = solved.voices
-    if voices is None or not len(voices):
+    groups = solved.groups
+    if groups is None or not len(groups):
         return np.ones((1, len(t)), dtype=np.float32)
-    return np.sqrt(voices.strength(t, switches)).astype(np.float32)
+    return np.sqrt(groups.strength(t, switches)).astype(np.float32)
 
 
 def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
-    """Return the power-weighted root mean square of the voices' amplitudes a, (V, K), shape (K,)."""
+    """Return the power-weighted root mean square of the groups' amplitudes a, (V, K), shape (K,)."""
     if solved.parts is None:
         only: Singles = a[0]
         return only
-    assert solved.voices is not None
+    assert solved.groups is not None
     P = np.abs(solved.solution.sound_pressure) ** 2
-    shares = np.bincount(solved.voices.index, P, len(a))
+    shares = np.bincount(solved.groups.index, P, len(a))
     return np.asarray(np.sqrt(shares @ a**2 / max(shares.sum(), MIN_POWER)), dtype=np.float32)
 
 
-def split_by_voice(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains, Gains]:
-    """Split gains s, (K, N), into the part due to the voices, scaled by their amplitudes, and the rest; both (K, N).
+def split_by_group(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains, Gains]:
+    """Split gains s, (K, N), into the part due to the groups, scaled by their amplitudes, and the rest; both (K, N).
 
-    a: present amplitudes of the voices, (V, K). While one solution fades into another, the coefficient of each voice in
+    a: present amplitudes of the groups, (V, K). While one solution fades into another, the coefficient of each group in
     s is found by least squares.
     """
     if solved.parts is None:
-        parts, a = solved.gains[None], a[:1]  # one voice, or no sample
+        parts, a = solved.gains[None], a[:1]  # one group, or no sample
     else:
         parts, a = solved.parts, np.vstack([a, mean_amplitude(solved, a)])
     power = parts.conj() @ parts.T
@@ -69,7 +69,7 @@ def find_fading(last: list[CachedSolution], now: list[CachedSolution]) -> Cached
     """
     if len(last) != 1 or len(now) != 1 or not len(last[0].samples):
         return None
-    before, then = last[0].voices, now[0].voices
+    before, then = last[0].groups, now[0].groups
     if before is None or not len(before) or (then is not None and before.alike(then)):
         return None
     return last[0]

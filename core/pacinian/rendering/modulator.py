@@ -9,9 +9,9 @@ import numpy as np
 
 from pacinian.rendering.mixing import (
     find_fading,
+    group_amplitudes,
     mean_amplitude,
-    split_by_voice,
-    voice_amplitudes,
+    split_by_group,
 )
 from pacinian.rendering.slew_limiter import SlewRateLimiter
 
@@ -88,17 +88,17 @@ class Modulator:
             self._follow(solved, play, ticks)
         at, before = t + self.times, self._before
         if flat:
-            self._write_steady(solved[0], voice_amplitudes(solved[0], at, self.switches))
+            self._write_steady(solved[0], group_amplitudes(solved[0], at, self.switches))
         for n, one in enumerate(() if flat else solved):
             own = slice(n, len(at), len(solved))  # its rows
-            a, s = voice_amplitudes(one, at[own], self.switches), self._smooth[own]
+            a, s = group_amplitudes(one, at[own], self.switches), self._smooth[own]
             if before is None and one.parts is None:
                 self._rows[own] = a[0][:, None] * s
                 continue
-            sound, rest = split_by_voice(one, a, s)
+            sound, rest = split_by_group(one, a, s)
             if before is not None:
-                fading = voice_amplitudes(before, at[own], self.switches)
-                more, rest = split_by_voice(before, fading, rest)
+                fading = group_amplitudes(before, at[own], self.switches)
+                more, rest = split_by_group(before, fading, rest)
                 sound += more
             self._rows[own] = sound + mean_amplitude(one, a)[:, None] * rest
         self._row += len(at)
@@ -106,7 +106,7 @@ class Modulator:
         return self._rows
 
     def _write_steady(self, one: CachedSolution, a: Singles) -> None:
-        """Write the rows while nothing fades. a: amplitudes of the voices, (V, K)."""
+        """Write the rows while nothing fades. a: amplitudes of the groups, (V, K)."""
         if one.parts is None:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
             return

@@ -7,43 +7,27 @@ result (`Outcome`) passes to the rest of the tick.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.errors import ArgumentError
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
-from pacinian.rendering.budget_controller import HIGH, BudgetController
+from pacinian.rendering.budget_controller import MAX_LOAD, BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
-from pacinian.rendering.deviations import (
-    AVERAGED,
-    FEWER_FRAMES,
-    INTERPOLATED,
-    NOTHING,
-    OUT_OF_TIME,
-    SKIN_LIMITED,
-    SLEW_LIMITED,
-    WEAKENED,
-    mark,
-)
-from pacinian.rendering.measurement import Measurement, MeasurementSchedule
+from pacinian.rendering.emitted_measurement import Probe
+from pacinian.rendering.frame_deviations import FrameDeviations
+from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
 from pacinian.rendering.modulator import Modulator
-from pacinian.rendering.probe import Probe
+from pacinian.rendering.outcome import Outcome
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
 from pacinian.rendering.solve_schedule import MAX_TICKS, SOLVE_TICKS, SolveSchedule
 from pacinian.rendering.warmup import load_envelopes, try_out
-from pacinian.scene.sampling.account import (
-    FAR,
-    ON_TRANSDUCER,
-    Account,
-    label_object,
-    label_samples,
-)
+from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.solving.problem import Limits
@@ -65,24 +49,6 @@ DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the t
 MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 MAX_ROWS = 1000  # most frames per tick
-
-
-class Outcome(NamedTuple):
-    """The result of sampling and solving for a scene.
-
-    account: of the samples. solver: that solved. fresh: the solutions that are new. heard: sound pressure amplitude at
-    the played samples, as emitted, (M,) [Pa]; None if it is not known. time: that this was made for [s]. seconds: that
-    it took beside the ticks [s]; NaN in a tick.
-    """
-
-    scene: Scene
-    account: Account
-    solved: Solved
-    solver: Solver
-    fresh: tuple[CachedSolution, ...] = ()
-    heard: Floats | None = None
-    time: float = 0.0
-    seconds: float = math.nan
 
 
 class Pipeline:
@@ -133,11 +99,13 @@ class Pipeline:
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
         self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
-        self.schedule = SolveSchedule(period)
+        self.schedule, self._beside = SolveSchedule(period), False
         self._begin()
 
     def _begin(self) -> None:
-        empty = Outcome(Scene(), Account(), Solved(no_samples(), self.limits), self.session.solver)
+        empty = Outcome(
+            Scene(), SampleCounts(), Solved(no_samples(), self.limits), self.session.solver
+        )
         self.played = self._before = empty
         """The result that the last frame plays."""
         self._taken: Outcome | None = None  # of this tick
@@ -145,9 +113,11 @@ class Pipeline:
         """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
         self._aim = -math.inf  # time that the last job was made for [s]
         self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
+        self._measures = False  # whether it only measures
+        self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
-        self._described: tuple[tuple[object, ...], Reasons] = (), NOTHING
+        self._deviations = FrameDeviations()
         self._made: tuple[object, ...] = ()  # inputs of the last frame
         self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
@@ -160,7 +130,7 @@ class Pipeline:
         Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
         exception is raised at once.
         """
-        self.schedule = SolveSchedule(self.period)  # as a replay begins
+        self.schedule, self._beside = SolveSchedule(self.period), False  # as a replay begins
         try:
             self.quantise_gains(try_out(self.session).gains)
             first, self.limits = scene(0.0), limits
@@ -186,7 +156,7 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
-        """Discard all state and start from silence. Solves run where they ran before."""
+        """Discard all state and start from silence. Solves run where they ran at the last frame that was sent."""
         self.background.drop()
         self._skipped.clear()
         self.sampler.reset()
@@ -194,10 +164,17 @@ class Pipeline:
         self.player.reset()
         self.session.forget()
         self._job_tape.take()
+        # what a tick without a frame has counted is in no recording
+        self.schedule = SolveSchedule(self.period, beside=self._beside)
         self._begin()
         if self.governor is not None:
             self.governor = BudgetController(self.period, self.sampler.budget)
             self.sampler.allowed = self._allowed = self.sampler.budget
+
+    def finish_measuring(self) -> None:
+        """Wait for the measurement that runs beside the ticks, if one does."""
+        if self._measures and self.background.running:
+            self._take_job()
 
     def close(self) -> None:
         """Let the thread that solves beside the ticks end."""
@@ -244,44 +221,67 @@ class Pipeline:
         return self.schedule.beside and same and not last.solved.brief
 
     def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
-        """Sample and solve in this tick."""
-        self._discard_job()
+        """Sample and solve in this tick. Measure beside it, if that may be late."""
+        if not self._measures:
+            self._discard_job()
+        elif self.background.done:  # not recorded, because no frame depends on it
+            self._take_job()
+        self._solved_now = True
         self.stages.enter("sample")
         self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
-        if (measure := self._find_measuring(limits)) is not None:
+        if (measure := self._find_measuring(limits)) is None:
+            return
+        if self._governed and not self.background.running and not self._tape.replays:
+            self._start_job(measure, measures=True)
+        else:
             self.stages.report.add_measurement(*measure())
 
     def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
         """Take the result of the job beside the ticks if it is done, and start the next if it is time to."""
+        if self._solved_now:
+            self.finish_measuring()
+            self._solved_now = False
         self.schedule.pass_tick()
         if self.background.running:
             if not self._is_done():
                 self.stages.report.skipped["solve, still under way"] += 1
                 return
-            try:
-                result = self.background.take()
-            except BaseException:
-                self.stages.stage = self._job_stages.stage
-                raise
-            if isinstance(result, Measurement):
-                self.stages.report.add_measurement(*result)
-            else:
-                self._play(result)
-                if result.solved.brief:
-                    self._solve_now(scene, limits, solver, t)
-                    return
+            result = self._take_job()
+            if result is not None and result.solved.brief:
+                self._solve_now(scene, limits, solver, t)
+                return
         # in the pause between two solves, so that no solution waits for it
-        job: Callable[[], Outcome | Measurement] | None = self._find_measuring(limits)
-        if job is None and self.schedule.begin_solve(self._changed, not scene.objects):
+        if (measure := self._find_measuring(limits)) is not None:
+            self._start_job(measure, measures=True)
+        elif self.schedule.begin_solve(self._changed, not scene.objects):
             job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
-        if job is None:
+            self._start_job(job, measures=False)
+        else:
             self.stages.report.skipped["solve, not due"] += 1
-            return
+
+    def _start_job(
+        self, job: Callable[[], Outcome] | Callable[[], Measurement], *, measures: bool
+    ) -> None:
+        """Start a job beside the ticks. measures: whether it only measures, so that it may run beside a solve."""
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
-        self._started = self.stages.now()
+        self._started, self._measures = self.stages.now(), measures
         self.background.deferred = self._tape.replays
         self.background.start(job)
+
+    def _take_job(self) -> Outcome | None:
+        """Wait for the job beside the ticks, and use its result; return that of a solve."""
+        self._measures = False
+        try:
+            result = self.background.take()
+        except BaseException:
+            self.stages.stage = self._job_stages.stage
+            raise
+        if isinstance(result, Measurement):
+            self.stages.report.add_measurement(*result)
+            return None
+        self._play(result)
+        return result
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
@@ -293,7 +293,8 @@ class Pipeline:
         if self.background.running:
             with suppress(Exception):  # the next job will raise it again
                 self.background.take()
-            self._changed = True
+            self._changed = self._changed or not self._measures
+            self._measures = False
             self.job_readings += self._job_tape.take()
 
     def _make_job(
@@ -309,14 +310,14 @@ class Pipeline:
         time = (MAX_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._governed else math.inf
         at = self._find_aim(t, beside)
-        last = self.sampler.account
+        last = self.sampler.sample_counts
 
         def run() -> Outcome:
             begin = self._job_tape.now() if beside else math.nan
             samples = self.sampler.sample(scene, at, at - t)
-            account = self.sampler.account
-            if account is not last and len(account.samples):
-                self._note_unreachable(account)
+            counts = self.sampler.sample_counts
+            if counts is not last and len(counts.samples):
+                self._note_unreachable(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.skins
             solved = self.solver.solve(samples, t, limits, solver, deadline)
@@ -324,7 +325,7 @@ class Pipeline:
             seconds = self._job_tape.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return Outcome(scene, account, solved, solver, fresh, heard, at, seconds)
+            return Outcome(scene, counts, solved, solver, fresh, heard, at, seconds)
 
         return run
 
@@ -368,73 +369,40 @@ class Pipeline:
         return () if self._taken is None else self._taken.fresh
 
     @property
-    def account(self) -> Account:
+    def sample_counts(self) -> SampleCounts:
         """What the objects of the last frame asked for."""
-        return self.played.account
+        return self.played.sample_counts
 
     @property
     def labels(self) -> set[str]:
         """Labels of all objects that the last frame concerns, those included that it ends."""
-        found = {*self.played.account.labels, *self._before.account.labels}
-        for one in self.played, self._before:
-            found.update(label_samples(one.solved.samples))
-        return found
+        return self._before.labels | self.played.labels
 
     @property
     def deviations(self) -> Reasons:
         """What the last frame leaves out or changes, by object and reason."""
-        player, account, play = self.player, self.played.account, self.played.solved
-        weakened: set[CachedSolution] = set()
-        ran_out_of_time = averaged = limited = False
-        for one in set(play.rows):
-            ran_out_of_time, averaged = (
-                ran_out_of_time or one.ran_out_of_time,
-                averaged or one.averaged,
-            )
-            limited = limited or one.limited
-            if one.weakened:
-                weakened.add(one)
-        reasons: list[str] = []
-        if self.schedule.beside and self._moves:
-            reasons.append(INTERPOLATED)
-        if ran_out_of_time:
-            reasons.append(OUT_OF_TIME)
-        if averaged:
-            reasons.append(AVERAGED)
-        if limited:
-            reasons.append(SKIN_LIMITED)
-        if player.held_back:
-            reasons.append(SLEW_LIMITED)
-        if play.hurried:
-            reasons.append(FEWER_FRAMES)
-        if account.clean and not reasons and not weakened:
-            return NOTHING
-        key = account, id(self._before), id(self.played), reasons, weakened
-        if self._described[0] != key:
-            made: Reasons = account.deviations
-            for label, count in _count_weakened(weakened).items():
-                made = mark(made, [label], WEAKENED, count)
-            for reason in reasons:
-                made = mark(made, sorted(self.labels), reason)
-            self._described = key, made
-        return self._described[1]
-
-    @property
-    def _moves(self) -> bool:
-        """Whether, while solves run beside the ticks, the last frame lies between those for different samples."""
-        return self._before.solved.samples is not self.played.solved.samples
+        return self._deviations.describe(
+            self._before,
+            self.played,
+            between=self.schedule.beside,
+            held_back=self.player.held_back,
+        )
 
     def same(self, frame: Frame) -> bool:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
     def govern(self, seconds: float) -> None:
-        """Adapt schedule and sample budget to the duration of this tick, `seconds` [s]."""
+        """Adapt schedule and sample budget to the duration of this tick, `seconds` [s], whose frame has been sent."""
+        self._adapt(seconds)
+        self._beside = self.schedule.beside
+
+    def _adapt(self, seconds: float) -> None:
         taken = self._taken
         if self.governor is None or taken is None:
             return
         if not math.isnan(taken.seconds):
-            seconds = HIGH * taken.seconds / SOLVE_TICKS
+            seconds = MAX_LOAD * taken.seconds / SOLVE_TICKS
         elif not taken.solved.brief:
             if taken.fresh:
                 self.schedule.note_tick(seconds)
@@ -458,15 +426,15 @@ class Pipeline:
         self.sampler.surround = solver.surrounds and not alone
         self.sampler.even = 0.0 if alone else solver.even
 
-    def _note_unreachable(self, account: Account) -> None:
+    def _note_unreachable(self, counts: SampleCounts) -> None:
         """Note the samples that no sound can reach."""
-        unreachable = self.solver.reach.find_unreachable(account.samples.positions)
+        unreachable = self.solver.reach.find_unreachable(counts.samples.positions)
         if unreachable is None:
             return
         far, on = unreachable
         for reason, found in (FAR, far), (ON_TRANSDUCER, on):
             if found.any():
-                account.drop(reason, found)
+                counts.drop(reason, found)
 
     def _find_measuring(self, limits: Limits) -> Callable[[], Measurement] | None:
         """Return a function that measures the result that this tick has taken, at the samples and between them.
@@ -524,12 +492,3 @@ def row_times(capability: Capability, period: float) -> tuple[Floats, float]:
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
     return times, gap
-
-
-def _count_weakened(solved: set[CachedSolution]) -> Counter[str]:
-    """Return the number of weakened samples by object; of solutions for the same samples, the one with most counts."""
-    most: dict[int, Counter[str]] = {}
-    for one in solved:
-        found = Counter({label_object(one.samples.items[i], i): count for i, count in one.weakened})
-        most[id(one.samples)] = most.get(id(one.samples), Counter()) | found
-    return sum(most.values(), Counter[str]())

@@ -11,7 +11,7 @@ from pacinian.acoustics.propagation import matrix
 from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 from pacinian.native import rendering as kernels
-from pacinian.scene.sampling.array_resolution import WELL, weigh_incidence
+from pacinian.scene.sampling.array_resolution import FULL_PRESSURE_COS2, weigh_incidence
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -24,7 +24,7 @@ TOUCHING = 1e-5  # distance within which a sample is on a transducer [m]
 CELL, CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
 MAX_SUBSET = 128  # most transducers used to compute this power
 MIN_PRESSURE = 1e-300
-HARDLY_REACHED = 0.5  # fraction of a target below which its sample counts as weakened
+WEAKENED_BELOW = 0.5  # fraction of a target below which its sample counts as weakened
 
 
 class ReachabilityFilter:
@@ -47,7 +47,10 @@ class ReachabilityFilter:
         if (unreachable := self.find_unreachable(q)) is None:
             return np.ones(len(q), dtype=np.bool_)
         far, on = unreachable
-        for reason, found in ("samples out of reach", far), ("samples on a transducer", on):
+        for reason, found in (
+            ("samples too far from the array", far),
+            ("samples on a transducer", on),
+        ):
             if found.any():
                 skipped[reason] += int(found.sum())
         return ~(far | on)
@@ -74,10 +77,10 @@ class ReachabilityFilter:
         """Return the factor on each sample's target, given how well the array sees the skin there, (M,)."""
         self._propagator.set_points(q, facing)
         seen = self._propagator.powers / self._free(q)
-        if seen.min() >= WELL:
+        if seen.min() >= FULL_PRESSURE_COS2:
             return np.ones(len(q))
         share = weigh_incidence(seen)
-        skipped["samples hardly reached"] += int((share < HARDLY_REACHED).sum())
+        skipped["samples hardly reached"] += int((share < WEAKENED_BELOW).sum())
         return share
 
     def _free(self, q: Floats) -> Floats:

@@ -24,7 +24,7 @@ from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.rendering.environment import describe_environment
 from pacinian.rendering.scene_log import Reader, TickInput, Writer
-from pacinian.scene.sampling.account import ObjectAccount
+from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.scene_log import TickOutcome
-    from pacinian.scene.sampling.account import Account
+    from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats
 
@@ -60,7 +60,7 @@ class Tick:
     job_clock: tuple[float, ...] = ()
     begins: bool = False
     sent: float = math.nan
-    objects: Mapping[str, ObjectAccount] = field(default_factory=dict)
+    objects: Mapping[str, ObjectSampleCounts] = field(default_factory=dict)
     deviations: Reasons = field(default_factory=dict)
 
 
@@ -76,7 +76,7 @@ class Recorder:
         self.unrecorded = ""
         self._pack = msgpack.Packer(use_single_float=False).pack
         self._writer, self._begins = Writer(), True
-        self._account: Account | None = None  # as written last
+        self._sample_counts: SampleCounts | None = None  # as written last
         self._deviations: Reasons = {}
         try:
             self._file: IO[bytes] = self.path.open("wb")
@@ -131,9 +131,9 @@ class Recorder:
             values["clock"], values["job_clock"] = readings
         if outcome is not None:
             values["sent"] = outcome.sent
-            if outcome.account is not self._account:
-                self._account = outcome.account
-                values["objects"] = {k: tuple(v) for k, v in outcome.account.objects.items()}
+            if outcome.sample_counts is not self._sample_counts:
+                self._sample_counts = outcome.sample_counts
+                values["objects"] = {k: tuple(v) for k, v in outcome.sample_counts.objects.items()}
             if outcome.deviations != self._deviations:
                 self._deviations = values["deviations"] = outcome.deviations
         if self._begins:
@@ -311,7 +311,7 @@ class Recording:
         frame = Frame(int(values["sequence"]), time, phase, amplitude)
         objects = {} if last is None else last.objects
         if "objects" in values:
-            objects = {str(k): _read_account(v) for k, v in values["objects"].items()}
+            objects = {str(k): _read_object_counts(v) for k, v in values["objects"].items()}
         deviations = {} if last is None else last.deviations
         if "deviations" in values:
             deviations = {str(k): _read_counts(v) for k, v in values["deviations"].items()}
@@ -338,9 +338,9 @@ class Recording:
             raise RecordingError(self.path, f"is damaged: {error}") from error
 
 
-def _read_account(values: Any) -> ObjectAccount:
+def _read_object_counts(values: Any) -> ObjectSampleCounts:
     asked, rendered, force, reasons = values
-    return ObjectAccount(int(asked), int(rendered), float(force), _read_counts(reasons))
+    return ObjectSampleCounts(int(asked), int(rendered), float(force), _read_counts(reasons))
 
 
 def _read_counts(values: Any) -> dict[str, int]:

@@ -19,14 +19,16 @@ from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
 from pacinian.rendering.cycle import MAX_FRAMES
 from pacinian.rendering.deviations import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
-from pacinian.rendering.pipeline import Pipeline
+from pacinian.rendering.pipeline import Pipeline, find_ceiling
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
 from pacinian.rendering.scene_log import TickInput, TickOutcome
+from pacinian.rendering.scene_warnings import find_warnings
 from pacinian.rendering.settings import to_config
 from pacinian.rendering.slew_limiter import Smoothing
-from pacinian.scene.sampling.account import label_object
+from pacinian.scene.sampling.ramps import RAMP_TIME
+from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
@@ -47,13 +49,11 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.sample_solver import SampleSolver, Solved
     from pacinian.rendering.solve_schedule import SolveSchedule
-    from pacinian.scene.sampling.account import ObjectAccount
+    from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains
-
-RAMP = 0.005  # fade-in and fade-out time of a sample [s]
 
 
 class Renderer(Closing):
@@ -69,9 +69,9 @@ class Renderer(Closing):
     objects have different envelopes, each envelope is replaced by its mean over the tick.
 
     Every tick sends a frame. governed: if ticks would be late, sampling and solving run in a thread beside them. Frames
-    then stay on time, and move evenly from one solution to the next. If a solve takes more than four ticks, samples of
-    the lowest priority that belong to no region are dropped until there is time again. If not governed, solves take the
-    time that they need, contacts with skin have twice as many samples, and ticks may be late.
+    then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more
+    than four ticks, the samples of the lowest priority are dropped until there is time again. If not governed, solves
+    take the time that they need, contacts with skin have twice as many samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -125,7 +125,7 @@ class Renderer(Closing):
         check_kind("backend", made, Backend)
         self.limits = Limits() if limits is None else limits
         check_kind("limits", self.limits, Limits)
-        self.sampler = Sampler(ramp=RAMP) if sampler is None else sampler
+        self.sampler = Sampler(ramp=RAMP_TIME) if sampler is None else sampler
         check_kind("sampler", self.sampler, Sampler)
         self.smoothing = Smoothing() if smoothing is None else smoothing
         check_kind("smoothing", self.smoothing, Smoothing)
@@ -226,36 +226,31 @@ class Renderer(Closing):
         """Open the device, silently, and warm up, so that the first tick is not slow."""
         if self._opened:
             return
-        self.backend.open(self.session.array)
-        self._opened = True
         try:
+            self.backend.open(self.session.array)
+            self._opened = True
             first = self._pipeline.warm_up(self._scene, self.limits)
             if self.recorder is not None:
                 self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
                 if first is not None:
                     self.recorder.prepare(first)
-        except BaseException:
+            self.report = self._stages.report = Report()
+            self._warn(first)
+            self.reset()
+            self.start = self.clock.now()
+        except BaseException as error:
+            # a backend that refuses to open has nothing to close, but one that was interrupted may be open
+            self._opened = self._opened or not isinstance(error, Exception)
             self.close()
             raise
-        self.report = self._stages.report = Report()
-        self._warn(first)
-        self.reset()
-        self.start = self.clock.now()
 
     def _warn(self, first: Scene | None) -> None:
         """Log and keep warnings about the first scene."""
         if first is None:
             return
         told: list[str] = []
-        with suppress(
-            PacinianError
-        ):  # a file that cannot be read; the first tick will raise and report it
-            for i, period, resolved in self.sampler.find_fine_textures(first):
-                told.append(
-                    f"the texture of {label_object(first.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
-                    f"the array resolves {1e3 * resolved:.1f} mm there: its ridges will blur. Use a longer period, a "
-                    "wider array, or a place nearer to it"
-                )
+        with suppress(PacinianError):  # of a file; the first tick will raise and report it
+            told.extend(find_warnings(first, self.sampler, self.session, find_ceiling(self.limits)))
         self.report.warnings = tuple(told)
         for text in told:
             logging.getLogger("pacinian").warning("%s", text)
@@ -305,23 +300,26 @@ class Renderer(Closing):
         """
         behind = check_number("behind", behind, low=0.0)
         duration = None if duration is None else check_number("duration", duration, low=0.0)
-        was_open = self._opened
-        self.open()
-        self.report.interrupted = False
+        was_open, interrupted = self._opened, False
         try:
+            self.open()
+            self.report.interrupted = False
             with realtime_section():
                 for due, lost in pace(self.clock, self.period, duration, behind):
                     self.tick(due, lost)
                     if on_tick is not None:
                         on_tick(self.report)
         except KeyboardInterrupt:
-            self.report.interrupted = True
+            interrupted = True
         finally:
             try:
                 self._emitter.silence()
+                with suppress(Exception):  # of a measurement
+                    self._pipeline.finish_measuring()
             finally:
                 if not was_open:
                     self.close()
+                self.report.interrupted = self.report.interrupted or interrupted
         return self.report
 
     def tick(self, due: float | None = None, missed: int = 0) -> None:
@@ -352,9 +350,9 @@ class Renderer(Closing):
         self.report.tick(end - begin, late, due - self.start, deviations)
 
     @property
-    def account(self) -> dict[str, ObjectAccount]:
+    def sample_counts(self) -> dict[str, ObjectSampleCounts]:
         """What each object of the last frame asked for, and what was left out or changed, by the object's label."""
-        return self._pipeline.account.objects
+        return self._pipeline.sample_counts.objects
 
     @property
     def sent(self) -> Frame:
@@ -403,6 +401,10 @@ class Renderer(Closing):
         """Clear a fault and all state, so that the next tick starts from silence."""
         self._emitter.halted = None
         self.tape.take()
+        self.restart()
+
+    def restart(self) -> None:
+        """Discard what is played, so that the next frame starts from silence. A fault stays."""
         self._pipeline.reset()
         if self.recorder is not None:
             self.recorder.forget()
@@ -436,7 +438,7 @@ class Renderer(Closing):
         late, deviations = sent > due + self.period, pipeline.deviations
         if late or self._missed:
             deviations = self._mark_time(deviations, sorted(pipeline.labels), late)
-        return TickOutcome(sent, late, pipeline.account, deviations)
+        return TickOutcome(sent, late, pipeline.sample_counts, deviations)
 
     def _mark_time(self, deviations: Reasons, labels: list[str], late: bool) -> Reasons:
         """Return the deviations of a tick, and that it is late or that ticks before it were missed."""

@@ -135,7 +135,7 @@ class Report:
         return self._times[np.arange(self.ticks - count, self.ticks) % REMEMBERED]
 
     @property
-    def intact(self) -> bool:
+    def as_asked(self) -> bool:
         """Whether the output was what the scene asked for: no deviation, no late tick, no fault, no warning."""
         troubles = self.deviations.ticks, self.late_ticks, self.fault_count, len(self.warnings)
         return not any(troubles)
@@ -178,7 +178,7 @@ class Report:
                 for label, reasons in self.deviations.totals.items()
             },
             "warnings": list(self.warnings),
-            "intact": self.intact,
+            "as_asked": self.as_asked,
             "interrupted": self.interrupted,
         }
 
@@ -188,7 +188,7 @@ class Report:
         told = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
         told += f", error {self.error:.2%}" if self._measured else ""
         if self.deviations.ticks:
-            told += f", {self.deviations.ticks:,} not as asked"
+            told += f", {self.deviations.ticks:,} ticks not as asked"
         told += f", {self.fault_count} faults" if self.fault_count else ""
         if self.faults:
             told += f", the last in {self.faults[-1].stage}: {self.faults[-1].message}"

@@ -14,7 +14,7 @@ from pacinian.plugins.backend import Backend, Capability, Frame
 from pacinian.rendering.environment import compare, describe_environment
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
-from pacinian.scene.sampling.account import ObjectAccount
+from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # Difference of two forces, relative or [N], up to which they count as equal.
 SAME_FORCE = 1e-6
-NO_ACCOUNT = ObjectAccount(0, 0, 0.0, {})
+NO_SAMPLES = ObjectSampleCounts(0, 0, 0.0, {})
 
 
 class CaptureBackend(Backend):
@@ -107,8 +107,8 @@ def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
     objects: dict[str, str] = {}
     for tick, renderer in iterate_rerendered(recording, array):
         different += not are_equal(tick.frame, renderer.sent)
-        if renderer.account != tick.objects:
-            for label, what in _compare_objects(tick, renderer.account):
+        if renderer.sample_counts != tick.objects:
+            for label, what in _compare_objects(tick, renderer.sample_counts):
                 objects.setdefault(label, what)
         ticks += 1
     environment = compare(recording.environment, describe_environment())
@@ -116,10 +116,12 @@ def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
     return Rerendering(ticks, different, environment, changes, objects)
 
 
-def _compare_objects(tick: Tick, now: Mapping[str, ObjectAccount]) -> Iterator[tuple[str, str]]:
+def _compare_objects(
+    tick: Tick, now: Mapping[str, ObjectSampleCounts]
+) -> Iterator[tuple[str, str]]:
     """Yield the label of each object that was not rendered as recorded, and what differs in words."""
     for label in {**tick.objects, **now}:
-        one, other = tick.objects.get(label, NO_ACCOUNT), now.get(label, NO_ACCOUNT)
+        one, other = tick.objects.get(label, NO_SAMPLES), now.get(label, NO_SAMPLES)
         same = math.isclose(one.force, other.force, rel_tol=SAME_FORCE, abs_tol=SAME_FORCE)
         if one[:2] != other[:2] or not same:
             told = f"{one.rendered} of {one.asked} samples, {1e3 * one.force:.4g} mN when recorded"

@@ -13,12 +13,11 @@ from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
-from pacinian.rendering.reachability import HARDLY_REACHED
+from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.solving.problem import Limits, Targets, number_regions
-from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +34,8 @@ if TYPE_CHECKING:
 MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
 BETTER = 0.99  # largest ratio of new to old error at which a late solution counts as improved
-TRIES = 6  # most successive solves without improvement; a busy processor may spoil some
+TRIES = 6  # successive solves without improvement after which the next one waits
+RETRY = 0.25  # for this time [s]: a busy processor may have spoilt them
 
 Step = tuple[object, ...]
 
@@ -140,9 +140,9 @@ class SampleSolver:
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
-            return self._in_turn(samples, limits, solver, deadline)
+            return self._in_turn(samples, t, limits, solver, deadline)
         last = self._last
-        if last is not None and last.rows[0].final and not last.brief:
+        if last is not None and last.rows[0].rests(t) and not last.brief:
             self.skipped["solve, nothing moved"] += 1
             return last
         base, parts = self._parts
@@ -155,7 +155,7 @@ class SampleSolver:
         for now in (t + self.times).tolist():
             step = tuple(item.technique.step(now) for item, _ in parts)
             kept = self._steps.get(step)
-            if kept is None or not kept.final:
+            if kept is None or not kept.rests(t):
                 row = join_samples(
                     [base, *(_present_item(item, part, now) for item, part in parts)]
                 )
@@ -186,25 +186,28 @@ class SampleSolver:
         """Return the solution for `samples`, from the cache or new.
 
         If limits couple all gains (power, quiet zones, exact samples), gains cannot be combined from those of each
-        voice. Then the solve uses each voice's mean strength over the tick.
+        group. Then the solve uses each group's mean strength over the tick.
         """
-        voices = EnvelopeGroups(samples)
+        groups = EnvelopeGroups(samples)
         P = samples.radiation_pressure
-        joint = len(voices) > 1 and limits_join(limits)
+        joint = len(groups) > 1 and limits_join(limits)
         if joint:
-            strength = voices.strength(t + self.times).mean(axis=1)
-            P, step = P * strength[voices.index], (*step, strength.tobytes())
+            strength = groups.strength(t + self.times).mean(axis=1)
+            P, step = P * strength[groups.index], (*step, strength.tobytes())
         kept = self._steps.get(step)
-        if kept is not None and kept.final:
+        if kept is not None and kept.rests(t):
             self.skipped["solve, nothing moved"] += 1
             return kept
         made = self._solve_part(
-            self.cycle.parts[0], samples, P, voices, joint, limits, solver, deadline
+            self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline
         )
         if kept is not None and made.solution.error > BETTER * kept.solution.error:
-            vain = kept.vain + 1
-            final = made.final or vain == TRIES
-            made = replace(kept, steady=voices.steady and final, final=final, vain=vain)
+            vain, final = kept.vain + 1, made.final
+            waits = final or vain >= TRIES
+            retry = t + RETRY if waits else t
+            made = replace(
+                kept, steady=groups.steady and waits, final=final, vain=vain, retry=retry
+            )
         self.fresh.append(made)
         if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
             self._steps = {}
@@ -212,17 +215,17 @@ class SampleSolver:
         return made
 
     def _in_turn(
-        self, samples: Samples, limits: Limits, solver: Solver, deadline: float
-    ) -> Solved:  # fmt: skip
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
+    ) -> Solved:
         """Return the frames of a cycle; first solve for one of them, if any needs it."""
         cycle = self.cycle
-        part = cycle.due()
+        part = cycle.due(t)
         if part is None:
             self.skipped["solve, nothing moved"] += 1
         else:
-            P, voices = samples.radiation_pressure, EnvelopeGroups(samples)
-            made = self._solve_part(part, samples, P, voices, False, limits, solver, deadline)
-            cycle.keep(part, made)
+            P, groups = samples.radiation_pressure, EnvelopeGroups(samples)
+            made = self._solve_part(part, samples, P, groups, False, limits, solver, deadline)
+            cycle.keep(part, made, t)
             cycle.consider(made)
             self.fresh.append(made)
         return Solved(
@@ -231,12 +234,12 @@ class SampleSolver:
         )  # fmt: skip
 
     def _solve_part(
-        self, part: Part, samples: Samples, P: Floats, voices: EnvelopeGroups, joint: bool, limits: Limits,
+        self, part: Part, samples: Samples, P: Floats, groups: EnvelopeGroups, joint: bool, limits: Limits,
         solver: Solver, deadline: float,
     ) -> CachedSolution:  # fmt: skip
         """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
 
-        joint: whether P already contains the voices' strengths.
+        joint: whether P already contains the groups' strengths.
         """
         several = self.cycle.count > 1
         q = samples.positions
@@ -244,7 +247,7 @@ class SampleSolver:
         sounded &= part.reach.find_reachable(q, self.skipped)
         if several:
             sounded &= self.cycle.sounds(part)
-        index = voices.index
+        index = groups.index
         if limits.exact is not None:  # flags for the remaining samples
             exact = limits.exact_mask(len(q))[sounded] if len(q) else None
             limits = replace(limits, exact=exact)
@@ -255,7 +258,7 @@ class SampleSolver:
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
             share = part.reach.share(q, facing, self.skipped)
-            hardly = samples.objects[(share < HARDLY_REACHED) & (samples.regions != BESIDE)]
+            hardly = samples.objects[(share < WEAKENED_BELOW) & (samples.regions != BESIDE)]
             weakened = tuple(Counter(hardly.tolist()).items()) if len(hardly) else ()
             P = P * share
         if several:
@@ -270,47 +273,21 @@ class SampleSolver:
             facing=facing,
             regions=samples.regions,
         )
-        voices.index = index
+        groups.index = index
         parts = None
-        if len(voices) > 1 and not joint and len(q):
-            parts = split_contributions(solution, session.propagator, index, len(voices))
-        sounding, averaged = None if joint else voices, joint and not voices.steady
+        if len(groups) > 1 and not joint and len(q):
+            parts = split_contributions(solution, session.propagator, index, len(groups))
+        sounding, averaged = None if joint else groups, joint and not groups.steady
         made = CachedSolution(
             solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
         )
         final = not made.ran_out_of_time
-        return self._keep_below(replace(made, steady=voices.steady and final, final=final))
-
-    def _keep_below(self, made: CachedSolution) -> CachedSolution:
-        """Return a solution, scaled down if its pressure on skin would exceed the limit, `cycle.peak`."""
-        limit = self.cycle.peak
-        if limit == math.inf or not len(made.samples):
-            return made
-        parts = made.gains[None] if made.parts is None else made.parts
-        peak = self._skin_limit.find_peak(parts, self.skins, made.samples, limit)
-        return scale_to(made, limit, peak) if peak > limit else made
-
-
-def scale_to(made: CachedSolution, limit: float, peak: float) -> CachedSolution:
-    """Return a solution, all of it scaled down so that its highest radiation pressure `peak` is `limit` [Pa]."""
-    share = limit / peak
-    factor = np.float32(math.sqrt(share))
-    solution = replace(
-        made.solution,
-        gains=factor * made.solution.gains,
-        sound_pressure=float(factor) * made.solution.sound_pressure,
-        status=Status.scaled,
-        bound=math.nan,
-        objective=math.nan,
-        note=f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
-        f"all pressures are {share:.0%} of the solver's",
-    )
-    parts = None if made.parts is None else factor * made.parts
-    return replace(made, gains=solution.gains, parts=parts, solution=solution, limited=True)
+        made = replace(made, steady=groups.steady and final, final=final)
+        return self._skin_limit.enforce(made, self.skins, self.cycle.peak)
 
 
 def limits_join(limits: Limits) -> bool:
-    """Return whether limits couple all gains, so that these cannot be combined from the parts of voices."""
+    """Return whether limits couple all gains, so that these cannot be combined from the parts of groups."""
     return limits.power is not None or bool(limits.solver_limits)
 
 

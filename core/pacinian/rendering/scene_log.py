@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.deviations import Reasons
-    from pacinian.scene.sampling.account import Account
+    from pacinian.scene.sampling.sample_counts import SampleCounts
 
     News = dict[int, Any]  # by index in a list: the element's old index, or its encoding
 
@@ -49,13 +49,13 @@ class TickInput:
 class TickOutcome(NamedTuple):
     """What became of one tick.
 
-    sent: clock reading after the frame was sent [s]. late: whether that was after the next tick was due. account: what
-    the objects asked for. deviations: what was not as asked, by label of the object and reason.
+    sent: clock reading after the frame was sent [s]. late: whether that was after the next tick was due.
+    sample_counts: what the objects asked for. deviations: what was not as asked, by label of the object and reason.
     """
 
     sent: float
     late: bool
-    account: Account
+    sample_counts: SampleCounts
     deviations: Reasons
 
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from pacinian.errors import ArgumentError, PluginError, SceneFileError
 from pacinian.plugins import registry
-from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.rendering.renderer import Renderer
+from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.scene.setup import Choice
+from pacinian.scene.setup import PluginConfig
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -32,14 +33,14 @@ def make_renderer(file: SceneFile, path: Path | str, *, strict: bool = False) ->
             rate=file.rate,
             strict=strict,
             limits=Limits(gain=file.gain),
-            sampler=Sampler(file.sampling.budget, file.sampling.spacing, ramp=RAMP),
+            sampler=Sampler(file.sampling.budget, file.sampling.spacing, ramp=RAMP_TIME),
         )
     except ArgumentError as error:
         raise SceneFileError(path, "", str(error)) from error
 
 
-def _make(kind: Kind, choice: str | Choice, path: Path | str) -> Any:
-    chosen = choice if isinstance(choice, Choice) else Choice(choice)
+def _make(kind: Kind, choice: str | PluginConfig, path: Path | str) -> Any:
+    chosen = choice if isinstance(choice, PluginConfig) else PluginConfig(choice)
     try:
         return registry.discover_plugins().make(kind, chosen.name, dict(chosen.options))
     except (PluginError, ArgumentError) as error:

@@ -1,4 +1,4 @@
-"""Find the highest radiation pressure of a solution on the skin that is seen, also where no target was set.
+"""Keep the radiation pressure on the skin that is seen below a limit, also where no target was set.
 
 The skin is that of the hands in the scene, as far as it faces the array. It is evaluated at points half a wavelength
 apart, then near the strongest of these at points closer and closer together. Without a hand, no skin is seen, and
@@ -12,6 +12,7 @@ On skin, the pressure is that along its normal, as in targets; see `pacinian.Ski
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,10 +23,12 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 from pacinian.native import solving as kernels
 from pacinian.solving.problem import ISOLATED
+from pacinian.solving.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
@@ -41,7 +44,7 @@ FINEST = (
 PEAKS = 16  # most points around which to look at last
 NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
 CHUNK = 64  # points that are evaluated at a time
-PHASES = 16  # of the sum of voices, from which its largest amplitude is found
+PHASES = 16  # of the sum of groups, from which its largest amplitude is found
 MARGIN = 1.03  # of the pressure, because the finest points may miss a peak
 MIN_LENGTH = 1e-9  # [m]
 FAR_BELOW = 0.25  # of the limit: highest pressure after which the next solutions are not evaluated,
@@ -78,6 +81,16 @@ class SkinLimit:
         """Evaluate the next solution, whatever was found before."""
         self._last: _Look | None = None  # whose pressure was far below the limit
         self._passed = 0  # solutions since then
+
+    def enforce(
+        self, made: CachedSolution, skins: Sequence[PosedSkin], limit: float
+    ) -> CachedSolution:
+        """Return a solution, scaled down if its pressure on skin would exceed the limit [Pa]."""
+        if limit == math.inf or not len(made.samples):
+            return made
+        parts = made.gains[None] if made.parts is None else made.parts
+        peak = self.find_peak(parts, skins, made.samples, limit)
+        return scale_down(made, limit, peak) if peak > limit else made
 
     def find_peak(
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
@@ -220,3 +233,21 @@ def spread(points: Floats, normals: Floats, rings: int, spacing: float) -> tuple
     b = np.cross(normals, a)
     made = points[:, None] + x[:, None] * a[:, None] + y[:, None] * b[:, None]
     return made.reshape(-1, 3), np.repeat(normals, len(x), axis=0)
+
+
+def scale_down(made: CachedSolution, limit: float, peak: float) -> CachedSolution:
+    """Return a solution, all of it scaled down so that its highest radiation pressure `peak` is `limit` [Pa]."""
+    share = limit / peak
+    factor = np.float32(math.sqrt(share))
+    solution = replace(
+        made.solution,
+        gains=factor * made.solution.gains,
+        sound_pressure=float(factor) * made.solution.sound_pressure,
+        status=Status.scaled,
+        bound=math.nan,
+        objective=math.nan,
+        note=f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
+        f"all pressures are {share:.0%} of the solver's",
+    )
+    parts = None if made.parts is None else factor * made.parts
+    return replace(made, gains=solution.gains, parts=parts, solution=solution, limited=True)

@@ -10,10 +10,11 @@ if TYPE_CHECKING:
 SAVED = frozenset(
     {
         "solve, nothing moved",
+        "solve, still under way",
         "solve, not due",
         "solve, step of a modulation known",
         "drive, nothing changed",
-        "objects out of reach",
+        "objects away from hands",
         "samples merged",
         "samples too faint to feel",
     }

@@ -16,10 +16,10 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene
 from pacinian.scene.setup import (
-    Choice,
     Device,
     Lattice,
     Medium,
+    PluginConfig,
     Sampling,
     Units,
     Workspace,
@@ -52,8 +52,8 @@ class SceneFile(Struct, frozen=True, forbid_unknown_fields=True):
 
     array: Units | Lattice | Device = Units()
     medium: Medium = Medium()
-    solver: str | Choice = "auto"
-    backend: str | Choice = "simulated"
+    solver: str | PluginConfig = "auto"
+    backend: str | PluginConfig = "simulated"
     rate: float = 1000.0
     gain: float = 1.0
     sampling: Sampling = Sampling()

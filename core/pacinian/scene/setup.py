@@ -92,7 +92,7 @@ class Medium(Struct, frozen=True, forbid_unknown_fields=True):
         return Air(**msgspec.structs.asdict(self))
 
 
-class Choice(Struct, frozen=True, forbid_unknown_fields=True):
+class PluginConfig(Struct, frozen=True, forbid_unknown_fields=True):
     """A plug-in, chosen by name, and its own options."""
 
     name: str

@@ -14,10 +14,10 @@ from pacinian.checks import check_number
 from pacinian.documents import decode_document
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.setup import (
-    Choice,
     Device,
     Lattice,
     Medium,
+    PluginConfig,
     Sampling,
     Units,
     Workspace,
@@ -141,8 +141,8 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
 
     array: Units | Lattice | Device = Units()
     medium: Medium = Medium()
-    solver: str | Choice = "auto"
-    backend: str | Choice = "simulated"
+    solver: str | PluginConfig = "auto"
+    backend: str | PluginConfig = "simulated"
     rate: float = 1000.0
     gain: float = 1.0
     power: float | None = None

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FORCE_SAMPLES = 10  # samples per wavelength along a surface whose force is computed
 
 
-class Placed(Protocol):
+class PosedSurface(Protocol):
     """A `pacinian.Surface` or `pacinian.Volume`: a surface at a pose."""
 
     @property
@@ -93,7 +93,7 @@ class Solution(SolutionValues):
             return normal_pressure(self.array, self.gains, points, facing, self.medium)
         return radiation_pressure(self.field(points), self.medium)
 
-    def force(self, surface: Placed, *, spacing: float | None = None) -> float:
+    def force(self, surface: PosedSurface, *, spacing: float | None = None) -> float:
         """Return the force that presses a surface along its normals [N], the integral of the radiation pressure.
 
         surface: a `pacinian.Surface`, or the shell of a `pacinian.Volume`. Sound presses a place only if it arrives on

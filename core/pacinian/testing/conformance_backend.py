@@ -12,7 +12,7 @@ import numpy as np
 
 from pacinian.acoustics.array import autd
 from pacinian.errors import BackendError
-from pacinian.plugins.backend import Backend, Capability, Found, Frame
+from pacinian.plugins.backend import Backend, Capability, FoundDevice, Frame
 from pacinian.testing.conformance import Broken, a, call_with_limit, check_rules, require
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def check_backend(
     kit = _Kit(make, array or autd(), heard, limit)
     rules = {
         "class": kit.its_class,
-        "found": kit.found,
+        "find_devices": kit.find_devices,
         "capability": kit.capability,
         "closed before it is open": kit.before,
         "send before open": kit.send_before_open,
@@ -150,12 +150,12 @@ class _Kit:
         require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
         require(bool((type(backend).__doc__ or "").strip()), "it has no docstring")
 
-    def found(self) -> None:
-        """The search for devices raises nothing and returns `Found`s with the backend's name."""
+    def find_devices(self) -> None:
+        """The search for devices raises nothing and returns `FoundDevice`s with the backend's name."""
         cls = type(self.make())
-        for one in self.call(cls.found):
-            a(Found, one, "what found() tells")
-            require(one.backend == cls.name, f"found() tells of backend {one.backend!r}")
+        for one in self.call(cls.find_devices):
+            a(FoundDevice, one, "what find_devices() tells")
+            require(one.backend == cls.name, f"find_devices() tells of backend {one.backend!r}")
 
     def capability(self) -> None:
         """It is a Capability and does not change."""

@@ -21,7 +21,7 @@ from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_err
 from pacinian.viewing.demonstration import Demonstration
 from pacinian.viewing.messages import Alive, Arm, Demonstrate, Disarm, Reset, Select, Session, Stop
 from pacinian.viewing.states import StateReader
-from pacinian.wire.convert_time import technique_to_scene
+from pacinian.wire.convert_modulation import technique_to_scene
 
 if TYPE_CHECKING:
     from asyncio import AbstractEventLoop
@@ -98,7 +98,7 @@ class Bridge:
         elif on:
             refuse = partial(self._post, self._hub.refuse, page, "demonstrate")
             is_open = partial(self._hub.views.__contains__, page)
-            self._demonstration = Demonstration(self._where, is_open, refuse)
+            self._demonstration = Demonstration(self._where, is_open, refuse, playing)
             self._demonstrated = page
 
     def _stop(self, page: int) -> None:

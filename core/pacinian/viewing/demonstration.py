@@ -34,7 +34,7 @@ class Demonstration:
     """Plays in its own thread while the page that started it sends `alive`. It takes the output from nobody.
 
     where: the connection file. is_open: returns whether the page is still open. refuse: called with a message and
-    advice if the demonstration cannot play.
+    advice if the demonstration cannot play. last: the demonstration before, which must have ended when this one begins.
     """
 
     def __init__(
@@ -42,8 +42,9 @@ class Demonstration:
         where: Path | str | None,
         is_open: Callable[[], bool],
         refuse: Callable[[str, str], object],
+        last: Demonstration | None = None,
     ) -> None:
-        self._where, self._is_open, self._refuse = where, is_open, refuse
+        self._where, self._is_open, self._refuse, self._last = where, is_open, refuse, last
         self._ended = threading.Event()
         self._alive = time.perf_counter()
         self._thread = threading.Thread(target=self._run, name=NAME, daemon=True)
@@ -51,8 +52,8 @@ class Demonstration:
 
     @property
     def plays(self) -> bool:
-        """Whether the demonstration is running."""
-        return self._thread.is_alive()
+        """Whether the demonstration is running, and has not been told to end."""
+        return self._thread.is_alive() and not self._ended.is_set()
 
     def keep_alive(self) -> None:
         """Note that the page is still visible."""
@@ -68,6 +69,9 @@ class Demonstration:
         self._thread.join()
 
     def _run(self) -> None:
+        if self._last is not None:
+            self._last.close()
+            self._last = None
         try:
             with Client(self._where, name=NAME) as client:
                 client.put(BALL)

@@ -173,10 +173,11 @@ class FeedPlayer:
                     hub.put(entry.kind, msgspec.msgpack.encode(said))
                     self._time = said.time
                     if isinstance(said, State):
-                        self._regions = Regions.of(said)
                         self._recent.see_state(
                             said.time, said.technique, said.hands, said.presentation
                         )
+                        strengths = self._recent.find_strengths(said.objects)
+                        self._regions = Regions.of(said, strengths)
                     elif self._model is not None:
                         self._recent.add(
                             said.time,

@@ -14,9 +14,9 @@ from msgspec import Meta, Raw, Struct
 
 from pacinian.errors import PacinianError, WireError
 from pacinian.wire.control import Choice
+from pacinian.wire.modulation import Technique
 from pacinian.wire.protocol import Length, Part, Position, Share
 from pacinian.wire.replies import Plugin, Sound
-from pacinian.wire.time import Technique
 
 VERSION = 1
 MAX_BYTES = 1 << 16  # maximum size of a message from a page [bytes]
@@ -242,7 +242,7 @@ class SliceMessage(ServerMessage, frozen=True, kw_only=True, tag="slice"):
 
 
 class SkinMessage(ServerMessage, frozen=True, kw_only=True, tag="skin"):
-    """The reply to `Skin`. felt: radiation pressure on the skin, mean over the recent frames. asked: its target.
+    """The reply to `Skin`. felt: radiation pressure on the skin. asked: its target. Both are means over the modulation.
 
     Both are (rows, cols) float32 [Pa], NaN where nothing is felt. time: time of the newest frame [s].
     """

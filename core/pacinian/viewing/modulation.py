@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.scene.modulation.envelope import resolve
-from pacinian.wire import time as wire
-from pacinian.wire.convert_time import envelope_to_scene, technique_to_scene
+from pacinian.wire import modulation as wire
+from pacinian.wire.convert_modulation import envelope_to_scene, technique_to_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -84,6 +84,19 @@ def share_time(
         if np.abs(b - A @ shares).max() < CLOSE:
             break
     return np.asarray(shares / shares.sum())
+
+
+def find_mean_strength(modulation: Modulation, times: Floats) -> float:
+    """Return the mean strength over a period, 0..1; without a period, the mean over these times of the scene [s].
+
+    Returns 1 for a recorded wave, and if it takes times and there are none.
+    """
+    if not modulation.known:
+        return 1.0
+    if not len(times):
+        mean = _mean_of_period(modulation)
+        return 1.0 if mean is None else mean
+    return _compute_mean(modulation, float(times.min()), float(times.max()))
 
 
 def _share_period(times: Floats, modulations: Iterable[Modulation]) -> Floats:

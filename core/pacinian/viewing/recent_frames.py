@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.viewing.modulation import Modulation, share_time
+from pacinian.viewing.modulation import Modulation, find_mean_strength, share_time
+from pacinian.wire.modulation import Constant
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
-    from pacinian.types import Singles
+    from pacinian.types import Floats, Singles
+    from pacinian.wire.modulation import Technique
     from pacinian.wire.objects import Object
-    from pacinian.wire.time import Technique
 
 SPAN = 0.3  # time in which the frames of a cycle are looked for [s]
 MODULATED_SPAN = 1.0  # averaging time of a modulation while nothing moves [s]
@@ -99,6 +100,19 @@ class RecentFrames:
         rows = (gains or bytes(size) for gains in reversed(chosen))
         return b"".join(rows), tuple(share / total for share in reversed(chosen.values()))
 
+    def find_strengths(self, names: Iterable[str]) -> Floats:
+        """Return the mean strength of each object over its modulation, 0..1; 1 if it is not known."""
+        times = np.array([frame.scene_time for frame in self._frames if frame.scene_time])
+        constant = Modulation(Constant())
+        found = (self._present(self._modulations.get(name, constant)) for name in names)
+        return np.array([find_mean_strength(each, times) for each in found])
+
+    def _present(self, modulation: Modulation) -> Modulation:
+        """Give an object that has no technique of its own the server's."""
+        if modulation.technique:
+            return modulation
+        return modulation._replace(technique=self._presentation)
+
     def _is_modulated(self) -> bool:
         own = (not modulation.steady for modulation in self._modulations.values())
         return self._technique != SIMULTANEOUS or any(own)
@@ -128,12 +142,7 @@ class RecentFrames:
         )
         if not known or np.ptp(times) > 2.0 * MODULATED_SPAN:  # the scene has begun anew
             return [1.0 / len(frames)] * len(frames)
-        modulations = {
-            modulation
-            if modulation.technique
-            else modulation._replace(technique=self._presentation)
-            for modulation in self._modulations.values()
-        }
+        modulations = {self._present(modulation) for modulation in self._modulations.values()}
         shares = share_time(times, modulations, np.array([frame.part for frame in frames]))
         return list(shares.tolist())
 

@@ -41,7 +41,7 @@ def convert_recording(
 ) -> Iterator[tuple[float, str, bytes]]:
     """Yield time [s], kind and message. samples: include them, by rendering again. Raises RecordingError."""
     yield 0.0, "array", encode_message(_array(recording))
-    stage, begin, due, past = Stage(), None, 0.0, TickStats(1.0 / recording.tick_rate)
+    stage, begin, due, past = FeedState(), None, 0.0, TickStats(1.0 / recording.tick_rate)
     numbers = itertools.count()
     made = (
         iterate_rerendered(recording) if samples else ((tick, None) for tick in recording.ticks())
@@ -61,7 +61,7 @@ def convert_recording(
             yield at, *news
 
 
-class Stage:
+class FeedState:
     """Tracks the objects of the scenes. Each object is sent once, and again when its shape or modulation changes."""
 
     def __init__(self) -> None:

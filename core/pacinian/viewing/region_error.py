@@ -30,9 +30,9 @@ JOINTS = 26  # joints of a hand
 class Regions(NamedTuple):
     """The samples of a state, (M, ...) each, as bytes so that they can be compared.
 
-    points: (M, 3) float32 [m]. normals: (M, 3) float32. asked: target radiation pressure, (M,) float32 [Pa]. objects:
-    index of each sample's object, (M,) int32; -1 if it has no region. hands: joints, (hands, 26, 3) float32
-    [m]; if there are hands, only sound along the normals counts.
+    points: (M, 3) float32 [m]. normals: (M, 3) float32. asked: target radiation pressure, mean over the modulation,
+    (M,) float32 [Pa]. objects: index of each sample's object, (M,) int32; -1 if it has no region. hands: joints,
+    (hands, 26, 3) float32 [m]; if there are hands, only sound along the normals counts.
     """
 
     points: bytes
@@ -42,13 +42,16 @@ class Regions(NamedTuple):
     hands: bytes
 
     @classmethod
-    def of(cls, state: State) -> Self | None:
-        """Read the samples; return None if no object has a region. Raises ValueError or IndexError if damaged."""
+    def of(cls, state: State, strengths: Floats) -> Self | None:
+        """Read the samples; return None if no object has a region. Raises ValueError or IndexError if damaged.
+
+        strengths: mean strength of each object over its modulation, 0..1.
+        """
         known = np.isfinite(np.frombuffer(state.felt, "<f4").reshape(-1, 4)[:, 0])
         if not known.any():
             return None
         index = np.frombuffer(state.index, "<i4")
-        index = np.where(known[index], index, -1).astype("<i4")
+        own = np.where(known[index], index, -1).astype("<i4")
         rows = len(index)
         if not len(state.points) == len(state.normals) == 12 * rows == 3 * len(state.asked):
             raise ValueError(f"not as many points, normals and pressures as samples: {rows}")
@@ -57,7 +60,8 @@ class Regions(NamedTuple):
         for each in (state.points, state.normals, state.asked, state.hands):
             if not np.isfinite(np.frombuffer(each, "<f4")).all():
                 raise ValueError("not all numbers of samples and hands are finite")
-        return cls(state.points, state.normals, state.asked, index.tobytes(), state.hands)
+        asked = np.frombuffer(state.asked, "<f4") * strengths[index].astype("<f4")
+        return cls(state.points, state.normals, asked.tobytes(), own.tobytes(), state.hands)
 
 
 class Places(NamedTuple):

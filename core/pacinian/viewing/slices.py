@@ -1,4 +1,4 @@
-"""Computes the field in planes and boxes, in a separate process of the lowest priority."""
+"""Computes the field in planes and boxes, in a separate process of low priority."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.region_error import Regions
 
 PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
-CALM = 19  # niceness of the process
+CALM = 10  # niceness of the process: a tenth of what others get, because a hundredth would stop the pictures
 MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
 NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
 
@@ -83,7 +83,7 @@ class FieldWorker:
             across = tuple(np.cross(asked.u, asked.v).tolist())
             return await self._run(compute_skin, drive, where, across, drive.regions)
         if isinstance(asked, Slice) and asked.of == "error":
-            if drive.regions is None:
+            if drive.regions is None or not drive.gains:
                 return np.full(count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
             return await self._run(compute_region_errors, drive, where, across, drive.regions)
@@ -201,9 +201,8 @@ def compute_region_errors(
     from pacinian.viewing.region_error import compute_error
 
     array, medium = _unpack_model(model)
-    found = compute_error(
-        array, medium, _frames(gains, array), _points(where), np.array(across), regions
-    )
+    frames, at = _average_gains(gains, array), _points(where)
+    found = compute_error(array, medium, frames, at, np.array(across), regions)
     return found.astype(np.float32).tobytes()
 
 
@@ -218,7 +217,7 @@ def compute_skin(
     from pacinian.viewing.region_error import compute_felt_and_asked
 
     array, medium = _unpack_model(model)
-    frames, at = _frames(gains, array), _points(where)
+    frames, at = _average_gains(gains, array), _points(where)
     found = compute_felt_and_asked(array, medium, frames, at, np.array(across), regions)
     return np.concatenate(found).astype(np.float32).tobytes()
 
@@ -233,11 +232,18 @@ def compress_gains(frames: Gains) -> tuple[Gains, Gains]:
     if len(frames) == 1:
         return frames, np.ones((1, 1), np.complex64)
     power, vectors = np.linalg.eigh(frames.astype(np.complex128) @ frames.conj().T)
-    kept = power > NEGLIGIBLE * max(float(power.sum()), 1e-300)
+    kept = power > NEGLIGIBLE * float(power.sum())
+    kept[-1] = True  # the largest, also in silence
     if kept.sum() > MAX_FIELDS < len(frames):
         return compress_gains(frames[-MAX_FIELDS:])
     shares = vectors[:, kept].astype(np.complex64)
     return (shares.conj().T @ frames).astype(np.complex64), shares
+
+
+def _average_gains(gains: bytes, array: Array) -> Gains:
+    """Return fewer frames, (R, N), over which the mean of |p|^2 is the same."""
+    basis, shares = compress_gains(_frames(gains, array))
+    return np.asarray(math.sqrt(len(basis) / len(shares)) * basis, np.complex64)
 
 
 def _frames(gains: bytes, array: Array) -> Gains:

@@ -149,7 +149,7 @@ class StateReader:
         self._stale = state.output == "stale"
         if state.output in ("stopped", "faulted"):
             self._recent.clear()
-        self._regions = Regions.of(state)
+        self._regions = Regions.of(state, self._recent.find_strengths(state.objects))
 
     def _explain(self, state: State) -> None:
         """Pass on why the output is silent, if that has changed."""

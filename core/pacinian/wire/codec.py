@@ -15,7 +15,7 @@ from msgspec import Struct
 from msgspec.msgpack import Decoder, Encoder
 
 from pacinian.errors import WireError
-from pacinian.wire import shapes, time
+from pacinian.wire import modulation, shapes
 from pacinian.wire.commands import AnyCommand
 from pacinian.wire.control import CONTROLS, AnyControl
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES, MAX_REPLY_BYTES, Id
@@ -49,8 +49,8 @@ def _list_tags(*unions: Any) -> list[str]:
 TAGS = {
     "shape": _list_tags(shapes.Shell, shapes.Solid, shapes.Curve),
     "along": _list_tags(shapes.Curve),
-    "envelope": _list_tags(time.Envelope),
-    "technique": _list_tags(time.Technique),
+    "envelope": _list_tags(modulation.Envelope),
+    "technique": _list_tags(modulation.Technique),
 }
 """Types of the parts of objects, by the name of the field."""
 

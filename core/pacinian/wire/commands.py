@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from pacinian.wire.binary_arrays import Rows, check_arrays
+from pacinian.wire.modulation import Envelope
 from pacinian.wire.objects import Object
 from pacinian.wire.protocol import (
     MAX_HANDS,
@@ -28,7 +29,6 @@ from pacinian.wire.protocol import (
     Sequence,
     Session,
 )
-from pacinian.wire.time import Envelope
 
 Names = Annotated[tuple[Name, ...], Meta(max_length=MAX_OBJECTS)]
 

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from pacinian.wire.modulation import Technique
 from pacinian.wire.protocol import (
     MAX_OPTIONS,
     Id,
@@ -19,7 +20,6 @@ from pacinian.wire.protocol import (
     Share,
     Text,
 )
-from pacinian.wire.time import Technique
 
 Option = bool | int | Annotated[float, Meta(ge=-1e300, le=1e300)] | Text
 

@@ -14,6 +14,12 @@ from pacinian.scene.motion import Motion
 from pacinian.wire import objects
 from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.codec import check_part
+from pacinian.wire.convert_modulation import (
+    envelope_to_scene,
+    envelope_to_wire,
+    technique_to_scene,
+    technique_to_wire,
+)
 from pacinian.wire.convert_shapes import (
     pose_to_scene,
     pose_to_wire,
@@ -21,12 +27,6 @@ from pacinian.wire.convert_shapes import (
     shape_to_wire,
     texture_to_scene,
     texture_to_wire,
-)
-from pacinian.wire.convert_time import (
-    envelope_to_scene,
-    envelope_to_wire,
-    technique_to_scene,
-    technique_to_wire,
 )
 from pacinian.wire.error_path import BROKEN, locate, locate_errors
 

@@ -6,9 +6,9 @@ import re
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, get_args
 
-from pacinian.wire import commands, control, objects, protocol, replies, shapes, state, time
+from pacinian.wire import commands, control, modulation, objects, protocol, replies, shapes, state
 from pacinian.wire.message_docs import GROUPS, describe_fields, name_class, summarise
-from pacinian.wire.silence import CAUSES
+from pacinian.wire.silence_cause import CAUSES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -50,7 +50,7 @@ def _parts() -> dict[str, str]:
         "codes": _meanings("code", replies.CODES),
         "outputs": _meanings("output", state.OUTPUTS),
         "causes": _meanings("cause", CAUSES),
-        "presets": ", ".join(f'`"{name}"`' for name in get_args(time.PresetName)),
+        "presets": ", ".join(f'`"{name}"`' for name in get_args(modulation.PresetName)),
         "command fields": _format_table(commands.Command),
         "commands": sections(commands.COMMANDS, commands.Command),
         "command parts": sections([commands.HandFrame, commands.Zone]),
@@ -65,8 +65,8 @@ def _parts() -> dict[str, str]:
         "shells": sections(_kinds(shapes.Shell)),
         "solids": sections(_kinds(shapes.Solid)),
         "curves": sections(_kinds(shapes.Curve)),
-        "envelopes": sections(_kinds(time.Envelope)),
-        "techniques": sections(_kinds(time.Technique)),
+        "envelopes": sections(_kinds(modulation.Envelope)),
+        "techniques": sections(_kinds(modulation.Technique)),
     }
     limits = {
         name: f"{getattr(protocol, name):,}" for name in ("MAX_COMMAND_BYTES", "MAX_CONTROL_BYTES")

@@ -25,7 +25,7 @@ from msgspec.inspect import (
     VarTupleType,
 )
 
-from pacinian.wire import objects, shapes, time
+from pacinian.wire import modulation, objects, shapes
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -36,8 +36,8 @@ GROUPS: dict[str, Any] = {  # unions that have their own section
     "solids": shapes.Solid,
     "primitive solids": shapes.Primitive,
     "curves": shapes.Curve,
-    "envelopes": time.Envelope,
-    "techniques": time.Technique,
+    "envelopes": modulation.Envelope,
+    "techniques": modulation.Technique,
 }
 PLAIN: dict[type[Type], str] = {
     IntType: "int",

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from pacinian.wire.binary_arrays import Grid, Rows, check_arrays
+from pacinian.wire.modulation import STEADY, Envelope, Technique
 from pacinian.wire.protocol import (
     MAX_PARTICLES,
     Duration,
@@ -20,7 +21,6 @@ from pacinian.wire.protocol import (
     Velocity,
 )
 from pacinian.wire.shapes import Curve, Pose, Shell, Solid, Values
-from pacinian.wire.time import STEADY, Envelope, Technique
 
 WAVELENGTH = 0.0085  # [m]
 SPOT = math.pi * 0.00425**2  # area of a disc one wavelength across [m^2]

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from pacinian.notebook import Card, card
+from pacinian.wire.modulation import Technique
 from pacinian.wire.protocol import Id, Name, Seconds, Text
-from pacinian.wire.silence import Silence
-from pacinian.wire.time import Technique
+from pacinian.wire.silence_cause import Silence
 
 STATE, FRAME = b"state", b"frame"
 MAX_LISTED_FAULTS = 3

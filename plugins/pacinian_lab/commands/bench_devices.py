@@ -22,7 +22,7 @@ def devices(seconds: float, as_markdown: bool, as_json: bool) -> None:
     """Measure how evenly frames reach a device model, how long packing takes, and how much data USB carries."""
     from rich.console import Console
 
-    from pacinian_lab.devices import pacing as bench
+    from pacinian_lab.devices import frame_timing as bench
 
     found = list(bench.loads())
     rates = [bench.measure_rate(2000.0, 1, seconds), bench.measure_rate(1000.0, 2, seconds)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import click
 
 if TYPE_CHECKING:
+    from pacinian_lab.server.latency_sender import Times
     from pacinian_lab.server.load import Final, Row
-    from pacinian_lab.server.sender import Times
 
 What = Literal["latency", "load", "all"]
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian_lab.commands.bench_server import side
+from pacinian_lab.server import soak_drift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,10 +43,10 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
     are killed, malformed messages arrive, and the output is disarmed, stopped and armed again. Exit code 1 if the
     server misses a target.
     """
-    from pacinian_lab.server import drift, report
+    from pacinian_lab.server import report
 
     rows, interrupted = _measure(side, SHORT if short else 60.0 * minutes)
-    found = drift.verdicts(rows) if rows else []
+    found = soak_drift.verdicts(rows) if rows else []
     if picture is not None and rows:
         _draw(rows, picture)
     if as_json:
@@ -88,7 +89,7 @@ def _measure(side: int, seconds: float) -> tuple[list[Row], bool]:
 
 def _draw(rows: Sequence[Row], path: Path) -> None:
     from pacinian.errors import MissingExtra
-    from pacinian_lab.server.picture import draw
+    from pacinian_lab.server.soak_picture import draw
 
     try:
         draw(rows, path)
@@ -100,13 +101,13 @@ def _print(rows: Sequence[Row]) -> None:
     from rich.console import Console
 
     from pacinian_lab.scenes import tables as scene_tables
-    from pacinian_lab.server import drift, tables
+    from pacinian_lab.server import tables
 
     console = Console()
     for table in (
         tables.windows(rows),
         tables.events(rows),
-        scene_tables.verdicts(drift.verdicts(rows)),
+        scene_tables.verdicts(soak_drift.verdicts(rows)),
     ):
         console.print(table)
         console.print()

@@ -64,7 +64,7 @@ def study(
     if file is None:
         raise click.UsageError("Missing argument 'FILE'.")
     from pacinian_lab.study.store import Folder
-    from pacinian_lab.study.work import make_plan, todo
+    from pacinian_lab.study.study_run import make_plan, todo
 
     if scheduler is not None and (workers is not None or dashboard):
         raise click.UsageError(
@@ -129,7 +129,7 @@ def _run(plan: Plan, folder: Folder, missing: int, **how: Any) -> Table:
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress
 
-    from pacinian_lab.study.work import run
+    from pacinian_lab.study.study_run import run
 
     columns = (*Progress.get_default_columns(), MofNCompleteColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:

@@ -17,7 +17,7 @@ from pacinian.scene.scene import Scene
 from pacinian.scene.shapes import Box, Sphere
 from pacinian.session import Session
 from pacinian.testing import ManualClock
-from pacinian_lab.regions.made import FREE, OURS
+from pacinian_lab.regions.methods import FREE, OURS
 from pacinian_lab.regions.skin import measure_felt
 from pacinian_lab.solvers.problems import AIR
 

@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.transducer import Transducer
-from pacinian_lab.regions.made import OURS, SPACINGS, Made
+from pacinian_lab.regions.methods import OURS, SPACINGS, MethodResult
 from pacinian_lab.solvers.problems import AIR, PRESSURE, WAVENUMBER
 from pacinian_lab.solvers.worker_process import WorkerError
 
@@ -51,7 +51,7 @@ class Peers:
         """Names of the solvers in the tables."""
         return tuple(self._asked)
 
-    def make(self, shape: Shape, way: str, pressure: float) -> Made:
+    def make(self, shape: Shape, way: str, pressure: float) -> MethodResult:
         """Let a peer make a shape with at most `pressure` [Pa]. Raises WorkerError."""
         solver, spacing = self._asked[way]
         samples = shape.samples(self.array, spacing)
@@ -73,4 +73,4 @@ class Peers:
             raise WorkerError(f"gave an invalid answer: {error!r}") from error
         if gains.shape != (len(self.array),) or not np.isfinite(gains).all():
             raise WorkerError(f"must return {len(self.array)} finite gains")
-        return Made(gains, len(q))
+        return MethodResult(gains, len(q))

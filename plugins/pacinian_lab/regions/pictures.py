@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.plot import figure, save
 from pacinian.plot.style import BLUE, GREY, LINE, MAP, RED, bar, dress
-from pacinian_lab.regions.made import FREE, OURS
+from pacinian_lab.regions.methods import FREE, OURS
 from pacinian_lab.regions.run import find_strongest, judge, make
 from pacinian_lab.regions.score import evaluate_pressure
 from pacinian_lab.regions.shapes import SHAPES

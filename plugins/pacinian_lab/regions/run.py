@@ -12,7 +12,7 @@ from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.session import Session
 from pacinian.solving.solution_values import AT_LIMIT
-from pacinian_lab.regions.made import FREE, OURS, SPACINGS, SWEPT, Made
+from pacinian_lab.regions.methods import FREE, OURS, SPACINGS, SWEPT, MethodResult
 from pacinian_lab.regions.score import evaluate_pressure, score
 from pacinian_lab.regions.shapes import SHAPES
 from pacinian_lab.solvers.problems import AIR
@@ -31,8 +31,8 @@ STRENGTHS = (0.25, 0.5, 1.0)  # fractions of the strongest even field
 class Row(NamedTuple):
     """One shape, made in one way, at one strength: a fraction of the strongest even field.
 
-    pressure: maximum of the request [Pa]. samples, status, cold_ms: as in `Made`. force, rms, scaled_rms, holes,
-    beside: as in `Score`. saturation: fraction of the transducers at their limit.
+    pressure: maximum of the request [Pa]. samples, status, cold_ms: as in `MethodResult`. force, rms, scaled_rms,
+    holes, beside: as in `Score`. saturation: fraction of the transducers at their limit.
     """
 
     shape: str
@@ -76,14 +76,14 @@ def measure(
                 yield judge(peers.array, shape, made, (name, way, strength, pressure))
 
 
-def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
+def make(array: Array, shape: Shape, way: str, pressure: float) -> MethodResult:
     """Make a shape with at most `pressure` [Pa]: by regions, by free foci, by a swept focus, or by a solver's name.
 
     The name of a solver means this solver on the samples and regions of `OURS`.
     """
     if way == SWEPT:
         gains = sweep(array, shape, pressure)
-        return Made(gains, len(gains))
+        return MethodResult(gains, len(gains))
     spacing = FREE.get(way)
     samples = shape.samples(array, spacing)
     regions = None if spacing else samples.regions
@@ -95,10 +95,12 @@ def make(array: Array, shape: Shape, way: str, pressure: float) -> Made:
     solution = session.solve(q, t, regions=regions)
     cold = time.perf_counter() - begin
     status = session.certify(solution.gains).status.name
-    return Made(solution.gains, len(q), status, 1e3 * cold)
+    return MethodResult(solution.gains, len(q), status, 1e3 * cold)
 
 
-def judge(array: Array, shape: Shape, made: Made, place: tuple[str, str, float, float]) -> Row:
+def judge(
+    array: Array, shape: Shape, made: MethodResult, place: tuple[str, str, float, float]
+) -> Row:
     """Evaluate a made shape. place: shape, way, strength, pressure [Pa], as in `Row`."""
     pressure = place[-1]
     inside, beside = (

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats, Gains
 
-SPACING, GRAIN = 1.2e-3, 6e-4  # [m] of the evaluated skin
+SPACING, GRAIN = (
+    7.5e-4,
+    3.75e-4,
+)  # of the evaluated skin, which has a point for each square millimetre [m]
 BUDGET = 1_000_000  # samples; more than a hand has points
 BESIDE_FROM, BESIDE_TO = (
     3e-3,
@@ -37,7 +40,7 @@ def measure_felt(
 ) -> FeltRegion | None:
     """Compare what a hand feels at time t [s] with the request of the materials. Returns None without contact.
 
-    The figures cover the whole touched skin, weighted by its area, at points 1.2 mm apart that are not those of the
+    The figures cover the whole touched skin, weighted by its area, at points 1 mm apart that are not those of the
     sampler. gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3
     to 10 mm beside the touched skin.
     """

@@ -42,13 +42,13 @@ def tabulate(rows: Iterable[Row]) -> Iterator[Table]:
 def tabulate_cost(costs: Iterable[Cost]) -> Table:
     """Return the table of costs."""
     head = [
-        "transducers", "samples", "cold\n[ms]", "warm\n[ms]", "B alone\n[ms]", "steps\ncold",
+        "transducers", "samples", "cold\n[ms]", "warm\n[ms]", "corrected\n[ms]", "B alone\n[ms]", "steps\ncold",
         "steps\nwarm", "at limit\n[%]",
     ]  # fmt: skip
     lines = [
         [
             str(cost.transducers), str(cost.samples), f"{cost.cold_ms:.2f}", f"{cost.warm_ms:.2f}",
-            f"{cost.build_ms:.2f}", str(cost.cold_steps), f"{cost.warm_steps:g}",
+            f"{cost.corrected_ms:.2f}", f"{cost.build_ms:.2f}", str(cost.cold_steps), f"{cost.warm_steps:g}",
             f"{100 * cost.saturation:.0f}",
         ]
         for cost in costs

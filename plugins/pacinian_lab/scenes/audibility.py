@@ -11,9 +11,10 @@ import numpy as np
 from pacinian import gallery
 from pacinian.plugins.registry import backend
 from pacinian.rendering.audibility import compute_envelope, measure_audible
-from pacinian.rendering.renderer import RAMP, Renderer
+from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.objects import Point
+from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.testing import ManualClock
@@ -74,7 +75,7 @@ CASES = {
 WAYS = (
     (0.0, Smoothing(rate=None, align=False)),
     (0.0, Smoothing(rate=None)),
-    (RAMP, Smoothing()),
+    (RAMP_TIME, Smoothing()),
 )
 
 

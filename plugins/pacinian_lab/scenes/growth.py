@@ -71,4 +71,4 @@ def _add_crowd(scene: Scene) -> At:
 
 def _count_far(side: Side) -> float:
     report = side.renderer.report
-    return report.skipped["objects out of reach"] / report.ticks
+    return report.skipped["objects away from hands"] / report.ticks

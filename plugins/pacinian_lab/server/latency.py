@@ -8,7 +8,7 @@ from pacinian.scene.setup import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server.echo import Echo
-from pacinian_lab.server.sender import Task, Times
+from pacinian_lab.server.latency_sender import Task, Times
 from pacinian_lab.server.worker_process import WorkerProcess
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def measure(side: int, seconds: float, rates: Sequence[float] = RATES) -> Iterat
         with (
             run_server(settings(side)) as server,
             WorkerProcess("echo") as other,
-            WorkerProcess("sender") as game,
+            WorkerProcess("latency_sender") as game,
         ):
             game.send(Task(str(server.connection), other.receive(Echo), rate, seconds))
             yield game.receive(Times, limit=2.0 * seconds + MAX_WAIT)

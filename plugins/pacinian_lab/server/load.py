@@ -14,8 +14,8 @@ from pacinian.scene.setup import Units
 from pacinian.serving.settings import Clients, Log, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server import positions
+from pacinian_lab.server.load_observer import Check, Checked, Look, Seen, Watch
 from pacinian_lab.server.many_clients import Crowd, Done, Place, Push
-from pacinian_lab.server.observer import Check, Checked, Look, Seen, Watch
 from pacinian_lab.server.worker_process import WorkerProcess
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def measure(
     objects = max(clients, positions.CELLS)
     with ExitStack() as stack:
         server = stack.enter_context(run_server(settings(side)))
-        watcher = stack.enter_context(WorkerProcess("observer"))
+        watcher = stack.enter_context(WorkerProcess("load_observer"))
         watcher.send(Watch(str(server.connection), SCENE))
         watcher.receive(Watch)
         crowds = [

@@ -15,8 +15,8 @@ from pacinian_lab.solvers.run import cores
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from pacinian_lab.server.latency_sender import Times
     from pacinian_lab.server.load import Final, Row
-    from pacinian_lab.server.sender import Times
 
 TICK = 1e-3  # [s]
 FRESH = 0.1  # [s] maximum age of what is felt, at any load

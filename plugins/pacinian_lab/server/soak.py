@@ -11,7 +11,7 @@ from msgspec import Struct
 from pacinian.scene.setup import Units
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
-from pacinian_lab.server.game import SCENE, Heard, Play, Window
+from pacinian_lab.server.soak_game import SCENE, Heard, Play, Window
 from pacinian_lab.server.visitor import Visit
 from pacinian_lab.server.worker_process import WorkerProcess
 
@@ -40,7 +40,7 @@ def measure(side: int, seconds: float) -> Iterator[Row]:
     settings = Settings(array=Units(side, side), log=Log(level="error"))
     with ExitStack() as stack:
         server = stack.enter_context(run_server(settings))
-        game = stack.enter_context(WorkerProcess("game"))
+        game = stack.enter_context(WorkerProcess("soak_game"))
         game.send(Play(str(server.connection), min(1.0, length / 10.0)))
         begin = time.perf_counter()
         for k in range(max(4, round(seconds / length))):

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from pacinian_lab.server import load, soak
+    from pacinian_lab.server.latency_sender import Times
     from pacinian_lab.server.quantiles import Quantiles
-    from pacinian_lab.server.sender import Times
 
 MAX_ROWS = 12  # rows shown of a soak
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pacinian.plot import figure, pareto, save
-from pacinian.plot.fronts import FLOOR, WEAK, plainly, shown, style
 from pacinian.plot.labels import label_column
+from pacinian.plot.pareto_front import FLOOR, WEAK, plainly, shown, style
 from pacinian_lab.solvers.run import REFERENCE
 from pacinian_lab.solvers.summary import growth
 

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian_lab.stress import demands, places, regions
+from pacinian_lab.stress.extreme_problems import extreme, limits, moves, saturated, size
+from pacinian_lab.stress.ill_conditioned_problems import (
+    coincident,
+    condition,
+    duplicate,
+    media,
+    mirror,
+    offset,
+    rank,
+    touching,
+)
+from pacinian_lab.stress.region_problems import regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -14,10 +25,9 @@ if TYPE_CHECKING:
 FAMILIES: dict[str, Callable[[], Iterable[Case]]] = {
     make.__name__: make
     for make in (
-        places.coincident, places.touching, places.mirror, places.duplicate, places.rank,
-        places.condition, places.offset, places.media,
-        demands.extreme, demands.saturated, demands.limits, demands.size, demands.moves,
-        regions.regions,
+        coincident, touching, mirror, duplicate, rank, condition, offset, media,
+        extreme, saturated, limits, size, moves,
+        regions,
     )
 }  # fmt: skip
 QUICK_STRIDE = 5  # a quick run takes every fifth problem of each family, without the slow ones

@@ -12,8 +12,8 @@ import numpy as np
 from pacinian.errors import UnsupportedLimit
 from pacinian.solving.status import Status
 from pacinian_lab.stress import promises
+from pacinian_lab.stress.answer_checks import find_broken_promises, measure_excess
 from pacinian_lab.stress.case import DEFAULT_DEADLINE
-from pacinian_lab.stress.every import breaches, excess
 from pacinian_lab.stress.reference import CLOSED, Reference
 
 if TYPE_CHECKING:
@@ -57,7 +57,11 @@ def check(case: Case, solver: Solver) -> Evidence:
     seconds = case.clock() - begin
     if case.refused is not None:
         return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})
-    broken, ratio, promise = dict(breaches(case, solution, seconds)), math.nan, promises.of(name)
+    broken, ratio, promise = (
+        dict(find_broken_promises(case, solution, seconds)),
+        math.nan,
+        promises.of(name),
+    )
     if len(case.points) <= promise.samples:
         if promise.answers and (missing := _check_answer(case, promise, solution, seconds)):
             broken["answers"] = missing
@@ -65,7 +69,7 @@ def check(case: Case, solver: Solver) -> Evidence:
             ratio = compute_ratio(case, promise.near, solution)
             if ratio > promise.near.factor:
                 broken["near"] = f"{ratio:.3g} > {promise.near.factor:g}"
-    return Evidence(case.name, name, broken, excess(case, solution), ratio, seconds)
+    return Evidence(case.name, name, broken, measure_excess(case, solution), ratio, seconds)
 
 
 def _check_answer(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:

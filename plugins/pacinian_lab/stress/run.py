@@ -13,8 +13,8 @@ from pacinian.acoustics.air import Air
 from pacinian.plugins import registry
 from pacinian.solving.propagator import Propagator
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL_ARRAY, scatter_points
 from pacinian_lab.stress.check import Evidence, check
+from pacinian_lab.stress.problem_parts import SMALL_ARRAY, scatter_points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

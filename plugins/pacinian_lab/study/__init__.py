@@ -23,7 +23,7 @@ from pacinian_lab.study.patterns import (
     Shape,
 )
 from pacinian_lab.study.planes import Plane
-from pacinian_lab.study.work import load, run
+from pacinian_lab.study.study_run import load, run
 
 __all__ = [
     "Autd",

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.plot.fronts import plainly
 from pacinian.plot.page import figure, save
+from pacinian.plot.pareto_front import plainly
 from pacinian.plot.style import CURVES, MARKS, SMALL, Panel
 from pacinian_lab.study.images import LAYOUTS, PLANES, SMALL_FONT
 from pacinian_lab.study.measures import MEASURES
@@ -65,6 +65,7 @@ def measures(rows: Sequence[Row], path: Path) -> None:
         }
         if middles:
             y = (max if more else min)(middles, key=lambda y: middles[y])
+            panel.set_title(f"{message}\nbest: {names[y]}", fontsize=SMALL)
             panel.plot(
                 middles[y], _height(y, 0, len(planes)), "o", ms=10, mfc="none", mec="0.2", mew=1.0
             )

@@ -44,7 +44,7 @@ def start(
     dashboard: Callable[[str], object] | None,
     batches: int,
 ) -> AbstractContextManager[Client]:
-    """Start the engine, as in `pacinian_lab.study.run`, with at most one local process per batch."""
+    """Start the engine, as in `pacinian_lab.study.study_run`, with at most one local process per batch."""
     if scheduler is not None:
         return remote(scheduler)
     return local(min(batches, CPU_COUNT if workers is None else workers), dashboard)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MAX_POINTS = 10_000  # maximum number of points
 FORMS = ("ring", "disc", "cross", "square")
 
-Made = tuple["Floats", "Floats"]
+PatternPoints = tuple["Floats", "Floats"]
 
 
 class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
@@ -35,7 +35,7 @@ class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
 
     name: str = ""
 
-    def make(self, rng: np.random.Generator) -> Made:
+    def make(self, rng: np.random.Generator) -> PatternPoints:
         """Return points [m], (M, 2), and proportions, (M,), not negative; rng: of the study, for this pattern.
 
         Raises ArgumentError.
@@ -47,14 +47,14 @@ class Pattern(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag
             raise ArgumentError("pattern", "is silent: none of its points has a target")
         return uv, proportions
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         raise NotImplementedError
 
 
 class Focus(Pattern, frozen=True, tag="focus"):
     """One point."""
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         return np.zeros((1, 2)), np.ones(1)
 
 
@@ -68,7 +68,7 @@ class Circle(Pattern, frozen=True, tag="circle"):
         each("radius", self.radius, check_length)
         each("count", self.count, _some)
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         angle = 2.0 * math.pi / check_single(self.count) * np.arange(check_single(self.count))
         uv = check_single(self.radius) * np.column_stack([np.cos(angle), np.sin(angle)])
         return uv, np.ones(len(uv))
@@ -86,7 +86,7 @@ class PointGrid(Pattern, frozen=True, tag="grid"):
         each("rows", self.rows, _some)
         each("pitch", self.pitch, check_length)
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         counts = check_single(self.columns), check_single(self.rows)
         u, v = (check_single(self.pitch) * (np.arange(n) - (n - 1) / 2.0) for n in counts)
         U, V = np.meshgrid(u, v)
@@ -105,7 +105,7 @@ class Letters(Pattern, frozen=True, tag="letters"):
         each("height", self.height, check_length)
         each("dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64))
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         dots = _dots(check_single(self.text), check_single(self.dots))
         v, u = np.nonzero(dots[::-1])
         uv = np.column_stack([u, v]).astype(np.float64)
@@ -129,7 +129,7 @@ class RandomPoints(Pattern, frozen=True, tag="random"):
         each("low", self.low, lambda n, v: check_number(n, v, low=0.0, high=1.0, above=True))
         each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         half, count = check_single(self.side) / 2.0, check_single(self.count)
         return rng.uniform(-half, half, (count, 2)), rng.uniform(check_single(self.low), 1.0, count)
 
@@ -150,7 +150,7 @@ class Shape(Pattern, frozen=True, tag="shape"):
         each("side", self.side, check_length)
         each("pitch", self.pitch, check_length)
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         side = check_single(self.side)
         count = 1 + round(side / check_single(self.pitch))
         line = np.linspace(-1.0, 1.0, count)
@@ -180,7 +180,7 @@ class Points(Pattern, frozen=True, tag="points"):
             raise ArgumentError("proportions", f"must be {len(self.points)}, as many as points")
         self.make(np.random.default_rng(0))
 
-    def _make(self, rng: np.random.Generator) -> Made:
+    def _make(self, rng: np.random.Generator) -> PatternPoints:
         uv = check_numbers("points", self.points, (None, 2))
         if not self.proportions:
             return uv, np.ones(len(uv))

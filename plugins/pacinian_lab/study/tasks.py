@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pacinian as pc
     from pacinian_lab.study.file import Method, Study
     from pacinian_lab.study.layouts import Layout
-    from pacinian_lab.study.patterns import Made, Pattern
+    from pacinian_lab.study.patterns import Pattern, PatternPoints
     from pacinian_lab.study.planes import Plane
 
 MAX_TASKS = 100_000  # maximum number of tasks
@@ -103,7 +103,7 @@ class Plan:
         """Return the array of a layout, the same in every task. Raises ArgumentError."""
         return layout.make(self.study.transducer.make(), self._rng(layout))
 
-    def points(self, pattern: Pattern) -> Made:
+    def points(self, pattern: Pattern) -> PatternPoints:
         """Return the points and proportions of a pattern. Raises ArgumentError."""
         return pattern.make(self._rng(pattern))
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.wire import commands, control, objects, shapes, time
+from pacinian.wire import commands, control, modulation, objects, shapes
 from pacinian.wire.binary_arrays import pack, pack_indices
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian_lab.vectors.reply_examples import CORNERS, FRAME, HAND, KEY, STATE, make_answers
@@ -52,22 +52,22 @@ SOLIDS: tuple[shapes.Solid, ...] = (
     shapes.Intersection((BALL, BLOCK)),
     shapes.Difference(BLOCK, (BALL,)),
 )
-ENVELOPES: tuple[time.Envelope, ...] = (
+ENVELOPES: tuple[modulation.Envelope, ...] = (
     "buzzing",
-    time.Constant(0.75),
-    time.Sine(150.0, 0.25, 0.75),
-    time.Square(50.0, 0.1, 0.9, 0.25),
-    time.Pulse(0.05, 0.5, 0.125, 0.01, 0.1, 0.9),
-    time.Noise(20.0, 200.0, 0.1, 0.9, 7),
-    time.Preset("rapturous"),
-    time.Wave(samples=pack([0.0, 0.5, -0.5, 1.0]), rate=8000.0, loop=False, mode="loudness"),
+    modulation.Constant(0.75),
+    modulation.Sine(150.0, 0.25, 0.75),
+    modulation.Square(50.0, 0.1, 0.9, 0.25),
+    modulation.Pulse(0.05, 0.5, 0.125, 0.01, 0.1, 0.9),
+    modulation.Noise(20.0, 200.0, 0.1, 0.9, 7),
+    modulation.Preset("rapturous"),
+    modulation.Wave(samples=pack([0.0, 0.5, -0.5, 1.0]), rate=8000.0, loop=False, mode="loudness"),
 )
-TECHNIQUES: tuple[time.Technique, ...] = (
-    time.Simultaneous(),
-    time.AM(150.0, 0.5),
-    time.STM(100.0, "outline", 0.0005),
-    time.STM(100.0, shapes.Circle(0.01)),
-    time.LM(60.0, 0.003, 90.0),
+TECHNIQUES: tuple[modulation.Technique, ...] = (
+    modulation.Simultaneous(),
+    modulation.AM(150.0, 0.5),
+    modulation.STM(100.0, "outline", 0.0005),
+    modulation.STM(100.0, shapes.Circle(0.01)),
+    modulation.LM(60.0, 0.003, 90.0),
 )
 
 
@@ -133,8 +133,8 @@ def _objects() -> Iterator[tuple[str, objects.Object]]:
             thickness=0.01,
             felt="interior",
             radiation_pressure=300.0,
-            envelope=time.Sine(40.0),
-            technique=time.STM(70.0),
+            envelope=modulation.Sine(40.0),
+            technique=modulation.STM(70.0),
             material=objects.Material(100_000.0, 0.002),
             motion=objects.Motion((0.1, 0.0, -0.2), (0.0, 0.0, 3.0)),
             priority=-2,

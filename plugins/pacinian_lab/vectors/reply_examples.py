@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.wire import objects, replies, shapes, state, time
+from pacinian.wire import modulation, objects, replies, shapes, state
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION
 
@@ -139,7 +139,7 @@ STATE = state.State(
             object="a", hand="right", position=(0.125, 0.0, 0.25), pressure=400.0, strength=0.5
         ),
     ),
-    presentation=time.AM(frequency=150.0, depth=0.5),
+    presentation=modulation.AM(frequency=150.0, depth=0.5),
 )
 FRAME = state.FrameState(
     sequence=42,

@@ -211,7 +211,8 @@ def solve_region(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, wor
 
     B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the
     kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and
-    D. spent: returns whether the time is up, asked after the first step and after some products of each.
+    D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never
+    worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.
     """
 
 def start_region(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, warm: Complexes, before: Floats, factor: float, p: Complexes, D: Floats, y: Complexes) -> None:

@@ -46,6 +46,7 @@ class Auto(pc.Solver):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "error", check_number("error", self.error, low=0.0, high=1.0))
+        _ = self._focus, self._several  # loaded now, so that the first solve does not take longer
 
     @functools.cached_property
     def _focus(self) -> pc.Solver:

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
-from typing import Any
+from importlib import import_module, reload
+from pickle import UnpicklingError
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 import pacinian as pc
+from pacinian.batch import processes
 from pacinian.batch import solve_many as module
-from pacinian.batch.processes import WorkerProcess, pack_task
+from pacinian.batch.processes import WaitingProcesses, WorkerProcess, pack_task
 from pacinian.plugins.registry import discover_plugins
+
+from ...waiting import eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from pacinian.batch.task import Task
 
 SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 ARRAY = pc.autd()
@@ -22,6 +34,14 @@ POINTS = CHANCE.uniform((-0.05, -0.05, 0.1), (0.05, 0.05, 0.2), (K, M, 3))
 AMPLITUDES = CHANCE.uniform(50.0, 300.0, (K, M))
 
 
+class StartedProcess(WorkerProcess):
+    """A process that solves from the first problem on."""
+
+    def __init__(self, code: object) -> None:
+        super().__init__(code)
+        self.started.wait()
+
+
 @pytest.fixture(params=["one by one", "threads", "processes"])
 def place(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
     """Where the problems are solved, and the number of workers."""
@@ -29,7 +49,9 @@ def place(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> in
     monkeypatch.setattr(module, "MIN_IN_PROCESSES", 0.0)
     monkeypatch.setattr(module, "MIN_IN_THREADS", 0.0)
     monkeypatch.setattr(module, "MAX_PART", 0.0)  # one problem at once
-    monkeypatch.setattr(module, "MAX_IN_THREADS", 0.0 if request.param == "processes" else np.inf)
+    monkeypatch.setattr(module, "MIN_FOR_WAITING", 0.0 if request.param == "processes" else np.inf)
+    monkeypatch.setattr(module, "MIN_FOR_NEW", 1e-9)
+    monkeypatch.setattr(processes, "WorkerProcess", StartedProcess)
     return {"one by one": 1, "threads": 2, "processes": 3}[request.param]
 
 
@@ -128,18 +150,139 @@ def test_an_error_tells_its_problem(place: int) -> None:
     assert "problem 5" in caught.value.__notes__[0]
 
 
-def test_the_death_of_a_process_is_told() -> None:
+def make_task(solver: pc.Solver) -> tuple[Task, bytes]:
     task = module._check_task(
-        ARRAY, POINTS, AMPLITUDES, None, None, Clumsy(), None, "exact", None, "single"
+        ARRAY, POINTS, AMPLITUDES, None, None, solver, None, "exact", None, "single"
     )
     packed = pack_task(task)
     assert packed is not None
-    process = WorkerProcess(task, packed)
+    return task, packed
+
+
+def test_the_death_of_a_process_is_told() -> None:
+    process = WorkerProcess("code")
+    process.begin(*make_task(Clumsy()))
     assert [k for k, _ in process.solve([0, 1])] == [0, 1]
     process._process.kill()
     process._process.wait()
     with pytest.raises(pc.PluginError, match="died"):
         process.solve([2])
+    process.close()
+
+
+def test_a_process_takes_one_task_after_the_other() -> None:
+    process = WorkerProcess("code")
+    task, packed = make_task(pc.solver("auto"))
+    for solver in (pc.solver("auto"), Clumsy(), pc.solver("gs")):
+        task, packed = make_task(solver)
+        process.begin(task, packed)
+        (_, one), _ = process.solve([0, 1])
+        alone = pc.solve(ARRAY, POINTS[0], AMPLITUDES[0], solver=solver)
+        np.testing.assert_array_equal(one.gains, alone.gains)
+        assert one.array is ARRAY
+    process.begin(task, b"no task")
+    with pytest.raises(UnpicklingError):
+        process.solve([0])
+    process.begin(task, packed)
+    assert len(process.solve([0])) == 1
+    process.close()
+    assert not process.alive
+
+
+@pytest.fixture
+def waiting(monkeypatch: pytest.MonkeyPatch) -> Iterator[WaitingProcesses]:
+    """Processes of this test alone, which start for any batch."""
+    made = WaitingProcesses()
+    monkeypatch.setattr(module, "waiting", made)
+    for limit in ("MAX_TRIED", "MIN_IN_PROCESSES", "MIN_FOR_WAITING", "MAX_PART"):
+        monkeypatch.setattr(module, limit, 0.0)
+    monkeypatch.setattr(module, "MIN_FOR_NEW", 1e-9)
+    monkeypatch.setattr(processes, "WorkerProcess", StartedProcess)
+    yield made
+    made.close()
+
+
+def solve_two(solver: str | pc.Solver = "auto") -> pc.Solutions:
+    return pc.solve_many(ARRAY, POINTS, AMPLITUDES, solver=solver, workers=2)
+
+
+def test_processes_wait_for_the_next_batch_while_their_code_is_the_same(
+    waiting: WaitingProcesses, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    solve_two()
+    (first,) = waiting._all
+    solve_two()
+    assert waiting._all == [first]
+    assert first.alive
+    monkeypatch.syspath_prepend(str(tmp_path))  # it cannot find modules there
+    solve_two()
+    (second,) = waiting._all
+    assert second is not first
+    assert not first.alive
+    second._process.kill()
+    second._process.wait()
+    solve_two()
+    (third,) = waiting._all
+    assert third.alive
+    with pytest.raises(RuntimeError, match="not there"):
+        solve_two(Clumsy())
+    assert waiting._all == []  # it may still be solving
+    assert not third.alive
+
+
+def test_code_that_is_edited_is_read_again(
+    waiting: WaitingProcesses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "edited.py"
+    code = (
+        "import pacinian as pc\n\n"
+        "class Edited(pc.Solver):\n"
+        "    name = 'edited'\n\n"
+        "    def solve(self, propagator, targets, limits, warm, budget, out):\n"
+        "        out[:] = {}\n"
+        "        return pc.Result()\n"
+    )
+    file.write_text(code.format(0.1))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    module = import_module("edited")
+    found = solve_two(module.Edited())
+    (first,) = waiting._all
+    solve_two("gs")
+    assert waiting._all == [first]  # another solver is not other code
+    assert set(found.gains.ravel()) == {np.complex64(0.1)}
+    file.write_text(code.format(0.25))
+    os.utime(file, ns=(1, 1))
+    reload(module)
+    found = solve_two(module.Edited())
+    assert set(found.gains.ravel()) == {np.complex64(0.25)}
+    assert waiting._all != [first]
+
+
+def test_processes_end_when_no_batch_comes(
+    waiting: WaitingProcesses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "KEPT", 0.01)
+    solve_two()
+    eventually(lambda: not waiting._all)
+
+
+def test_a_batch_does_not_wait_for_processes_that_start(
+    waiting: WaitingProcesses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "WorkerProcess", WorkerProcess)
+    monkeypatch.setattr(processes, "COMMAND", "import time; time.sleep(600)")
+    assert {one.status for one in solve_two()} == {pc.Status.ok}
+    (process,) = waiting._all
+    assert not process.started.is_set()
+
+
+def test_a_forked_process_leaves_its_parents_processes_alone(waiting: WaitingProcesses) -> None:
+    process = WorkerProcess("code")
+    waiting.keep([process])
+    assert waiting.count("code") == 1
+    waiting.forget()  # as after a fork
+    assert waiting.count("code") == 0
+    assert process.alive
     process.close()
 
 
@@ -151,8 +294,9 @@ def test_what_only_a_script_knows_stays_in_its_process(monkeypatch: pytest.Monke
     monkeypatch.setattr(Clumsy, "__module__", "__main__")
     assert pack_task(task) is None
     odd = pc.Transducer(directivity=lambda cosine: cosine)
-    for limit in ("MAX_TRIED", "MAX_IN_THREADS", "MIN_IN_PROCESSES"):
+    for limit in ("MAX_TRIED", "MIN_FOR_WAITING", "MIN_IN_PROCESSES"):
         monkeypatch.setattr(module, limit, 0.0)
+    monkeypatch.setattr(module, "MIN_FOR_NEW", 1e-9)
     made = pc.solve_many(replace(ARRAY, transducer=odd), POINTS, AMPLITUDES / 10.0, workers=2)
     assert all(one.status is pc.Status.ok for one in made)
 

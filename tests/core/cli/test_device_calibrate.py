@@ -363,14 +363,64 @@ def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
     assert "twice" in run("calibrate", bench.file, scan, scan, "--out", bench.folder / "o.csv")[1]
 
 
-def test_a_pose_that_is_wrong_by_more_than_is_said_is_told(bench: Bench) -> None:
+def test_a_pose_that_is_wrong_by_more_than_is_said_is_refused(bench: Bench) -> None:
     bench.q += [0.006, 0.0, 0.0]
-    told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")[1]
-    assert re.search("warning +pose: off by more.*\n.*--shift-error", told), told
+    out = bench.folder / "o.csv"
+    code, told = run("calibrate", bench.file, bench.csv(), "--out", out)
+    assert code == 1
+    assert re.search("problem +pose: off by [5-7].*\n.*--shift-error", told), told
+    assert re.search("standard errors: the scan shows .*[2-9][.].* times --shift-error", told), told
+    assert re.search("o.csv: not written, because the scan contradicts .*device.toml", told), told
+    assert not out.exists()
+    made = json.loads(run("calibrate", bench.file, bench.csv(), "--out", out, "--json")[1])
+    assert made["out"] is None
+    assert made["widened"]["shift"] > 2.0
+    assert not out.exists()
     wide = ("--shift-error", "0.006", "--turn-error", "0.01")
-    told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv", *wide)[1]
-    assert "warning  pose" not in told
-    assert re.search(r"shifted by [56]\.\d+ \+-", told), told
+    code, told = run("calibrate", bench.file, bench.csv(), "--out", out, *wide)
+    assert code == 0, told
+    assert "problem" not in told.replace("no problem found", "")
+    assert "--shift-error" not in told
+    assert out.exists()
+
+
+@pytest.mark.parametrize("wide", [(), ("--shift-error", "0.01", "--turn-error", "0.05")])
+def test_another_order_of_the_channels_is_refused(tmp_path: Path, wide: tuple[str, ...]) -> None:
+    """One channel further: a shift of the array explains it, but for the ends of the rows."""
+    file, scan, out = tmp_path / "device.toml", tmp_path / "scan.npz", tmp_path / "o.csv"
+    layout = '{ type = "grid", columns = 8, rows = 8, pitch = 0.01 }'
+    file.write_text(f"[[boards]]\nlayout = {layout}\n", encoding="utf-8")
+    rng = np.random.default_rng(1)
+    q = rng.uniform([-0.08, -0.07, 0.15], [0.08, 0.07, 0.35], (8, 3))
+    array = pc.DeviceDescription.load(file).array()
+    X = pc.matrix(array, q, pc.Air()) * np.exp(0.3j * rng.normal(size=64))
+    X += 0.02 * np.abs(X).mean() * (rng.normal(size=X.shape) + 1j * rng.normal(size=X.shape))
+    np.savez(scan, positions=q, readings=X)
+    code, told = run("calibrate", file, scan, "--out", out, *wide)
+    assert code == 0, told
+    assert "channels that do not fit" not in told
+    out.unlink()
+    np.savez(scan, positions=q, readings=np.roll(X, 1, axis=1))
+    code, told = run("calibrate", file, scan, "--out", out, *wide)
+    assert code == 1
+    assert re.search(
+        r"problem +channels that do not fit: 8: 0, 8, 16.*\n.*order of the channels", told
+    ), told
+    assert not out.exists()
+
+
+def test_two_channels_that_are_swapped_are_named(bench: Bench) -> None:
+    bench.X[:, [14, 33]] = bench.X[:, [33, 14]]
+    code, told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "o.csv")
+    assert code == 0
+    assert re.search(
+        "warning +channels that do not fit: 2: A 14, B 3\n.*leave their rows out", told
+    ), told
+    rows = [row for row in bench.rows() if ",A,14," not in row and ",B,3," not in row]
+    told = run(
+        "calibrate", bench.file, bench.csv(HEAD + "".join(rows)), "--out", bench.folder / "o.csv"
+    )[1]
+    assert "do not fit" not in told
 
 
 def test_an_amplifier_at_its_limit_is_told(bench: Bench) -> None:

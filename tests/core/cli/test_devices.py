@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples" / "devices"
 CAN = pc.Capability(128, 65, 1000.0)
-READY = pc.Found("mine", "A", "an array at 1-2")
-DENIED = pc.Found("mine", "B", "an array at 1-3", "no right to it: see the udev rule")
+READY = pc.FoundDevice("mine", "A", "an array at 1-2")
+DENIED = pc.FoundDevice("mine", "B", "an array at 1-3", "no right to it: see the udev rule")
 
 
 class Mine(pc.Backend):
@@ -42,7 +42,7 @@ class Mine(pc.Backend):
     shelf: ClassVar[list[Any]] = []
 
     @classmethod
-    def found(cls) -> Iterable[pc.Found]:
+    def find_devices(cls) -> Iterable[pc.FoundDevice]:
         for one in cls.shelf:
             if isinstance(one, Exception):
                 raise one
@@ -116,15 +116,15 @@ def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:
     Mine.shelf[:] = [
         READY,
         READY,
-        pc.Found("mine", "", "no serial"),
-        pc.Found("mine", "", "nor this"),
+        pc.FoundDevice("mine", "", "no serial"),
+        pc.FoundDevice("mine", "", "nor this"),
     ]
     found = discovery.list_connected(plugins)
     assert [bool(f.problem) for f in found] == [False, False, True, True]
 
 
 def test_what_cannot_be_looked_for_is_a_row_with_its_fix_and_no_failure(plugins: Any) -> None:
-    Mine.shelf[:] = [pc.Found("mine", "", "", "libusb is not installed: `apt install it`")]
+    Mine.shelf[:] = [pc.FoundDevice("mine", "", "", "libusb is not installed: `apt install it`")]
     plugins.failed["odd"] = pc.PluginError("plug-in 'odd' does not load: ImportError: no odd")
     code, told = run()
     assert code == 0
@@ -141,7 +141,7 @@ def test_what_cannot_be_looked_for_is_a_row_with_its_fix_and_no_failure(plugins:
 
 
 def test_boards_are_not_missed_where_nobody_could_look(plugins: Any) -> None:
-    blind = pc.Found("mine", "", "", "install libusb")
+    blind = pc.FoundDevice("mine", "", "", "install libusb")
     for boards in ([pc.Board("A")], [pc.Board()]):
         (found,) = device_findings.check_connected(
             described(boards=boards, backend="mine"), [blind]
@@ -243,8 +243,10 @@ def test_levels_must_be_the_backend_s() -> None:
 
 def test_boards_are_looked_for_by_serial() -> None:
     device = described(backend="mine")
-    other = pc.Found("other", "B", "of another kind")
-    found = device_findings.check_connected(device, [READY, other, pc.Found("mine", "C", "spare")])
+    other = pc.FoundDevice("other", "B", "of another kind")
+    found = device_findings.check_connected(
+        device, [READY, other, pc.FoundDevice("mine", "C", "spare")]
+    )
     assert levels(found) == {
         "board A, connected": "ok", "board B, connected": "problem", "others": "warning",
     }  # fmt: skip
@@ -255,10 +257,10 @@ def test_boards_are_looked_for_by_serial() -> None:
 
 def test_a_board_without_a_serial_is_the_only_one_there() -> None:
     device = described(boards=[pc.Board()])
-    nameless = pc.Found("mine", "", "a serial port")
+    nameless = pc.FoundDevice("mine", "", "a serial port")
     assert levels(device_findings.check_connected(device, [nameless])) == {"board, connected": "ok"}
     assert levels(device_findings.check_connected(device, [READY])) == {"board, connected": "ok"}
-    two = [READY, pc.Found("mine", "C", "another")]
+    two = [READY, pc.FoundDevice("mine", "C", "another")]
     assert levels(device_findings.check_connected(device, two))["board, connected"] == "problem"
 
 

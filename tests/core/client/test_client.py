@@ -204,7 +204,7 @@ def test_errors_of_what_was_not_waited_for_are_kept(server: Fake, client: pc.Cli
     assert server.of(commands.Move)[0].id == 0
     error = replies.Error(code="unknown", message="no object", path="$.names[0]")
     server.say(error, 1)
-    server.until(lambda: client.connected and bool(client._dialogue.errors))
+    server.until(lambda: client.connected and bool(client._server_session.errors))
     (told,) = client.errors
     assert (told.code, told.path) == ("unknown", "$.names[0]")
 
@@ -341,7 +341,7 @@ def test_of_what_sounds_or_would_sound_again_no_other_call_renews_the_lease(
         server.until(lambda: client.connected and not client.armed)
     before = len(server.of(control.Renew))
     server.answers[control.Reset] = lambda message: None
-    client._dialogue.timeout = 4.0 * client._dialogue.every
+    client._server_session.timeout = 4.0 * client._server_session.every
     with pytest.raises(pc.ConnectionLost, match="hangs"):
         client.reset()
     assert len(server.of(control.Renew)) == before
@@ -350,7 +350,7 @@ def test_of_what_sounds_or_would_sound_again_no_other_call_renews_the_lease(
 def test_a_selection_need_not_be_waited_for(server: Fake, client: pc.Client) -> None:
     refuse(server, control.Select, "unknown")
     client.select(solver="magic", wait=False)
-    server.until(lambda: client.connected and bool(client._dialogue.errors))
+    server.until(lambda: client.connected and bool(client._server_session.errors))
     assert client.errors[0].code == "unknown"
 
 
@@ -380,11 +380,12 @@ def test_what_the_wire_cannot_hold_is_told_with_its_path(client: pc.Client) -> N
         client.put(loud)
 
 
-def test_round_trips_are_measured(client: pc.Client) -> None:
-    for _ in range(20):
-        client.clear()
-    median, p99, longest = client.trips
-    assert 0.0 < median <= p99 <= longest
+def test_round_trips_and_the_clock_of_the_server_are_measured(server: Fake) -> None:
     begin = time.perf_counter()
-    age = client.age(client.status())
-    assert abs(age) < longest + time.perf_counter() - begin  # one clock for both
+    with pc.Client(server.connection, name="test") as client:
+        for _ in range(20):
+            client.clear()
+        median, p99, longest = client.trips
+        assert 0.0 < median <= p99 <= longest
+        age = client.age(client.status())
+        assert abs(age) < time.perf_counter() - begin  # one clock for both

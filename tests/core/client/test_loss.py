@@ -58,7 +58,7 @@ def other_link(server: Fake) -> Iterator[tuple[socket.socket, pc.Client]]:
 def cut(listener: socket.socket, client: pc.Client) -> None:
     """End the link for commands; the client can know."""
     listener.accept()[0].close()
-    assert client._dialogue._command.monitor.poll(1e3 * PATIENCE)
+    assert client._server_session._command.monitor.poll(1e3 * PATIENCE)
 
 
 def nobody() -> Connection:
@@ -124,10 +124,12 @@ def test_an_end_is_told_however_much_comes_by_the_other_link(server: Fake) -> No
         cut(listener, client)
 
         def renew() -> None:
-            assert client._dialogue._control.socket.poll(1e3 * PATIENCE)  # the answer to the last
+            assert client._server_session._control.socket.poll(
+                1e3 * PATIENCE
+            )  # the answer to the last
             client.renew()
 
-        client._dialogue._renew()
+        client._server_session._renew()
         lost(client, renew, "has gone")
         assert len(server.of(control.Renew)) == 1
 
@@ -136,18 +138,18 @@ def test_an_end_that_came_beside_an_answer_is_told_after_it(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with other_link(server) as (listener, client):
-        dialogue = client._dialogue
-        sent = dialogue._send
+        session = client._server_session
+        sent = session._send
 
         def heard(*given: Any) -> bool:
             """Sent, and answered; and then the other link ends."""
             done = sent(*given)
-            assert dialogue._control.socket.poll(1e3 * PATIENCE)
+            assert session._control.socket.poll(1e3 * PATIENCE)
             cut(listener, client)
             return done
 
         with monkeypatch.context() as patch:
-            patch.setattr(dialogue, "_send", heard)
+            patch.setattr(session, "_send", heard)
             client.status()
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             client.put(POINT)
@@ -157,7 +159,7 @@ def test_why_it_fell_silent_is_told_before_its_loss(server: Fake) -> None:
     with other_link(server) as (listener, client):
         client.arm()
         server.say(replies.Error(code="expired", message="not renewed in time"))
-        assert client._dialogue._control.socket.poll(1e3 * PATIENCE)
+        assert client._server_session._control.socket.poll(1e3 * PATIENCE)
         cut(listener, client)
         with pytest.raises(pc.Refused, match="not renewed in time"):
             client.renew()
@@ -170,7 +172,7 @@ def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
     server.answers[commands.Put] = late.append
     with pc.Client(server.connection) as client:
         client.clear()  # commands are connected
-        client._dialogue.timeout = 0.2
+        client._server_session.timeout = 0.2
         with pytest.raises(pc.ConnectionLost, match=r"no answer to `put` within 0.2 s"):
             client.put(POINT)
         server.until(lambda: bool(late))
@@ -225,7 +227,7 @@ def test_who_watches_finds_out_at_once(server: Fake) -> None:
 
     with ThreadPoolExecutor(1) as pool:
         seen = pool.submit(watch)
-        server.until(lambda: bool(watching and watching[0]._dialogue._states is not None))
+        server.until(lambda: bool(watching and watching[0]._server_session._states is not None))
         server.close()
         with pytest.raises(pc.ConnectionLost, match="has gone"):
             seen.result(timeout=PATIENCE)
@@ -286,7 +288,7 @@ def fill(server: Fake, client: pc.Client) -> None:
     """Send until the socket has no room, nor gets any while control answers."""
     client.clear()  # commands are connected
     server.full = True
-    box, without = client._dialogue.outbox, 0
+    box, without = client._server_session.outbox, 0
     for _ in range(5000):
         client.put(HEAVY, wait=False, ttl=60.0)
         without = without + 1 if box.waiting else 0
@@ -300,14 +302,14 @@ def fill(server: Fake, client: pc.Client) -> None:
 def test_newest_wins_while_there_is_no_room(server: Fake) -> None:
     with pc.Client(server.connection) as client:
         fill(server, client)
-        before = client._dialogue.outbox.superseded
+        before = client._server_session.outbox.superseded
         for i in range(200):
             client.move("rain", pc.Pose((1e-3 * i, 0.0, 0.2)), wait=False, ttl=60.0)
             client.hands(wait=False, ttl=60.0)
-        assert len(client._dialogue.outbox.waiting) <= 3
-        assert client._dialogue.outbox.superseded - before >= 2 * 199
+        assert len(client._server_session.outbox.waiting) <= 3
+        assert client._server_session.outbox.superseded - before >= 2 * 199
         server.full = False
-        server.until(lambda: client.renew() is None and not client._dialogue.outbox.waiting)
+        server.until(lambda: client.renew() is None and not client._server_session.outbox.waiting)
         client.clear()
         (move,) = server.of(commands.Move)
         assert unpack(move.poses, 7)[0, 0] == pytest.approx(0.199)
@@ -342,7 +344,7 @@ def test_closing_does_not_wait_for_a_server_that_hangs(
 def test_a_server_without_room_for_what_waits_is_lost(server: Fake) -> None:
     with pc.Client(server.connection) as client:
         fill(server, client)
-        client._dialogue.timeout = 0.1
+        client._server_session.timeout = 0.1
         client.move("rain", pc.Pose(), wait=False, ttl=60.0)
         with pytest.raises(pc.ConnectionLost, match=r"no room for a command within 0.1 s"):
             client.put(POINT)

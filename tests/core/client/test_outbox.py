@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from pacinian.client.outbox import Outbox
 from pacinian.wire import commands
 from pacinian.wire.binary_arrays import pack, unpack
+from pacinian.wire.modulation import Constant
 from pacinian.wire.objects import Point
-from pacinian.wire.time import Constant
 
 HEAD: dict[str, Any] = {"session": b"k" * 16, "sequence": 1}
 NAMES = st.lists(st.sampled_from("abcd"), min_size=1, max_size=4, unique=True).map(tuple)

@@ -73,7 +73,7 @@ def test_what_waits_is_waited_for_no_longer_than_once(
         return True
 
     with pc.Client(server.connection, clock=clock.now) as client:
-        dialogue = client._dialogue
+        dialogue = client._server_session
         for _ in range(5):
             dialogue.outbox.add(
                 commands.Quiet(session=dialogue.welcome.session, sequence=1, time=0.0, zones=())

@@ -11,7 +11,7 @@ from PIL import Image
 
 import pacinian as pc
 from pacinian import plot
-from pacinian.plot.space import Discs, array_of, make_object, skin, towards
+from pacinian.plot.discs import Discs, array_of, make_object, skin, towards
 
 ARRAY = pc.autd()
 FOCUS = np.array([[0.01, -0.02, 0.15]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 import threading
@@ -14,10 +15,10 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.rendering.background_solve import BackgroundSolve
-from pacinian.rendering.measurement import TICKS_PER_LOOK
+from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
 from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.solve_schedule import MAX_TICKS
+from pacinian.rendering.solve_schedule import MAX_TICKS, SolveSchedule
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
@@ -209,7 +210,7 @@ def test_what_is_right_for_one_tick_only_is_solved_in_that_tick() -> None:
             x, y = renderer.played.rows[0].samples.positions[0, :2].tolist()
             assert np.hypot(x, y) == pytest.approx(0.015, abs=1e-6)
             assert technique.step(k * TICK) is not None
-        assert background.started == 0
+        assert background.started == 1  # a measurement
 
 
 def test_an_envelope_is_followed_while_the_solve_is_under_way() -> None:
@@ -330,13 +331,33 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
         assert not renderer.sent.amplitude.any()
 
 
+def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> None:
+    """No recording has such a tick, so a replay cannot count what it counted."""
+    renderer, device = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        renderer.schedule.beside = True
+        for k in range(1, 12):
+            renderer.tick(k * TICK)
+        for fault in (False, True):
+            if fault:
+                device.stall()
+                renderer.tick(12 * TICK)
+                device.resume()
+                renderer.schedule.beside = False  # as after a solve that fits
+            renderer.reset()
+            assert renderer.schedule == SolveSchedule(renderer.period, beside=True)
+
+
 def test_solves_run_after_a_reset_where_they_ran_before() -> None:
     renderer, device = make(at)
     with renderer:
         renderer.tick(0.0)
-        background = solve_beside(renderer)
+        solve_beside(renderer)
         renderer.tick(TICK)
         renderer.reset()
+        assert renderer.schedule.beside
+        background = solve_beside(renderer)
         background.ready = False
         for k in range(2, 20):
             renderer.tick(k * TICK)
@@ -480,3 +501,39 @@ def test_a_recording_comes_out_the_same_whenever_solves_are_done(
         assert (background.started > 5) is renderer.schedule.beside
     found = rerender(pc.Recording(path))
     assert (found.ticks, found.different) == (100, 0)
+
+
+def test_its_thread_ends_with_it_even_if_nobody_closes_it() -> None:
+    threads: list[threading.Thread] = []
+
+    def start(work: Any, name: str) -> None:
+        threads.append(threading.Thread(target=work, name=name, daemon=True))
+        threads[0].start()
+
+    background = BackgroundSolve[int](start)
+    background.start(lambda: 3)
+    assert background.take() == 3
+    del background
+    gc.collect()
+    threads[0].join(60.0)
+    assert not threads[0].is_alive()
+
+
+def test_an_interruption_while_its_thread_starts_leaves_no_job_to_wait_for() -> None:
+    starts: list[str] = []
+
+    def start(work: Any, name: str) -> None:
+        starts.append(name)
+        if len(starts) == 1:
+            raise KeyboardInterrupt
+        threading.Thread(target=work, name=name, daemon=True).start()
+
+    background = BackgroundSolve[int](start)
+    with pytest.raises(KeyboardInterrupt):
+        background.start(lambda: 1)
+    assert not background.running
+    background.drop()
+    background.close()
+    background.start(lambda: 2)
+    assert background.take() == 2
+    background.close()

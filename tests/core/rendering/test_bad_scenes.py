@@ -12,7 +12,7 @@ from trimesh.creation import icosphere
 import pacinian as pc
 from pacinian.rendering.slew_limiter import SlewRateLimiter
 from pacinian.scene.hands.skin_cache import get_skin
-from pacinian.scene.sampling.pose_prediction import HandTrack
+from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.testing import ManualClock
 
 ARRAY = pc.autd()

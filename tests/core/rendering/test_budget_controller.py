@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from pacinian.rendering.budget_controller import (
     FAR_TOO_LATE,
-    HIGH,
-    LOW,
+    MAX_LOAD,
+    MAX_LONG_TICKS,
     MAX_WAIT,
     MIN_BUDGET,
-    RUN,
+    MIN_LOAD,
     WAIT,
     BudgetController,
 )
@@ -21,7 +21,7 @@ from pacinian.rendering.budget_controller import (
 bounded = settings(max_examples=60)
 PERIOD = 1e-3  # [s]
 SLOW, VERY, WELL, SHORT = (
-    share * PERIOD for share in (1.1 * HIGH, 1.1 * FAR_TOO_LATE, 0.7, 0.5 * LOW)
+    share * PERIOD for share in (1.1 * MAX_LOAD, 1.1 * FAR_TOO_LATE, 0.7, 0.5 * MIN_LOAD)
 )
 odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # of a clock that jumps
 ticks = st.lists(
@@ -50,22 +50,22 @@ def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
         allowed = governor.tick(seconds, samples)
         assert min(MIN_BUDGET, most) <= allowed <= most
         assert allowed == governor.allowed == other.tick(seconds, samples)  # by these alone
-        if seconds > LOW * PERIOD:
+        if seconds > MIN_LOAD * PERIOD:
             assert allowed <= before
 
 
 def test_a_few_long_ticks_change_nothing() -> None:
     governor = BudgetController(PERIOD, 256)
     for _ in range(20):
-        told(governor, SLOW, RUN - 1)
+        told(governor, SLOW, MAX_LONG_TICKS - 1)
         assert told(governor, WELL, 1) == [256]
         assert told(governor, 5.0 * VERY, 1) == [256]
         assert told(governor, WELL, 1) == [256]
 
 
 def test_long_ticks_in_a_row_leave_fewer_samples() -> None:
-    allowed = told(BudgetController(PERIOD, 256), SLOW, RUN)
-    assert allowed[:-1] == [256] * (RUN - 1)
+    allowed = told(BudgetController(PERIOD, 256), SLOW, MAX_LONG_TICKS)
+    assert allowed[:-1] == [256] * (MAX_LONG_TICKS - 1)
     assert allowed[-1] < 0.95 * 256
 
 
@@ -76,7 +76,9 @@ def test_ticks_that_take_several_periods_count_at_once() -> None:
 
 
 def test_the_longer_the_ticks_the_fewer_the_samples() -> None:
-    left = [told(BudgetController(PERIOD, 256), k * PERIOD, RUN)[-1] for k in (0.9, 1.2, 2.0)]
+    left = [
+        told(BudgetController(PERIOD, 256), k * PERIOD, MAX_LONG_TICKS)[-1] for k in (0.9, 1.2, 2.0)
+    ]
     assert left == sorted(left, reverse=True)
     assert len(set(left)) == 3
 

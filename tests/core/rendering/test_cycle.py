@@ -113,7 +113,7 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
         renderer = pc.Renderer(array, scene, clock=ManualClock(), cycle=most)
         errors[most] = off(press(array, sent(renderer, 40, 4), places).mean(axis=0), pressure)
         assert len(renderer.sounding) == most
-    assert errors[2] < 0.95 * errors[1]
+    assert errors[2] < 0.98 * errors[1]
 
 
 def test_a_scene_that_stands_still_from_the_first_solve_on_gets_its_two_frames() -> None:
@@ -197,10 +197,33 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     free: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.0), final=False)
     cycle.consider(held)
     assert cycle.count == 2
-    cycle.keep(cycle.parts[1], free)
+    cycle.keep(cycle.parts[1], free, 0.0)
     cycle.consider(free)
     assert cycle.count == 1
     assert cycle.frames == (free,)
+
+
+def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None:
+    cycle = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2).sample_solver.cycle
+    sampler = pc.Sampler()
+    sampler.prepare(ONE, AIR)
+    samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
+    held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
+    late: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.5), final=False)
+    cycle.begin(samples)
+    cycle.consider(held)
+    for _ in range(2 * 2):
+        assert cycle.count == 2
+        assert not cycle.hurried
+        cycle.keep(cycle.due(0.0), late, 0.0)
+    cycle.keep(cycle.due(0.0), late, 0.0)
+    assert cycle.count == 1
+    assert cycle.hurried
+    cycle.consider(held)
+    assert cycle.count == 1
+    cycle.begin(samples)
+    cycle.consider(held)
+    assert cycle.count == 2
 
 
 def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:

@@ -18,7 +18,7 @@ from pacinian.rendering import deviations as named
 from pacinian.rendering.deviations import MAX_LABELS, MAX_SPANS, Deviations, Total
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.modulation.technique import STM
-from pacinian.scene.sampling.account import (
+from pacinian.scene.sampling.sample_counts import (
     COARSENED,
     LEFT_OUT,
     MERGED,
@@ -171,7 +171,7 @@ def test_missed_ticks_and_silence_after_a_fault_are_named_by_object() -> None:
     for _ in range(3):
         renderer.tick()
     assert report.deviations.totals["twin"][named.HALTED].ticks == 3
-    assert not report.intact
+    assert not report.as_asked
     renderer.close()
 
 
@@ -183,7 +183,7 @@ def test_what_lies_outside_the_workspace_or_at_one_place_is_named() -> None:
     play(renderer, device, clock, [0.0])
     told = at(renderer.report, 0)
     assert told["b"][MERGED] == told["away"][OUTSIDE] == 1
-    one = renderer.account["line"]
+    one = renderer.sample_counts["line"]
     assert one.reasons[OUTSIDE] == one.asked - one.rendered > 0
 
 
@@ -192,7 +192,7 @@ def test_an_empty_scene_has_nothing_that_could_deviate() -> None:
     play(renderer, device, clock, [0.0, 4.0, 0.0])
     assert not renderer.report.deviations.totals
     assert renderer.report.late_ticks > 0
-    assert not renderer.report.intact
+    assert not renderer.report.as_asked
 
 
 def test_a_late_end_is_named_after_the_object_that_is_gone() -> None:
@@ -204,7 +204,7 @@ def test_a_late_end_is_named_after_the_object_that_is_gone() -> None:
 @pytest.mark.parametrize("budget", [10, 60])
 def test_if_strict_what_does_not_fit_is_refused_by_name(budget: int) -> None:
     many = pc.Surface(
-        shape=pc.Disc(0.05), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=1.0, name="large"
+        shape=pc.Disc(0.05), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=0.5, name="large"
     )
     renderer, device, clock = make(pc.Scene((many,)), strict=True, sampler=pc.Sampler(budget))
     with pytest.raises(pc.ArgumentError, match=r"'large' needs \d+ samples.*budget"):
@@ -223,7 +223,7 @@ def test_if_strict_what_does_not_fit_is_refused_by_name(budget: int) -> None:
         pc.Scene((runs,)), strict=True, sampler=pc.Sampler(budget), smoothing=smooth
     )
     play(renderer, device, clock, [0.0] * 3)
-    assert renderer.report.intact
+    assert renderer.report.as_asked
 
 
 ticks = st.lists(

@@ -24,11 +24,11 @@ def point(x: float = 0.0, pressure: float = 2.0, **options: Any) -> pc.Point:
     return pc.Point(position=(x, 0.0, 0.15), radiation_pressure=pressure, **options)
 
 
-def voices(*items: Any) -> EnvelopeGroups:
+def groups(*items: Any) -> EnvelopeGroups:
     return EnvelopeGroups(pc.Sampler().sample(pc.Scene(items)))
 
 
-def test_objects_with_one_amplitude_over_time_are_one_voice() -> None:
+def test_objects_with_one_amplitude_over_time_are_one_group() -> None:
     wave = pc.Sine(frequency=100.0)
     items = (
         point(0.00, envelope=wave),
@@ -37,14 +37,14 @@ def test_objects_with_one_amplitude_over_time_are_one_voice() -> None:
         point(0.09, envelope=wave, technique=AM(frequency=30.0)),
         point(0.12, envelope=pc.Constant(1.0)),
     )
-    made = voices(*items)
+    made = groups(*items)
     assert made.index.tolist() == [0, 1, 0, 2, 1]
     assert len(made) == 3
     assert [item.envelope for item in made.items] == [wave, pc.Constant(), wave]
 
 
-def test_no_samples_have_no_voice() -> None:
-    made = voices()
+def test_no_samples_have_no_group() -> None:
+    made = groups()
     assert len(made) == 0
     assert made.steady
     assert made.strength(T).shape == (0, len(T))
@@ -62,7 +62,7 @@ def test_no_samples_have_no_voice() -> None:
     ],
 )
 def test_only_what_is_constant_and_stays_is_steady(options: dict[str, Any], steady: bool) -> None:
-    made = voices(point(), point(0.03, **options))
+    made = groups(point(), point(0.03, **options))
     assert made.steady is steady
     for t in T, T[:1], T[5:]:
         factors = [resolve(each.envelope).at(t) * each.technique.factor(t) for each in made.items]
@@ -73,7 +73,7 @@ def test_only_what_is_constant_and_stays_is_steady(options: dict[str, Any], stea
 def test_strength_is_the_envelope_times_the_techniques_factor() -> None:
     wave, am = pc.Square(frequency=50.0), AM(frequency=100.0, depth=0.5)
     expected = wave.at(T) * (0.75 - 0.25 * np.cos(2.0 * np.pi * 100.0 * T))
-    made = voices(point(envelope=wave, technique=am), point(0.03))
+    made = groups(point(envelope=wave, technique=am), point(0.03))
     np.testing.assert_allclose(made.strength(T), [expected, np.ones(len(T))], atol=1e-12)
 
 
@@ -83,12 +83,12 @@ def test_strength_is_within_0_to_1_whatever_an_envelope_says(value: float) -> No
         def at(self, t: Any) -> Any:
             return np.full(len(t), value)
 
-    strength = voices(point(envelope=Foreign())).strength(T)
+    strength = groups(point(envelope=Foreign())).strength(T)
     assert (strength == (1.0 if value > 0.0 else 0.0)).all()
 
 
 def made(seed: int, count: int) -> tuple[pc.Session, pc.Solution, Any]:
-    """A solution that meets its targets, and a voice for each sample."""
+    """A solution that meets its targets, and a group for each sample."""
     rng = np.random.default_rng(seed)
     M = int(rng.integers(count, 9))
     q = np.column_stack([0.02 * np.arange(M) - 0.08, rng.uniform(-0.05, 0.05, M), np.full(M, 0.15)])
@@ -127,7 +127,7 @@ def test_points_that_cannot_be_told_apart_have_contributions_too() -> None:
     assert np.abs(parts[:3]).max() < 2.0  # not huge ones that cancel
 
 
-def test_a_pulse_is_a_voice_of_its_own_start() -> None:
+def test_a_pulse_is_a_group_of_its_own_start() -> None:
     early, late = (point(x, envelope=Pulse(0.01, start=x)) for x in (0.0, 0.03))
-    assert len(voices(early, late)) == 2
+    assert len(groups(early, late)) == 2
     assert isinstance(early.technique, Simultaneous)

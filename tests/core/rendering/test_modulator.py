@@ -323,7 +323,7 @@ def test_different_envelopes_that_stand_still_change_no_faster_either() -> None:
     np.testing.assert_allclose(P, [36.0, 40.0], rtol=0.05)
 
 
-def test_voices_of_different_strengths_come_up_from_silence() -> None:
+def test_groups_of_different_strengths_come_up_from_silence() -> None:
     items = point(LEFT, 80.0), point(RIGHT, 80.0, envelope=pc.Constant(0.01))
     rate = 100.0
     _, played = Loop(pc.Scene(items), 2, rate).run(20)
@@ -391,7 +391,11 @@ def test_what_cannot_be_reached_is_left_out_and_counted() -> None:
     loop.sampler = pc.Sampler()  # without an array, it leaves nothing out
     rows = loop.tick()
     assert len(loop.played.rows[0].samples) == 1
-    assert loop.skipped["samples on a transducer"] == loop.skipped["samples out of reach"] == 1
+    assert (
+        loop.skipped["samples on a transducer"]
+        == loop.skipped["samples too far from the array"]
+        == 1
+    )
     assert pressures(rows, [LEFT])[0, 0] == pytest.approx(4.0, rel=0.02)
 
 
@@ -404,8 +408,8 @@ def test_on_a_hand_each_envelope_is_followed_too() -> None:
     loop = Loop(pc.Scene(balls, hands=(hand,)))
     t, rows = loop.run(10)
     solved = loop.played.rows[0]
-    assert solved.voices is not None
-    index = solved.voices.index
+    assert solved.groups is not None
+    index = solved.groups.index
     assert set(index.tolist()) == {0, 1}
     B = loop.session.propagator.B  # weighted by what presses on the skin
     P = pc.radiation_pressure(rows @ B.T, AIR)

@@ -55,4 +55,4 @@ def test_points_far_away_and_on_transducers_are_left_out():
     reach = ReachabilityFilter(pc.Session(ARRAY))
     q = np.array([[0.0, 0.0, 0.2], [1e6, 0.0, 0.0], ARRAY.positions[7]])
     assert reach.find_reachable(q, skipped).tolist() == [True, False, False]
-    assert skipped == {"samples out of reach": 1, "samples on a transducer": 1}
+    assert skipped == {"samples too far from the array": 1, "samples on a transducer": 1}

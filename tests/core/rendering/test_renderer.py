@@ -203,7 +203,7 @@ def test_what_is_out_of_reach_is_left_out_and_counted() -> None:
         renderer.tick()
         assert not renderer.report.faults
         assert renderer.report.skipped["samples on a transducer"] == 1
-        assert renderer.report.skipped["objects out of reach"] == 1
+        assert renderer.report.skipped["objects away from hands"] == 1
         assert not device.silent
 
 
@@ -758,14 +758,14 @@ class Halves(pc.Solver):
         return pc.Result(late=True)
 
 
-@pytest.mark.parametrize("busy", [range(3), range(1, 4), range(3, 7)])
+@pytest.mark.parametrize("busy", [range(3), range(1, 4), range(3, 7), range(700), range(9, 700)])
 def test_ticks_without_time_to_solve_do_not_end_it_for_those_that_have(busy: range) -> None:
     clock = Busy()
     point = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
     renderer, _, _ = make(pc.Scene((point,)), clock=clock, solver=Halves(), governed=False)
     errors = []
     with renderer:
-        for k in range(60):
+        for k in range(1000):
             clock.cost = 1.0 if k in busy else 4e-5
             renderer.tick()
             assert renderer.solution is not None
@@ -811,3 +811,33 @@ def test_a_missing_file_is_told_before_the_run(item: Any, field: str, file: str)
     with pytest.raises(pc.ArgumentError, match=file) as caught:
         pc.Renderer(ARRAY, pc.Scene((item,)))
     assert caught.value.argument == field
+
+
+@pytest.mark.parametrize("where", ["open", "scene", "warnings"])
+def test_a_run_that_is_interrupted_while_it_opens_ends_and_closes_the_device(
+    where: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Opened(Simulated):
+        opened = False
+
+        def open(self, array: pc.Array) -> None:
+            super().open(array)
+            self.opened = True
+            if where == "open":
+                raise KeyboardInterrupt
+
+        def close(self) -> None:
+            super().close()
+            self.opened = False
+
+    def interrupted(*_: object) -> Any:
+        raise KeyboardInterrupt
+
+    if where == "warnings":
+        monkeypatch.setattr("pacinian.rendering.renderer.find_warnings", interrupted)
+    device = Opened()
+    scene = interrupted if where == "scene" else moving
+    renderer = pc.Renderer(pc.autd(1, 1), scene, backend=device)
+    assert renderer.run(0.01).interrupted
+    assert not device.opened
+    assert device.silent

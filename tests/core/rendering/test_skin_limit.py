@@ -154,7 +154,7 @@ def test_without_a_hand_no_skin_is_seen_and_nothing_is_scaled_down() -> None:
     np.testing.assert_array_equal(held.gains, free.gains)
 
 
-def test_voices_are_limited_in_whatever_phase_of_their_envelopes() -> None:
+def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
     """By each row as sent, for two foci that vibrate at different rates."""
     hand = HAND.transform(HIGH)
     at = [CENTRE + np.array([0.009 * side, 0.0, 0.2]) for side in (-1, 1)]
@@ -178,13 +178,13 @@ def test_voices_are_limited_in_whatever_phase_of_their_envelopes() -> None:
             assert renderer.sent is not None
             for row in renderer.sent.gains(renderer.backend.capability)[::8]:
                 reached = max(reached, highest(row, hand, k))
-    assert isinstance(renderer.played.rows[-1].voices, EnvelopeGroups)
+    assert isinstance(renderer.played.rows[-1].groups, EnvelopeGroups)
     assert renderer.played.rows[-1].parts is not None
     assert 0.5 * 5.0 < reached <= 5.0 * (1.0 + TOLERANCE)
 
 
 @given(st.integers(0, 1000))
-def test_the_largest_sum_of_voices_is_bounded_closely(seed: int) -> None:
+def test_the_largest_sum_of_groups_is_bounded_closely(seed: int) -> None:
     """By trying all on and off: the largest amplitude is at a corner."""
     rng = np.random.default_rng(seed)
     z = rng.normal(size=(4, 7)) + 1j * rng.normal(size=(4, 7))

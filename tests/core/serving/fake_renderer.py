@@ -28,8 +28,8 @@ from pacinian.serving.settings import Settings
 from pacinian.wire import objects
 from pacinian.wire.commands import AnyCommand, Envelopes, Hands, Move, Put, Quiet, Remove
 from pacinian.wire.convert import to_scene
+from pacinian.wire.modulation import Constant
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
-from pacinian.wire.time import Constant
 
 if TYPE_CHECKING:
     from pacinian.serving.bus.change_batcher import ChangeBatcher

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pacinian.acoustics.array import lattice
-from pacinian.scene.setup import Choice, Lattice
+from pacinian.scene.setup import Lattice, PluginConfig
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
@@ -118,7 +118,7 @@ class Server:
         options: dict[str, bool | int | float | str] = {"log": str(log), "does": does}
         settings = Settings(
             array=Lattice(0.05, 0.05),
-            backend=Choice("logged", options) if log else "simulated",
+            backend=PluginConfig("logged", options) if log else "simulated",
             safety=Safety(stale=1.0, hung=hung),
         )
         return child_process.LaunchConfig(str(self.folder), settings)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from pacinian.wire.silence import Cause, Silence
+    from pacinian.wire.silence_cause import Cause, Silence
 
 HIGH = pc.Pose((0.0, 0.0, 0.2))
 HAND = pc.Hand.open(pose=HIGH)

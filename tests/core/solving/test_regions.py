@@ -133,8 +133,9 @@ def test_the_strength_of_a_region_only_scales_the_last_solution():
     second = session.solve(q, np.full(16, 50.0), regions=regions)
     assert session.propagator.work.solutions_scaled == 1
     assert second.gains == pytest.approx(0.5 * first.gains, rel=1e-5)
+    solved = session.propagator.work.solved
     session.solve(q, np.full(16, 50.0), regions=np.repeat([0, 1], 8))
-    assert session.propagator.work.solved == 2
+    assert session.propagator.work.solved > solved
 
 
 # ---------------------------------------------------------------------- what is felt

@@ -54,11 +54,11 @@ class Right(pc.Backend):
         self.is_open = False
 
 
-def others_are_found(cls: type) -> Iterable[pc.Found]:
-    return [pc.Found("other", "1", "a device")]
+def others_are_found(cls: type) -> Iterable[pc.FoundDevice]:
+    return [pc.FoundDevice("other", "1", "a device")]
 
 
-def none_can_be_found(cls: type) -> Iterable[pc.Found]:
+def none_can_be_found(cls: type) -> Iterable[pc.FoundDevice]:
     raise OSError("no USB")
 
 
@@ -176,8 +176,11 @@ def send_to_nobody(device: Right, frame: pc.Frame) -> None:
 
 WRONG: dict[str, tuple[str, dict[str, Any]]] = {
     "no name": ("class", {"name": ""}),
-    "cannot search": ("found", {"found": classmethod(none_can_be_found)}),
-    "tells of devices of another": ("found", {"found": classmethod(others_are_found)}),
+    "cannot search": ("find_devices", {"find_devices": classmethod(none_can_be_found)}),
+    "tells of devices of another": (
+        "find_devices",
+        {"find_devices": classmethod(others_are_found)},
+    ),
     "another capability once open": ("capability", {"capability": property(changing)}),
     "closes only what is open": ("close twice", {"close": close_only_open}),
     "takes frames unopened": ("send before open", {"send": take_unopened}),

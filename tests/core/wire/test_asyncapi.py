@@ -16,7 +16,7 @@ from pacinian.wire.asyncapi import CHANNELS, make_asyncapi
 from pacinian.wire.codec import encode
 from pacinian.wire.markdown import make_guide, make_reference
 from pacinian.wire.message_docs import describe_fields, summarise
-from pacinian.wire.silence import CAUSES
+from pacinian.wire.silence_cause import CAUSES
 from pacinian_lab.vectors.examples import make_examples
 
 ROOT = Path(__file__).parents[3]

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from pacinian.wire import binary_arrays
 from pacinian.wire.commands import Field, HandFrame, Move
+from pacinian.wire.modulation import Wave
 from pacinian.wire.objects import Particles, Texture
 from pacinian.wire.replies import Shown
 from pacinian.wire.shapes import HeightMap, Mesh, Polyline, Voxels
-from pacinian.wire.time import Wave
 
 if TYPE_CHECKING:
     from collections.abc import Callable

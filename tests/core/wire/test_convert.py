@@ -34,7 +34,7 @@ from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.texture import Texture
 from pacinian.scene.shapes.voxels import Voxels
-from pacinian.wire import commands, objects, protocol, shapes, time
+from pacinian.wire import commands, modulation, objects, protocol, shapes
 from pacinian.wire.codec import decode_command, encode
 from pacinian.wire.convert import (
     envelope_to_scene,
@@ -44,8 +44,8 @@ from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
+from pacinian.wire.convert_modulation import ENVELOPES, TECHNIQUES
 from pacinian.wire.convert_shapes import SAME_FIELDS
-from pacinian.wire.convert_time import ENVELOPES, TECHNIQUES
 
 bounded = settings(max_examples=150)
 
@@ -195,7 +195,7 @@ def test_angles_are_radians_in_a_scene_and_degrees_on_the_wire(angle: float) -> 
 
 
 def test_whole_turns_on_the_wire_are_taken_off() -> None:
-    made: Any = technique_to_scene(time.LM(60.0, 0.003, 360.0 * 5 + 90.0))
+    made: Any = technique_to_scene(modulation.LM(60.0, 0.003, 360.0 * 5 + 90.0))
     assert made.angle == pytest.approx(math.pi / 2.0)
 
 
@@ -226,9 +226,9 @@ SAME = [
     (shapes.Difference, Difference),
     (shapes.Polyline, Polyline),
     (shapes.Lissajous, Lissajous),
-    (time.Wave, Wave),
-    (time.STM, STM),
-    (time.LM, LM),
+    (modulation.Wave, Wave),
+    (modulation.STM, STM),
+    (modulation.LM, LM),
 ]
 
 
@@ -267,14 +267,14 @@ def test_a_motion_is_of_the_time_that_it_is_told() -> None:
 def test_envelopes_and_techniques_come_alone() -> None:
     assert envelope_to_scene("buzzing") == Preset("buzzing")
     assert envelope_to_wire("buzzing") == "buzzing"
-    assert envelope_to_scene(time.Constant()) is STEADY
+    assert envelope_to_scene(modulation.Constant()) is STEADY
     assert technique_to_scene(technique_to_wire(LM(60.0, 0.003))) == LM(60.0, 0.003)
-    assert technique_to_wire(SIMULTANEOUS) == time.Simultaneous()
+    assert technique_to_wire(SIMULTANEOUS) == modulation.Simultaneous()
 
 
 def test_no_class_of_the_wire_holds_a_file() -> None:
     waiting: list[Any] = [*commands.COMMANDS, *objects.OBJECTS]
-    groups = shapes.Shell, shapes.Solid, shapes.Curve, time.Envelope, time.Technique
+    groups = shapes.Shell, shapes.Solid, shapes.Curve, modulation.Envelope, modulation.Technique
     waiting += itertools.chain.from_iterable(group.__args__ for group in groups)
     for kind in waiting:
         assert "file" not in getattr(kind, "__struct_fields__", ())

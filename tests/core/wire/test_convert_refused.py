@@ -17,7 +17,7 @@ from pacinian.scene.objects import Point, Surface, Volume
 from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.csg import Difference, Placed, Union
 from pacinian.scene.shapes.mesh import Mesh
-from pacinian.wire import objects, shapes, time
+from pacinian.wire import modulation, objects, shapes
 from pacinian.wire.convert import (
     to_scene,
     to_wire,
@@ -49,13 +49,16 @@ WRONG = [
         objects.Surface(shape=BALL, force=1.0, pose=shapes.Pose(rotation=(0.0, 0.0, 0.0, 0.5))),
         ".pose.rotation",
     ),
-    (objects.Surface(shape=BALL, force=1.0, envelope=time.Sine(1.0, 0.9, 0.1)), ".envelope.high"),
     (
-        objects.Surface(shape=BALL, force=1.0, technique=time.STM(10.0, shapes.Circle(-1.0))),
+        objects.Surface(shape=BALL, force=1.0, envelope=modulation.Sine(1.0, 0.9, 0.1)),
+        ".envelope.high",
+    ),
+    (
+        objects.Surface(shape=BALL, force=1.0, technique=modulation.STM(10.0, shapes.Circle(-1.0))),
         ".technique.along.radius",
     ),
     (
-        objects.Surface(shape=BALL, force=1.0, technique=time.STM(10.0, dwell=9.0)),
+        objects.Surface(shape=BALL, force=1.0, technique=modulation.STM(10.0, dwell=9.0)),
         ".technique.dwell",
     ),
     (

@@ -11,7 +11,7 @@ import numpy as np
 import pacinian as pc
 from pacinian_plugins.backends.autd3 import Autd3
 from pacinian_plugins.backends.autd3.levels import LEVELS
-from pacinian_plugins.backends.autd3.udp import UdpTransport
+from pacinian_plugins.backends.autd3.udp_transport import UdpTransport
 
 from ...waiting import PATIENCE, eventually
 

@@ -12,7 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian_plugins.backends.autd3 import Autd3
-from pacinian_plugins.backends.autd3.udp import UdpTransport
+from pacinian_plugins.backends.autd3.udp_transport import UdpTransport
 
 from .loopback import PATIENT
 

@@ -147,11 +147,11 @@ def test_what_is_connected_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("usb.core.find", lambda **given: find(**{**given, "backend": it.bus}))
     title = "FT232H, an OpenMPD board or anything else, bus 1, address"
     nameless = "it has no serial number: write one to its EEPROM, with FTDI's FT_PROG or pyftdi's ftconf.py"
-    assert list(OpenMpd.found()) == [
-        pc.Found("openmpd", "", f"{title} 4", UDEV),
-        pc.Found("openmpd", "", f"{title} 5", nameless),
-        pc.Found("openmpd", "FT1", f"{title} 3"),
-        pc.Found("openmpd", "FT2", f"{title} 2"),
+    assert list(OpenMpd.find_devices()) == [
+        pc.FoundDevice("openmpd", "", f"{title} 4", UDEV),
+        pc.FoundDevice("openmpd", "", f"{title} 5", nameless),
+        pc.FoundDevice("openmpd", "FT1", f"{title} 3"),
+        pc.FoundDevice("openmpd", "FT2", f"{title} 2"),
     ]
     assert it.bus.open == 0
     assert not any(chip.requests for chip in it.chips)

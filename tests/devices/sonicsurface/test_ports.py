@@ -41,7 +41,7 @@ def test_only_a_port_that_is_named_is_opened(adapters: list[Any], monkeypatch: A
         "sonicsurface: name the port: `port`, or the serial number in the `description`; "
         "there are: /dev/ttyUSB0 (no serial), /dev/ttyUSB1 (X1)",
     )
-    list(SonicSurface.found())
+    list(SonicSurface.find_devices())
     assert not tried
     for name, device in (("X1", "/dev/ttyUSB1"), ("/dev/ttyUSB0", "/dev/ttyUSB0")):
         backend = SonicSurface(port=name)
@@ -99,10 +99,10 @@ def test_what_is_connected_is_listed(adapters: list[Any], monkeypatch: Any) -> N
         SimpleNamespace(device="/dev/ttyS0", serial_number=None, vid=None),
     ]
     monkeypatch.setattr(os, "access", lambda device, mode: device != "/dev/ttyUSB1")
-    first, second = SonicSurface.found()
+    first, second = SonicSurface.find_devices()
     title = "serial adapter, of a SonicSurface or anything else, at /dev/ttyUSB"
-    assert first == pc.Found("sonicsurface", "", title + "0")
-    assert second == pc.Found("sonicsurface", "X1", title + "1", PERMISSION)
+    assert first == pc.FoundDevice("sonicsurface", "", title + "0")
+    assert second == pc.FoundDevice("sonicsurface", "X1", title + "1", PERMISSION)
 
 
 def test_without_pyserial_the_extra_is_named(monkeypatch: Any) -> None:
@@ -110,7 +110,7 @@ def test_without_pyserial_the_extra_is_named(monkeypatch: Any) -> None:
     with pytest.raises(pc.MissingExtra, match=r"pip install .*\[devices\]"):
         SonicSurface(port=NAME).open(ARRAY)
     problem = f"pyserial is not installed: {suggest_install('devices')}"
-    assert SonicSurface.found() == [pc.Found("sonicsurface", "", "", problem)]
+    assert SonicSurface.find_devices() == [pc.FoundDevice("sonicsurface", "", "", problem)]
 
 
 def test_two_boards_of_a_description(port: Port, tmp_path: Path) -> None:

@@ -112,10 +112,10 @@ def test_what_is_connected_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     it.plugged[2].denied = True
     find = __import__("usb.core").core.find
     monkeypatch.setattr("usb.core.find", lambda **given: find(**{**given, "backend": it.bus}))
-    assert list(UsbAutd.found()) == [
-        pc.Found("usb-autd", "", "AUTD units, bus 1, address 4", UDEV),
-        pc.Found("usb-autd", "PUA-1", "AUTD units, bus 1, address 3"),
-        pc.Found("usb-autd", "PUA-2", "AUTD units, bus 1, address 2"),
+    assert list(UsbAutd.find_devices()) == [
+        pc.FoundDevice("usb-autd", "", "AUTD units, bus 1, address 4", UDEV),
+        pc.FoundDevice("usb-autd", "PUA-1", "AUTD units, bus 1, address 3"),
+        pc.FoundDevice("usb-autd", "PUA-2", "AUTD units, bus 1, address 2"),
     ]
     assert it.bus.open == 0
 

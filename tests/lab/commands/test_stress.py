@@ -9,13 +9,13 @@ from click.testing import CliRunner
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian_lab.commands.stress import stress
-from pacinian_lab.stress import cases, demands, places, promises, run
+from pacinian_lab.stress import cases, extreme_problems, ill_conditioned_problems, promises, run
 
 
 @pytest.fixture(autouse=True)
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two families and few moves."""
-    families = {"limits": demands.limits, "media": places.media}
+    families = {"limits": extreme_problems.limits, "media": ill_conditioned_problems.media}
     monkeypatch.setattr(cases, "FAMILIES", families)
     monkeypatch.setattr(run, "LOOKS", 2)
     monkeypatch.setattr("pacinian_lab.commands.stress.MOVES", (100, 200))

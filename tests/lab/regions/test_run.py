@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import pacinian as pc
 from pacinian_lab.commands.bench import bench
 from pacinian_lab.regions import contacts, cost, pictures, shapes
-from pacinian_lab.regions.made import FREE, OURS, SWEPT
+from pacinian_lab.regions.methods import FREE, OURS, SWEPT
 from pacinian_lab.regions.peers import Peers
 from pacinian_lab.regions.run import judge, make
 from pacinian_lab.regions.score import evaluate_pressure, score

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.renderer import RAMP
+from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian_lab.scenes import onsets as comings
 
 ARRAY = pc.autd()
@@ -36,7 +36,7 @@ def test_strong_or_weak_it_is_there_and_silent_again_after_the_ramp(
 ) -> None:
     first, last = (
         round(1000 * comings.EVENT) * rows,
-        round(1000 * (comings.EVENT + RAMP)) * rows - 1,
+        round(1000 * (comings.EVENT + RAMP_TIME)) * rows - 1,
     )
     comes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} appears"], rows, ticks=30)
     goes = comings.collect_gains(ARRAY, comings.CASES[f"{strength} vanishes"], rows, ticks=30)

@@ -220,7 +220,7 @@ def test_with_the_skips_less_is_done() -> None:
     assert built[1] == 12 * 41
     assert built[0] == 41 + 11
     *_, on, off = frames(SKIPS["1000 balls, 3 near: skip distant balls"], ticks=2)
-    far = [side.renderer.report.skipped["objects out of reach"] for side in (on, off)]
+    far = [side.renderer.report.skipped["objects away from hands"] for side in (on, off)]
     assert far == [2 * 997, 0]
     *_, on, off = frames(SKIPS["STM: reuse solutions of known steps"], ticks=30)
     assert (on.renderer.report.solves, off.renderer.report.solves) == (10, 30)

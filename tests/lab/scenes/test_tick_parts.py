@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -38,4 +39,9 @@ def test_the_timer_counts_a_kernel_in_its_stage_and_leaves_nothing_behind() -> N
             )
         passed = time.perf_counter() - begin
         assert 0.0 < timer.spent["a"] <= passed
+        spent = dict(timer.spent)
+        kernel = next(vars(m)[n] for m in before for n in vars(m) if n in changed)
+        with ThreadPoolExecutor() as pool, pytest.raises(TypeError):
+            pool.submit(kernel, "no", "such", "arguments").result()
+        assert timer.spent == spent
     assert before == {module: dict(vars(module)) for module in before}

@@ -17,17 +17,17 @@ from rich.console import Console
 import pacinian as pc
 from pacinian.wire import binary_arrays
 from pacinian.wire.convert import to_scene
-from pacinian_lab.server import drift, latency, load, report, sender, tables
+from pacinian_lab.server import latency, latency_sender, load, report, soak_drift, tables
 from pacinian_lab.server import positions as places
 from pacinian_lab.server.echo import Echo
-from pacinian_lab.server.game import Heard
+from pacinian_lab.server.latency_sender import Times
 from pacinian_lab.server.load import Final
+from pacinian_lab.server.load_observer import Seen
 from pacinian_lab.server.many_clients import Done
-from pacinian_lab.server.observer import Seen
 from pacinian_lab.server.quantiles import Quantiles
 from pacinian_lab.server.raw_client import socket
-from pacinian_lab.server.sender import Times
 from pacinian_lab.server.soak import Row as Window
+from pacinian_lab.server.soak_game import Heard
 from pacinian_lab.server.worker_process import WorkerError, WorkerProcess
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def windows(change: Callable[[int, Window], Window] = lambda k, row: row) -> lis
 
 
 def met(rows: list[Window]) -> list[bool]:
-    return [verdict.met for verdict in drift.verdicts(rows)]
+    return [verdict.met for verdict in soak_drift.verdicts(rows)]
 
 
 @given(st.lists(st.floats(0.0, 10.0), min_size=1))
@@ -89,9 +89,9 @@ def test_the_palm_always_touches_sixteen_points() -> None:
     array = pc.autd(3, 3)
     sampler = pc.Sampler()
     sampler.prepare(array, pc.Air())
-    item = to_scene("points", sender.points())
+    item = to_scene("points", latency_sender.points())
     counts = set[int]()
-    for t, frame in enumerate(sender.hands()[::20]):
+    for t, frame in enumerate(latency_sender.hands()[::20]):
         hand = pc.Hand(binary_arrays.unpack(frame.joints, 3))
         counts.add(len(sampler.sample(pc.Scene((item,), hands=(hand,)), 0.02 * t)))
     assert counts == {16}
@@ -200,7 +200,7 @@ def test_everything_is_told_in_json_and_in_tables(tmp_path: Path) -> None:
     assert isinstance(console.file, io.StringIO)
     for word in ("echo", "15-16-18", "8 at 10000", "swap"):
         assert word in console.file.getvalue()
-    from pacinian_lab.server.picture import draw
+    from pacinian_lab.server.soak_picture import draw
 
     draw(windows(), tmp_path / "soak.png")
     assert (tmp_path / "soak.png").stat().st_size > 10_000
@@ -208,6 +208,6 @@ def test_everything_is_told_in_json_and_in_tables(tmp_path: Path) -> None:
 
 def test_pacing_calls_in_turn() -> None:
     calls = list[str]()
-    sender.pace_calls(10_000.0, 0.002, lambda: calls.append("a"), lambda: calls.append("b"))
+    latency_sender.pace_calls(10_000.0, 0.002, lambda: calls.append("a"), lambda: calls.append("b"))
     assert calls == ["a", "b"] * 20
     assert latency.settings(3).array.make().positions.shape == (2241, 3)

@@ -16,9 +16,9 @@ import pacinian as pc
 from pacinian.scene.setup import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing import run_server
-from pacinian_lab.server import game, latency, load, soak
-from pacinian_lab.server.game import Game, Play
+from pacinian_lab.server import latency, load, soak, soak_game
 from pacinian_lab.server.load import Final, Row
+from pacinian_lab.server.soak_game import Game, Play
 
 pytestmark = pytest.mark.deep
 PATIENT = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
@@ -59,14 +59,14 @@ def test_what_clients_put_last_is_felt(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_all_that_may_happen_in_a_soak_happens_and_nothing_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(game, "Client", partial(pc.Client, timeout=60.0))
+    monkeypatch.setattr(soak_game, "Client", partial(pc.Client, timeout=60.0))
     settings = Settings(array=Units(1, 1), log=Log(level="error"), safety=PATIENT)
     context, events = zmq.Context[Any](), Counter[str]()
     with run_server(settings) as server:
         play = Game(context, Play(str(server.connection), beat=0.0))
         while play.count < 40:
-            events.update(play.window(game.Window(0.1)).events)
-        heard = play.window(game.Window(0.1))
+            events.update(play.window(soak_game.Window(0.1)).events)
+        heard = play.window(soak_game.Window(0.1))
         play.close()
     context.term()
     kinds = [

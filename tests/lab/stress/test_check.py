@@ -9,10 +9,10 @@ import pytest
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import SMALL_ARRAY, compute_asked, scatter_points
+from pacinian_lab.stress.answer_checks import find_broken_promises
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import check
-from pacinian_lab.stress.every import breaches
+from pacinian_lab.stress.problem_parts import SMALL_ARRAY, compute_asked, scatter_points
 
 Q = scatter_points(3)
 CASE = Case(
@@ -71,7 +71,7 @@ def test_a_stranger_promises_less() -> None:
 def broken(case: Case, **changes: Any) -> set[str]:
     """The promises that an answer breaks which is changed behind the session's back."""
     solution = dataclasses.replace(case.solve("pseudo-inverse"), **changes)
-    return {promise for promise, _ in breaches(case, solution, 0.0)}
+    return {promise for promise, _ in find_broken_promises(case, solution, 0.0)}
 
 
 def test_what_the_session_guarantees_is_looked_at_all_the_same() -> None:
@@ -91,7 +91,7 @@ def test_what_the_session_guarantees_is_looked_at_all_the_same() -> None:
     assert {"power", "true"} <= broken(power, gains=g)
     most = dataclasses.replace(CASE, scale="max")
     assert "strong" in broken(most, gains=np.complex64(0.5) * g / np.abs(g).max())
-    assert dict(breaches(CASE, CASE.solve("pseudo-inverse"), 1e3)).keys() == {"late"}
+    assert dict(find_broken_promises(CASE, CASE.solve("pseudo-inverse"), 1e3)).keys() == {"late"}
 
 
 @pytest.mark.parametrize("limits", [{"quiet": QUIET}, {"exact": [0]}])
@@ -110,7 +110,7 @@ def test_a_limit_that_is_ignored_is_found(limits: Any) -> None:
     else:
         assert case.solve(Ignores(None)).status is pc.Status.infeasible
         loose = dataclasses.replace(case.solve(Ignores(None)), status=pc.Status.ok)
-        assert "exact" in dict(breaches(case, loose, 0.0))
+        assert "exact" in dict(find_broken_promises(case, loose, 0.0))
 
 
 def test_refusals_are_right_where_they_are_called_for() -> None:

@@ -9,8 +9,8 @@ import pytest
 from mpmath import mp
 
 import pacinian as pc
-from pacinian_lab.stress.asking import SMALL_ARRAY, row, scatter_points
 from pacinian_lab.stress.case import Case
+from pacinian_lab.stress.problem_parts import SMALL_ARRAY, row, scatter_points
 from pacinian_lab.stress.reference import Reference
 
 mp.dps = 60

@@ -13,9 +13,15 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_lab.stress import promises
-from pacinian_lab.stress.asking import NO_LIMIT, SMALL_ARRAY, compute_asked, half, scatter_points
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.cases import FAMILIES
+from pacinian_lab.stress.problem_parts import (
+    NO_LIMIT,
+    SMALL_ARRAY,
+    compute_asked,
+    half,
+    scatter_points,
+)
 from pacinian_lab.stress.run import run, solvers
 
 from ...plugins.problems import optimum

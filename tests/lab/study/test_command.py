@@ -11,7 +11,6 @@ from click.testing import CliRunner
 import pacinian as pc
 import pacinian_lab.study as ps
 from pacinian_lab.commands.study import study
-from pacinian_lab.study import work
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,7 +90,7 @@ def test_an_interruption_says_how_to_go_on(
     def interrupted(batch: object) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(work, "measure", interrupted)
+    monkeypatch.setattr("pacinian_lab.study.study_run.measure", interrupted)
     result = run(write(TINY), "--out", tmp_path / "out", "--workers", 0)
     assert result.exit_code != 0
     assert "finished tasks are kept: run the same command to continue" in result.stderr

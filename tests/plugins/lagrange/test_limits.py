@@ -274,6 +274,7 @@ def test_double_precision_is_the_optimum_to_many_digits(
 @settings(max_examples=20)
 @example(4, 11, 1e3)
 @example(2, 2, 1e3)
+@example(3, 46, 1e3)  # more than full drive needs
 def test_a_power_limit_leaves_it_no_weaker_than_scaling_down_would(
     count: int, seed: int, power: float
 ) -> None:

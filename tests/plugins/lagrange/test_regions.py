@@ -1,5 +1,6 @@
 """`lagrange` at regions: optimal by CVXPY, even between the samples, warm as cold."""
 
+import itertools
 import math
 
 import cvxpy as cp
@@ -115,6 +116,7 @@ def test_the_answer_is_the_optimum_under_the_gain_limit(seed, level, gain):
     )
     phases = pc.joint_phases(ARRAY, q, medium=AIR)
     session = pc.Session(ARRAY, solver="lagrange", medium=AIR)
+    session.corrections = 0
     session.solve(q, t, phases, regions=whole(q), limits=pc.Limits(gain=gain))
     assert session.last is not None
     solution = session.certify(session.last.gains)
@@ -299,9 +301,62 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
     side = int(np.ceil(np.sqrt(M)))
     q = at(np.stack(np.meshgrid(*[0.002 * np.arange(side)] * 2), axis=-1).reshape(-1, 2)[:M])
     amplitudes = np.full(M, 20.0)
-    helped = pc.solve(ONE, q, amplitudes, regions=whole(q), medium=AIR)
+
+    def solve() -> pc.Solution:
+        session = pc.Session(ONE, AIR)
+        session.corrections = 0
+        return session.solve(q, amplitudes, regions=whole(q))
+
+    helped = solve()
     monkeypatch.setattr(regions, "MAX_SAMPLES", 0)
-    plain = pc.solve(ONE, q, amplitudes, regions=whole(q), medium=AIR)
+    plain = solve()
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0
     assert helped.objective == pytest.approx(plain.objective, rel=0.03)
+
+
+# ---------------------------------------------------------------------- without time
+
+
+@pytest.mark.parametrize("deadline", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("strength", [4.0, 16.0, 60.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_without_time_it_is_never_worse_than_silence_nor_louder_than_asked(
+    deadline: float, strength: float, seed: int
+) -> None:
+    """Targets change at every sample from solve to solve, as those of frames do that make what others lack."""
+    readings = iter(range(1_000_000))
+    session, rng = (
+        pc.Session(NINE, AIR, clock=lambda: float(next(readings))),
+        np.random.default_rng(seed),
+    )
+    session.tilt = 0.15
+    disc = ringed(0.012)
+    q = np.concatenate([at(disc - np.array([0.03, 0])), at(disc + np.array([0.03, 0]), 0.22)])
+    regions, B = np.repeat([0, 1], len(disc)), pc.matrix(NINE, q, AIR)
+    ended = 0
+    for _ in range(12):
+        t = pc.sound_pressure(strength * rng.uniform(0.15, 2.5, len(q)), AIR)
+        solution = session.solve(q, t, regions=regions, deadline=deadline)
+        g = solution.gains.astype(complex)
+        p, silence = B @ g, float(t @ t) / 2.0
+        rest = t * np.exp(1j * solution.asked_phases) - p
+        objective = (np.vdot(rest, rest).real + solution.mu * np.vdot(g, g).real) / 2.0
+        assert objective <= 1.001 * silence
+        assert np.linalg.norm(p) <= 1.001 * np.linalg.norm(t)
+        assert solution.objective == pytest.approx(objective, rel=1e-3, abs=1e-3 * silence)
+        assert solution.bound <= objective * (1.0 + 1e-6)
+        ended += solution.late
+    assert ended
+
+
+def test_solves_without_time_for_the_same_targets_come_to_an_end() -> None:
+    readings = iter(range(1_000_000))
+    session = pc.Session(NINE, AIR, clock=lambda: float(next(readings)))
+    q = at(ringed(0.015))
+    t, errors = pc.sound_pressure(np.full(len(q), 16.0), AIR), list[float]()
+    for k in range(16):
+        solution = session.solve(q, t * (1.0 + 1e-6 * k), regions=whole(q), deadline=0.0)
+        errors.append(solution.error)
+    assert errors[-1] < EVEN < errors[0]
+    assert all(after <= 1.02 * before for before, after in itertools.pairwise(errors))

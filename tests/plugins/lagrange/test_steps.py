@@ -13,7 +13,7 @@ from pacinian.native.solving import choose
 from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange import reference
-from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.gain_limited import PhaseFreeSolve
 
 f4 = np.float32
 

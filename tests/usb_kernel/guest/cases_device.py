@@ -33,7 +33,7 @@ def it() -> Iterator[Playing]:
 def test_it_is_listed_opened_by_its_serial_and_given_back() -> None:
     with Playing("PUA-1", serials=["PUA-1"]) as it:
         title = f"AUTD units, {it.places()[0]}"
-        assert list(UsbAutd.found()) == [pc.Found("usb-autd", "PUA-1", title)]
+        assert list(UsbAutd.find_devices()) == [pc.FoundDevice("usb-autd", "PUA-1", title)]
         it.open()
         assert it.model.status().state == State.SILENT
         it.play()

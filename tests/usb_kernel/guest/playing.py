@@ -18,7 +18,7 @@ from .plugged import Plugged
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-LONG = 120.0  # [s]: only ends what hangs
+LONG = 300.0  # [s]: only ends what hangs; the guest has no processor of its own
 TIMEOUT = 1.0  # [s] of a transfer: the most there is, as the guest may stand still
 ROW = 1 / 2000  # [s]
 usb.core._DEFAULT_TIMEOUT = round(1e3 * LONG)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from pacinian.scene.setup import Choice, Units
+from pacinian.scene.setup import PluginConfig, Units
 from pacinian.serving.ipc import child_process, shared_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
@@ -61,7 +61,7 @@ class Server:
         options: dict[str, bool | int | float | str] = {"timeout": TIMEOUT, "lead": LEAD}
         settings = Settings(
             array=Units(1, 1),
-            backend=Choice("usb-autd", options),
+            backend=PluginConfig("usb-autd", options),
             safety=Safety(stale=1.0, hung=60.0),
         )
         self.told = child_process.LaunchConfig(str(self.folder), settings)

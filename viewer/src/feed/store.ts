@@ -85,8 +85,10 @@ export class Store {
       return;
     }
     if (message.type === "array" && this.link !== "live") {
-      delete this.newest.silence;
-      delete this.newest.state; // of before: it is not so any more
+      for (const type of ["silence", "state"] as const) {
+        delete this.newest[type]; // of before: it is not so any more
+        this.unread.delete(type);
+      }
       this.linked("live");
     }
     this.tell(message.type, message as never);

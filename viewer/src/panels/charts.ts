@@ -5,10 +5,10 @@ import uPlot from "uplot";
 import type { Frame, Histogram, Past, State } from "../feed/messages";
 import { doubles, floats } from "../feed/numbers";
 import type { Store } from "../feed/store";
-import { drawnBySoftware } from "../space/power";
+import { drawnBySoftware } from "../space/software-rendering";
 import { element, say } from "./dom";
 import { History, SPAN } from "./history";
-import { digits, percent } from "./words";
+import { digits, percent } from "./format";
 
 const SELDOM = 1000; // [ms] between two drawings where the processor draws
 const ERRORS = [1e-4, 0.01, 1, 100] as const; // [%] ticks; less is as good as nothing

@@ -3,7 +3,8 @@
 import type { AlignedData } from "uplot";
 
 export const SPAN = 30; // [s]
-const BIN = 0.25; // [s]: as short as a pixel or two, and longer than a modulation
+const BIN = 0.25; // [s]: as short as a pixel or two
+const WINDOW = 1; // [s] that each value is of: with fewer frames of a modulation, their mean scatters
 const BACK = 0.2; // [s]
 const GAP = 1; // [s] over which no line is drawn
 
@@ -12,13 +13,13 @@ export type Kind = "mean" | "max";
 export class History {
   private readonly times: number[] = [];
   private readonly values: (number | null)[][];
-  /** How many values the last bin of each has. */
-  private readonly counts: number[];
+  /** How many values each bin has. */
+  private readonly counts: number[][];
   private last: number | undefined;
 
   constructor(private readonly kinds: readonly Kind[]) {
     this.values = kinds.map(() => []);
-    this.counts = kinds.map(() => 0);
+    this.counts = kinds.map(() => []);
   }
 
   /** moment: of the server's clock [s]; one that goes back by more than messages do begins anew. A value that is no number leaves a gap. */
@@ -32,37 +33,54 @@ export class History {
     values.forEach((value, k) => this.join(k, value));
     let old = 0;
     while ((this.times[old] ?? time) < time - SPAN) old += 1;
-    if (old) for (const each of [this.times, ...this.values]) each.splice(0, old);
+    if (old) for (const each of [this.times, ...this.values, ...this.counts]) each.splice(0, old);
   }
 
   clear(): void {
-    for (const each of [this.times, ...this.values]) each.length = 0;
+    for (const each of [this.times, ...this.values, ...this.counts]) each.length = 0;
     this.last = undefined;
   }
 
   /** With times before the newest [s]. */
   get data(): AlignedData {
     const now = this.last ?? 0;
-    return [this.times.map((t) => t - now), ...this.values];
+    return [this.times.map((t) => t - now), ...this.kinds.map((_, k) => this.times.map((_time, bin) => this.over(k, bin)))];
   }
 
   /** The newest of each; NaN without any. */
   get latest(): number[] {
-    return this.values.map((each) => each.at(-1) ?? NaN);
+    return this.kinds.map((_, k) => this.over(k, this.times.length - 1) ?? NaN);
   }
 
   private push(time: number): void {
     this.times.push(time);
     for (const each of this.values) each.push(null);
-    this.counts.fill(0);
+    for (const each of this.counts) each.push(0);
   }
 
   private join(k: number, value: number): void {
-    const [values, count] = [this.values[k], this.counts[k] ?? 0];
-    if (!values || !Number.isFinite(value)) return;
+    const [values, counts] = [this.values[k], this.counts[k]];
+    if (!values || !counts || !Number.isFinite(value)) return;
+    const count = counts.at(-1) ?? 0;
     const before = values.at(-1) ?? 0;
     const mean = before + (value - before) / (count + 1);
     values[values.length - 1] = !count ? value : this.kinds[k] === "max" ? Math.max(before, value) : mean;
-    this.counts[k] = count + 1;
+    counts[counts.length - 1] = count + 1;
+  }
+
+  /** Over the window up to a bin, without what is before a gap; null in a gap. */
+  private over(k: number, bin: number): number | null {
+    const [values, counts] = [this.values[k] ?? [], this.counts[k] ?? []];
+    const end = this.times[bin] ?? 0;
+    let [sum, count, most] = [0, 0, -Infinity];
+    for (let each = bin; each >= 0 && end - (this.times[each] ?? end) < WINDOW; each--) {
+      const value = values[each] ?? null;
+      if (value === null) break;
+      sum += value * (counts[each] ?? 0);
+      count += counts[each] ?? 0;
+      most = Math.max(most, value);
+    }
+    if (!count) return null;
+    return this.kinds[k] === "max" ? most : sum / count;
   }
 }

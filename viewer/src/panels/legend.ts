@@ -1,11 +1,11 @@
 /** What the colours mean: the wheel of phases, the bar of pressures, the sizes of samples. */
 
 import { COLOURS } from "../colours/maps";
-import { opacity, shareAt, type Law } from "../field/law";
+import { opacity, shareAt, type ScaleLaw } from "../field/scale-law";
 import type { Over, Quantity } from "../feed/messages";
-import { ERRORS, PHASES, PRESSURES } from "../space/maps";
+import { ERRORS, PHASES, PRESSURES } from "../space/map-textures";
 import { element, get, made, say } from "./dom";
-import { digits } from "./words";
+import { digits } from "./format";
 
 const HOLE = 0.62; // of the wheel's radius
 const TICKS = 5;
@@ -42,7 +42,7 @@ export function drawLegend(): void {
 }
 
 /** most: top of the colour scale [Pa]; an error goes as far below zero. */
-export function scaleBar(most: number, of: Quantity, law: Law = "linear", over: Over = "mean"): void {
+export function scaleBar(most: number, of: Quantity, law: ScaleLaw = "linear", over: Over = "mean"): void {
   if (of !== painted) paintBar(of);
   painted = of;
   say(element("bar-caption"), of === "error" ? "made − asked [Pa]" : CAPTIONS[over]);

@@ -5,7 +5,7 @@ import { floats, indices } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
 import { split } from "./reasons";
-import { digits, plural, seconds, whole } from "./words";
+import { digits, plural, seconds, whole } from "./format";
 
 const OBJECTS = 8; // that are listed
 const KEPT = 50; // faults

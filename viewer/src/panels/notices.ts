@@ -54,7 +54,7 @@ function refused({ action, message, advice }: Refused): void {
   const area = element("refused");
   const close = made("button", "Close");
   close.type = "button";
-  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(advice || advise(action, message))));
+  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(forPage(advice) || advise(action, message))));
   const note = made("div", why);
   note.append(close);
   const away = (): void => note.remove();

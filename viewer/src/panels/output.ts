@@ -3,7 +3,7 @@
 import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, choices, element, say, select } from "./dom";
-import { digits, percent, seconds, whole } from "./words";
+import { digits, percent, seconds, whole } from "./format";
 
 /** Of recordings, which do not hold the server's own explanation. */
 const WHY: Record<Output, string> = {
@@ -21,6 +21,7 @@ const NOT = {
   other: "This page has not armed.",
   free: "Nothing is stopped or faulted.",
 } as const;
+const MIN_TICKS = 1000; // from which a share of them says something
 const OFTEN = 4; // times a lease that the page says it is alive
 const CONTROLS = "button, input, select, textarea, summary, a, [role=switch]";
 
@@ -153,7 +154,7 @@ export class OutputPanel {
     element("scenes").hidden = names.length < 2;
     say(element("owner"), state.owner || "nobody");
     say(element("rate"), `${digits(state.rate)} Hz`);
-    say(element("late"), state.ticks ? percent(state.late / state.ticks) : "–");
+    say(element("late"), state.ticks >= MIN_TICKS ? percent(state.late / state.ticks) : "–");
     element("late").title = `${whole(state.late)} of ${whole(state.ticks)} ticks`;
     say(element("gap"), seconds(state.longest_gap));
   }
@@ -163,6 +164,7 @@ export class OutputPanel {
 export function forPage(text: string): string {
   return text
     .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
+    .replace(/^reset first$/, "Press Reset first.")
     .replace("call arm()", "press Arm, or start a program that arms")
     .replace("call put()", "a program puts them there")
     .replace("call select(intensity=1.0)", "raise it under Rendering")

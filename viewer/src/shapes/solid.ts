@@ -14,7 +14,7 @@ import { ADDITION, Brush, Evaluator, INTERSECTION, SUBTRACTION } from "three-bvh
 
 import { floats, indices } from "../feed/numbers";
 import type { Part, Pose, Primitive, Solid } from "../feed/objects";
-import { surface } from "./marching";
+import { surface } from "./marching-cubes";
 
 /** What a solid is made of, each by itself; none where even that is not possible. */
 export function parts(shape: Solid): BufferGeometry[] {

@@ -19,10 +19,10 @@ import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 import type { Bytes, Plane } from "../feed/messages";
 import { floats } from "../feed/numbers";
-import { Glass, SHADED, type Turned } from "./glass";
-import { pressureMap } from "./maps";
+import { Translucent, SHADED, type Turned } from "./translucent";
+import { pressureMap } from "./map-textures";
 import { matrix } from "./planes";
-import { drawnBySoftware } from "./power";
+import { drawnBySoftware } from "./software-rendering";
 
 const JOINTS = 26; // of OpenXR
 const PALM = 0;
@@ -102,7 +102,7 @@ interface Painting {
   before: IUniform<Vector3>;
 }
 
-class Hand extends Glass implements Turned {
+class Hand extends Translucent implements Turned {
   /** Where the palm is. */
   readonly middle = new Vector3();
   private readonly base: Vector4[];

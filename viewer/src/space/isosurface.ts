@@ -4,11 +4,11 @@ import { BufferGeometry, Vector3 } from "three";
 
 import type { Volume } from "../feed/messages";
 import { floats } from "../feed/numbers";
-import { surface } from "../shapes/marching";
-import { Glass, type Turned } from "./glass";
+import { surface } from "../shapes/marching-cubes";
+import { Translucent, type Turned } from "./translucent";
 
 export class Isosurface implements Turned {
-  readonly glass = new Glass(new BufferGeometry(), { colour: "#9fd46b", body: 0.72 });
+  readonly glass = new Translucent(new BufferGeometry(), { colour: "#9fd46b", body: 0.72 });
   readonly middle = new Vector3();
   private values = new Float32Array(0);
   private volume: Volume | undefined;

@@ -1,16 +1,16 @@
 /** The keyboard in the view: turn, come nearer, move the slice. */
 
-import type { Slicer } from "../field/slicer";
+import type { SlicePlane } from "../field/slice-plane";
 import type { Space } from "./space";
 
 const NEARER = 1.1;
 const FINE = 0.001; // [m]
 const COARSE = 0.01; // [m]
 
-export function listen(space: Space, slicer: Slicer): void {
+export function listen(space: Space, slicePlane: SlicePlane): void {
   const { view } = space;
   const move = (by: number, event: KeyboardEvent): void =>
-    slicer.move(slicer.position + by * (event.shiftKey ? COARSE : FINE));
+    slicePlane.move(slicePlane.position + by * (event.shiftKey ? COARSE : FINE));
   const actions: Record<string, (event: KeyboardEvent) => void> = {
     ArrowLeft: () => view.orbit(-1, 0),
     ArrowRight: () => view.orbit(1, 0),
@@ -27,12 +27,12 @@ export function listen(space: Space, slicer: Slicer): void {
     "4": () => space.fit(),
     PageUp: (event) => move(1, event),
     PageDown: (event) => move(-1, event),
-    x: () => slicer.turn("x"),
-    y: () => slicer.turn("y"),
-    z: () => slicer.turn("z"),
-    e: () => slicer.choose(slicer.of === "error" ? "pressure" : "error"),
-    a: () => slicer.turn(),
-    c: () => slicer.follow(true, space.middle),
+    x: () => slicePlane.turn("x"),
+    y: () => slicePlane.turn("y"),
+    z: () => slicePlane.turn("z"),
+    e: () => slicePlane.choose(slicePlane.of === "error" ? "pressure" : "error"),
+    a: () => slicePlane.turn(),
+    c: () => slicePlane.follow(true, space.middle),
   };
   view.canvas.addEventListener("keydown", (event) => {
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];

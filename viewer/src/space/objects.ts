@@ -5,8 +5,8 @@ import { Group, InstancedMesh, Texture, Vector3, type Mesh, type Object3D, type 
 import type { Bytes, Scenery } from "../feed/messages";
 import { into } from "../feed/numbers";
 import type { Thing } from "../feed/objects";
-import { made, type Made } from "../shapes/things";
-import { Glass, type Turned } from "./glass";
+import { made, type Made } from "../shapes/geometry";
+import { Translucent, type Turned } from "./translucent";
 import { Label } from "./labels";
 
 const LABELLED = 12; // objects of which the names are shown
@@ -37,7 +37,7 @@ export class Placed extends Group implements Turned {
   }
 
   set turn(turn: number) {
-    if (this.shown.object instanceof Glass) this.shown.object.turn = turn;
+    if (this.shown.object instanceof Translucent) this.shown.object.turn = turn;
   }
 
   /** x, y, z [m], quaternion x, y, z, w. */

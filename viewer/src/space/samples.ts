@@ -14,7 +14,7 @@ import {
 
 import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
-import { radii } from "./crowding";
+import { radii } from "./ring-sizes";
 import { FACED, Quads } from "./quads";
 
 const LARGEST = 0.0045; // [m] radius of the strongest, where there is room

@@ -19,11 +19,11 @@ import {
   Vector3,
 } from "three";
 
-import { DECIBELS, LAWS, type Law } from "../field/law";
+import { DECIBELS, SCALE_LAWS, type ScaleLaw } from "../field/scale-law";
 import type { Over, Plane, Quantity, Slice } from "../feed/messages";
 import { into } from "../feed/numbers";
-import type { Turned } from "./glass";
-import { errorMap, pressureMap } from "./maps";
+import type { Turned } from "./translucent";
+import { errorMap, pressureMap } from "./map-textures";
 import { matrix } from "./planes";
 
 const ACCENT = "#8fc7ff";
@@ -123,8 +123,8 @@ export class FieldSlice implements Turned {
   }
 
   /** How pressure becomes colour; an error stays linear. */
-  set law(law: Law) {
-    this.set(this.field, "law", this.of === "error" ? 0 : LAWS.indexOf(law));
+  set law(law: ScaleLaw) {
+    this.set(this.field, "law", this.of === "error" ? 0 : SCALE_LAWS.indexOf(law));
   }
 
   get hovered(): boolean {

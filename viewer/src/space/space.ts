@@ -3,18 +3,18 @@
 import { Box3, Vector3 } from "three";
 
 import { css } from "../colours/maps";
-import type { Boxer } from "../field/boxer";
-import type { Law } from "../field/law";
+import type { SurfaceBox } from "../field/surface-box";
+import type { ScaleLaw } from "../field/scale-law";
 import { round, type Scale } from "../field/scale";
-import type { Slicer } from "../field/slicer";
+import type { SlicePlane } from "../field/slice-plane";
 import type { Arrayed, Frame, Plane, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
 import { floats, same } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { Axes, type Extent } from "./axes";
-import { takeTurns, type Turned } from "./glass";
+import { takeTurns, type Turned } from "./translucent";
 import { Hands } from "./hands";
 import { Isosurface } from "./isosurface";
-import { PRESSURES } from "./maps";
+import { PRESSURES } from "./map-textures";
 import { Objects } from "./objects";
 import { peak } from "./planes";
 import { Samples } from "./samples";
@@ -43,7 +43,7 @@ export class Space {
   readonly slice: FieldSlice;
   /** Whether the camera goes along with hands and objects. */
   follows = true;
-  law: Law = "linear";
+  law: ScaleLaw = "linear";
   extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, AHEAD] };
   private readonly focus = new Vector3(0, 0, FOCUS);
   private met = false;
@@ -64,8 +64,8 @@ export class Space {
   constructor(
     element: HTMLElement,
     store: Store,
-    private readonly slicer: Slicer,
-    private readonly boxer: Boxer,
+    private readonly slicePlane: SlicePlane,
+    private readonly surfaceBox: SurfaceBox,
     private readonly scales: Record<Quantity, Scale>,
   ) {
     this.view = new View(element);
@@ -80,7 +80,7 @@ export class Space {
       this.samples.group,
     );
     this.view.onFrame(() => this.beforeFrame());
-    this.slicer.onChange(() => this.wanted());
+    this.slicePlane.onChange(() => this.wanted());
     this.wanted();
     this.surface.glass.visible = false;
     store.on("array", (array) => this.changed(() => this.place(array)));
@@ -137,15 +137,15 @@ export class Space {
     if (box && !this.met) this.view.look(box);
     else if (box && this.follows) this.view.track(box);
     this.met ||= Boolean(box);
-    if (this.samples.count) this.slicer.attend(this.middle, this.view.facing(this.slicer.axis));
-    else this.slicer.attend(this.slicer.plane.centre, this.view.facing(this.slicer.axis));
+    if (this.samples.count) this.slicePlane.attend(this.middle, this.view.facing(this.slicePlane.axis));
+    else this.slicePlane.attend(this.slicePlane.plane.centre, this.view.facing(this.slicePlane.axis));
     this.age(now);
   }
 
   /** A slice that is not of the plane that is wanted, or of sound that has ended, vanishes. */
   private age(now: number): void {
     const { plane } = this.slice;
-    const { centre, u, v } = this.slicer.plane;
+    const { centre, u, v } = this.slicePlane.plane;
     const other = plane && ![...centre, ...u, ...v].every((x, k) => near(x, [...plane.centre, ...plane.u, ...plane.v][k]));
     const ended = plane && this.state?.output !== "sounding";
     this.old = other || ended ? (this.old ?? now) : undefined;
@@ -161,12 +161,12 @@ export class Space {
 
   /** The level of the surface [Pa]. */
   get level(): number {
-    return this.boxer.share * this.scales.pressure.most;
+    return this.surfaceBox.share * this.scales.pressure.most;
   }
 
   /** The surface of another level, or none. */
   recut(): void {
-    if (this.boxer.on) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.boxer.share));
+    if (this.surfaceBox.on) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.surfaceBox.share));
     else this.surface.clear();
     this.view.urge();
   }
@@ -198,7 +198,7 @@ export class Space {
 
   /** Samples are drawn where nothing else tells of them. */
   private layer(): void {
-    const error = this.slicer.on && this.slice.plane && this.slice.of === "error";
+    const error = this.slicePlane.on && this.slice.plane && this.slice.of === "error";
     this.samples.group.visible = !error && !this.hands.painted;
     this.hands.through = !error;
   }
@@ -233,7 +233,7 @@ export class Space {
     if (alike(before, this.extent)) return; // the server is back
     this.view.whole = this.axes.box;
     if (!this.met) this.view.all();
-    if (this.slicer.follows) this.slicer.follow(true, this.middle);
+    if (this.slicePlane.follows) this.slicePlane.follow(true, this.middle);
   }
 
   private emit(frame: Frame): void {
@@ -254,11 +254,11 @@ export class Space {
     this.hands.show(state.hands);
     this.layer();
     if (!this.samples.count) return;
-    this.boxer.follow(this.middle);
+    this.surfaceBox.follow(this.middle);
   }
 
   private cut(slice: Slice): void {
-    if (!this.slicer.on) return;
+    if (!this.slicePlane.on) return;
     this.slice.show(slice);
     this.most = peak(slice, this.slice.values).most;
     this.slice.most = this.scale.most;
@@ -273,22 +273,22 @@ export class Space {
     this.asked = this.samples.most || this.asked;
     const asked = this.slice.of === "pressure" ? this.asked : 0;
     const most = asked > 0 ? Math.min(this.most, BRIGHT * asked) : this.most;
-    if (this.slicer.on && this.scale.see(most)) this.rescale();
+    if (this.slicePlane.on && this.scale.see(most)) this.rescale();
   }
 
   private fill(volume: Volume): void {
-    if (!this.boxer.on) return;
+    if (!this.surfaceBox.on) return;
     this.surface.show(volume);
     this.recut();
   }
 
   private wanted(): void {
-    this.slice.group.visible = this.slicer.on;
-    if (!this.slicer.on) {
+    this.slice.group.visible = this.slicePlane.on;
+    if (!this.slicePlane.on) {
       this.slice.clear();
       this.layer();
     }
-    this.slice.want(this.slicer.plane);
+    this.slice.want(this.slicePlane.plane);
     this.view.urge();
   }
 

@@ -5,7 +5,7 @@ import { Mesh, ShaderMaterial } from "three";
 import type { Arrayed, Frame } from "../feed/messages";
 import { floats, into } from "../feed/numbers";
 import { FACED, Quads } from "./quads";
-import { phaseMap } from "./maps";
+import { phaseMap } from "./map-textures";
 
 const FILL = 0.46; // radius of a disc over the distance to its neighbour
 const ALONE = 0.005; // [m] radius of a single one

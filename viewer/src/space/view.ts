@@ -11,7 +11,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import { allPower, drawnBySoftware } from "./power";
+import { allPower, drawnBySoftware } from "./software-rendering";
 
 const FOV = 32; // [deg]
 const FINEST = 2; // pixels of the device for one of the page, at most

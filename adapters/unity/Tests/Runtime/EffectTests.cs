@@ -22,7 +22,7 @@ namespace Pacinian.Haptics.Tests
         public void EachTechniqueIsTaken(TechniqueKind kind)
         {
             ITechnique made = new HapticTechnique { kind = kind }.Message;
-            Assert.AreEqual("", Checking.Problem(new Point { RadiationPressure = 1.0, Technique = made }));
+            Assert.AreEqual("", ObjectValidation.Problem(new Point { RadiationPressure = 1.0, Technique = made }));
             Assert.AreEqual(kind == TechniqueKind.Server, made == null);
         }
 
@@ -30,9 +30,9 @@ namespace Pacinian.Haptics.Tests
         public void WhatTheServerWouldRefuseIsFoundHere()
         {
             Point point = new Point { RadiationPressure = -1.0 };
-            Assert.IsTrue(Checking.Problem(point).Contains("radiation_pressure"));
+            Assert.IsTrue(ObjectValidation.Problem(point).Contains("radiation_pressure"));
             point = new Point { RadiationPressure = 1.0, Position = new Vec3(double.NaN, 0.0, 0.0) };
-            Assert.IsTrue(Checking.Problem(point).Contains("position"));
+            Assert.IsTrue(ObjectValidation.Problem(point).Contains("position"));
         }
 
         [Test]

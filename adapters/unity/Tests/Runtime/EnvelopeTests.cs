@@ -21,7 +21,7 @@ namespace Pacinian.Haptics.Tests
             _envelope.Clip = Tone(48000, 2, 4800);
             _envelope.Kind = kind;
             Point point = new Point { RadiationPressure = 1.0, Envelope = _envelope.Message };
-            Assert.AreEqual("", Checking.Problem(point));
+            Assert.AreEqual("", ObjectValidation.Problem(point));
             Assert.AreEqual(kind == EnvelopeKind.Curve ? "Wave" : kind.ToString(), point.Envelope.GetType().Name);
             Assert.AreEqual("", _envelope.Problem);
         }
@@ -43,7 +43,7 @@ namespace Pacinian.Haptics.Tests
             _envelope.High = 7f;
             _envelope.Low = -1f;
             _envelope.Frequency = 1e6f;
-            Assert.AreEqual("", Checking.Problem(new Point { RadiationPressure = 1.0, Envelope = _envelope.Message }));
+            Assert.AreEqual("", ObjectValidation.Problem(new Point { RadiationPressure = 1.0, Envelope = _envelope.Message }));
         }
 
         [Test]

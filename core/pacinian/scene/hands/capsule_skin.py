@@ -11,7 +11,7 @@ from pacinian.native import scene as kernels
 from pacinian.scene.hands import capsules as flesh
 from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin import PosedPoints, Skin
 from pacinian.scene.hands.skin_lod import (
     FINEST,
     GRAIN,
@@ -88,13 +88,13 @@ class CapsuleSkin(Skin):
         self.radii = shapes[:, 6:].copy()
         self.axes = axes / self.length[:, None]
 
-    def place(self, hand: Hand) -> Placed:
+    def place(self, hand: Hand) -> PosedPoints:
         """Place the points on a hand of this kind, which must not be lost."""
         if hand.joints is None:
             raise ArgumentError("hand", "must have joints")
         shapes = flesh.make_capsules(hand)
         at = self._place(hand, shapes, self.bone, self.along, self.axial, self.sides, self.area)
-        return Placed(*at, shapes, flesh.find_bounds(shapes))
+        return PosedPoints(*at, shapes, flesh.find_bounds(shapes))
 
     def place_between(
         self, hand: Hand, which: Indices, area: Floats
@@ -119,7 +119,7 @@ class CapsuleSkin(Skin):
         )  # fmt: skip
         return points, normals, now
 
-    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: PosedPoints, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
         return ~flesh.are_buried(placed.capsules, placed.points, self.bone, self.slack, which)
 

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.pose import Pose
 from pacinian.checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.hands import rest_pose
+from pacinian.scene.hands import default_hand
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats, Indices
@@ -73,7 +73,7 @@ class Hand:
         J, lost = (
             (None, False)
             if joints is None
-            else _mask_unmeasured("joints", joints, (rest_pose.JOINTS, 3))
+            else _mask_unmeasured("joints", joints, (default_hand.JOINTS, 3))
         )
         V, gone = (
             (None, False) if vertices is None else _mask_unmeasured("vertices", vertices, (None, 3))
@@ -101,7 +101,7 @@ class Hand:
         at +x. given: radii, velocities, time or name.
         """
         check_kind("pose", pose, Pose)
-        local = rest_pose.rest_joints()
+        local = default_hand.rest_joints()
         if side == "left":
             local[:, 0] *= -1.0
         return cls(pose.points(local), side=side, **given)
@@ -124,7 +124,7 @@ class Hand:
         """
         B, lost = _mask_unmeasured("bones", bones, (5, 4, 2, 3))
         W = np.full((5, 4), 0.02) if lost else check_numbers("widths", widths, (5, 4))
-        joints, radii = np.zeros((rest_pose.JOINTS, 3)), RADII.copy()
+        joints, radii = np.zeros((default_hand.JOINTS, 3)), RADII.copy()
         joints[WRIST] = _mask_unmeasured("wrist", wrist, (3,))[0]
         first = 2
         for digit in range(5):
@@ -239,7 +239,7 @@ def _is_collapsed(name: str, points: Floats) -> bool:
 
 
 def _radii(value: ArrayLike) -> Floats:
-    radii = check_numbers("radii", value, (rest_pose.JOINTS,)).copy()
+    radii = check_numbers("radii", value, (default_hand.JOINTS,)).copy()
     if radii.min() <= 0.0:
         raise ArgumentError("radii", f"must be more than 0, not {radii.min():g}")
     if radii.max() > MAX_RADIUS:
@@ -251,11 +251,11 @@ def _radii(value: ArrayLike) -> Floats:
 
 def _velocities(value: ArrayLike) -> Floats | None:
     try:
-        shape = (3,) if np.ndim(value) == 1 else (rest_pose.JOINTS, 3)
+        shape = (3,) if np.ndim(value) == 1 else (default_hand.JOINTS, 3)
     except ValueError:  # ragged
-        shape = (rest_pose.JOINTS, 3)
+        shape = (default_hand.JOINTS, 3)
     v, unknown = _mask_unmeasured("velocities", value, shape)
-    return None if unknown else np.broadcast_to(v, (rest_pose.JOINTS, 3)).copy()
+    return None if unknown else np.broadcast_to(v, (default_hand.JOINTS, 3)).copy()
 
 
 def _faces(value: ArrayLike, vertices: int) -> Indices:
@@ -265,4 +265,4 @@ def _faces(value: ArrayLike, vertices: int) -> Indices:
     return faces.astype(np.intp)
 
 
-RADII = rest_pose.rest_radii()
+RADII = default_hand.rest_radii()

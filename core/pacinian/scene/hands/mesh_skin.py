@@ -10,7 +10,7 @@ from pacinian.checks import check_count
 from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
-from pacinian.scene.hands.skin import Placed, Skin
+from pacinian.scene.hands.skin import PosedPoints, Skin
 from pacinian.scene.hands.skin_lod import FINEST, GRAIN, SkinNodes, spread_finely
 from pacinian.scene.shapes.triangle_points import find_barycentric, pick_points
 
@@ -59,12 +59,12 @@ class MeshSkin(Skin):
         super().__init__(surface, apart, area, bone[:K], np.zeros(K, np.bool_))
         self.bones_between, self.hidden_between = bone[K:], np.zeros(len(bone) - K, np.bool_)
 
-    def place(self, hand: Hand) -> Placed:
+    def place(self, hand: Hand) -> PosedPoints:
         """Place the points on a hand of this kind, which must not be lost."""
         C = int(self.bone.max()) + 1
         bounds = np.zeros((C, 4))
         at = self._place(hand, self.face, self.coordinates, self.area, self.bone, bounds)
-        return Placed(*at, np.empty((0, 8)), bounds)
+        return PosedPoints(*at, np.empty((0, 8)), bounds)
 
     def place_between(
         self, hand: Hand, which: Indices, area: Floats
@@ -88,7 +88,7 @@ class MeshSkin(Skin):
         )  # fmt: skip
         return points, normals, now
 
-    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: PosedPoints, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are exposed, (I,): on a mesh, all of them."""
         return np.ones(len(which), dtype=np.bool_)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 CREASE = 5e-4  # a point deeper than this inside another part of the hand is not exposed [m]
 
 
-class Placed(NamedTuple):
+class PosedPoints(NamedTuple):
     """The K points of a skin on a posed hand.
 
     points: (K, 3) [m]. normals: outward, (K, 3). area: of skin that each point represents, (K,) [m^2]. capsules: of the
@@ -88,7 +88,7 @@ class Skin(ABC):
         return tuple(np.flatnonzero(self.bone == c) for c in range(int(self.bone.max()) + 1))
 
     @abstractmethod
-    def place(self, hand: Hand) -> Placed:
+    def place(self, hand: Hand) -> PosedPoints:
         """Place the points on a hand of this kind, which must not be lost."""
 
     @abstractmethod
@@ -101,7 +101,7 @@ class Skin(ABC):
         """
 
     @abstractmethod
-    def find_exposed(self, placed: Placed, which: Indices) -> Flags:
+    def find_exposed(self, placed: PosedPoints, which: Indices) -> Flags:
         """Return which of the points `which`, (I,), are no deeper inside other flesh than their slack: (I,)."""
 
     @abstractmethod

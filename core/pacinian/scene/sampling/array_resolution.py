@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 COARSER = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
 MAX_SUBSET = 8  # number of transducers that represent the array for visibility
 # Mean cos^2 of the angle of incidence at which skin gets no pressure, or its full pressure (cosines 0.14 and 0.32).
-HARDLY, WELL = 0.02, 0.1
+BLOCKED_COS2, FULL_PRESSURE_COS2 = 0.02, 0.1
 MIN_LENGTH = 1e-30
 CELL = 0.02  # size of the grid cells for each of which the resolution is computed once [m]
 MAX_CELLS = 10_000  # largest number of cached cells
@@ -97,5 +97,5 @@ def weigh_incidence(seen: Floats) -> Floats:
     seen: mean cos^2 of the angle of incidence, which is the fraction of the sound power that presses, (M,). The
     fraction falls to 0 where the array hardly sees the skin, because even full drive would not press there.
     """
-    x = np.clip((seen - HARDLY) / (WELL - HARDLY), 0.0, 1.0)
+    x = np.clip((seen - BLOCKED_COS2) / (FULL_PRESSURE_COS2 - BLOCKED_COS2), 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x))

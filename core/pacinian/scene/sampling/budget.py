@@ -9,16 +9,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.errors import ArgumentError
-from pacinian.scene.sampling.account import COARSENED, FAINT, OUTSIDE, OVER_BUDGET, label_object
 from pacinian.scene.sampling.array_resolution import COARSER
 from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER
 from pacinian.scene.sampling.sample_cache import estimate_samples
+from pacinian.scene.sampling.sample_counts import (
+    COARSENED,
+    FAINT,
+    OUTSIDE,
+    OVER_BUDGET,
+    label_object,
+)
 from pacinian.scene.sampling.sources import WholeObject, is_dense, measure_spacing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.scene.sampling.account import Account
+    from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.sampling.sources import Source
 
@@ -29,7 +35,7 @@ COARSEST = 40  # largest level, in steps of sqrt(2) of the spacing
 ESTIMATED = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
 
 
-class Made(NamedTuple):
+class LevelSamples(NamedTuple):
     """Samples of one source. faint, outside: samples left out because of perception, and of the workspace."""
 
     samples: Samples
@@ -47,7 +53,7 @@ def allot_budget(
     budget: int,
     levels: dict[int, int],
     cut: Cut,
-    account: Account,
+    counts: SampleCounts,
     bands: int = 1,
     full: int = 0,
     *,
@@ -62,7 +68,7 @@ def allot_budget(
     samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become one
     level coarser before they are divided, because the pressure between their samples is still even then.
 
-    account: counts what each object asks for, and what is left out. full: the budget if there were time; `budget` may
+    counts: gets what each object asks for, and what is left out. full: the budget if there were time; `budget` may
     be less. strict: raise ArgumentError, which names the object, instead of leaving anything out.
     """
     parts: list[Samples] = []
@@ -83,11 +89,11 @@ def allot_budget(
             asked = one.asked
             if level and not measure_spacing(source.item):
                 asked = _count_asked(source, spacing, cut, ESTIMATED * full * bands)
-            account.ask(source.index, asked)
-            account.note(COARSENED, source.index, asked - one.asked)
-            account.note(FAINT, source.index, one.faint)
-            account.note(OUTSIDE, source.index, one.outside)
-            account.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
+            counts.ask(source.index, asked)
+            counts.note(COARSENED, source.index, asked - one.asked)
+            counts.note(FAINT, source.index, one.faint)
+            counts.note(OUTSIDE, source.index, one.outside)
+            counts.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
             left -= min(count, left)
             parts.append(kept)
     return parts
@@ -98,11 +104,11 @@ def count_pressing(samples: Samples) -> int:
     return int(np.count_nonzero(samples.radiation_pressure))
 
 
-def _make(source: Source, spacing: float, cut: Cut) -> Made:
+def _make(source: Source, spacing: float, cut: Cut) -> LevelSamples:
     samples = source.at(spacing)
     inside = cut(samples)
     outside = 0 if inside is samples else count_pressing(samples) - count_pressing(inside)
-    return Made(inside, source.faint, outside)
+    return LevelSamples(inside, source.faint, outside)
 
 
 def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
@@ -147,13 +153,13 @@ def _strongest(samples: Samples, count: int) -> Samples:
 
 def _fit_level(
     members: list[tuple[Source, float]], left: int, level: int, cut: Cut, bands: int, *, fixed: bool,
-) -> tuple[list[Made], int]:  # fmt: skip
+) -> tuple[list[LevelSamples], int]:  # fmt: skip
     """Return the samples of sources of one priority, and the level at which they are at most `left`.
 
     fixed: keep the given level.
     """
 
-    def every(level: int) -> list[Made]:
+    def every(level: int) -> list[LevelSamples]:
         return [
             _make(
                 source, spacing if measure_spacing(source.item) else spacing * COARSER**level, cut
@@ -161,7 +167,7 @@ def _fit_level(
             for source, spacing in members
         ]
 
-    def number(made: list[Made], level: int) -> int:
+    def number(made: list[LevelSamples], level: int) -> int:
         """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
         counts = [
             sum(

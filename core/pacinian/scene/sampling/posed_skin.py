@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.scene.hands.skin import CREASE
 from pacinian.scene.hands.skin_cache import get_skin
-from pacinian.scene.sampling.array_resolution import HARDLY, WELL
+from pacinian.scene.sampling.array_resolution import BLOCKED_COS2, FULL_PRESSURE_COS2
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose, Vector
@@ -87,7 +87,7 @@ class PosedSkin:
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
         count = press(
             d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
-            self.skin.slack, self.capsules, some, HARDLY, WELL, inside, force,
+            self.skin.slack, self.capsules, some, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 
@@ -129,7 +129,7 @@ class PosedSkin:
         inside, force = np.empty(len(d), dtype=np.intp), np.empty(len(d))
         count = press(
             d, every, reach, stiffness, most, fine.points, fine.normals, fine.area, fine.bone,
-            fine.slack, self.capsules, some, HARDLY, WELL, inside, force,
+            fine.slack, self.capsules, some, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Flags, Floats, Indices
 
+RAMP_TIME = 0.005  # fade-in and fade-out time of a sample in a renderer or a server [s]
 JUMP = 0.02  # a sample that moves farther than this in one tick fades out there and rises anew here [m]
 MAX_TICK = 0.02  # longest time that one tick counts for, because time may jump [s]
 RAMP_TOLERANCE = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time

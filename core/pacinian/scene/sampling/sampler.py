@@ -14,7 +14,17 @@ from pacinian.native.scene import merge
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
-from pacinian.scene.sampling.account import (
+from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
+from pacinian.scene.sampling.broad_phase import cull
+from pacinian.scene.sampling.budget import allot_budget
+from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.hand_tracking import HandTrack
+from pacinian.scene.sampling.perception_thresholds import lowest_threshold
+from pacinian.scene.sampling.pose_prediction import PosePredictor
+from pacinian.scene.sampling.ramps import PressureRamps
+from pacinian.scene.sampling.refine import refine
+from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
+from pacinian.scene.sampling.sample_counts import (
     COARSENED,
     FAINT,
     FAR,
@@ -25,17 +35,8 @@ from pacinian.scene.sampling.account import (
     OVER_BUDGET,
     PRESSURE_LIMITED,
     TOO_FINE,
-    Account,
+    SampleCounts,
 )
-from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
-from pacinian.scene.sampling.broad_phase import cull
-from pacinian.scene.sampling.budget import allot_budget
-from pacinian.scene.sampling.distance_cache import DistanceCache
-from pacinian.scene.sampling.perception_thresholds import lowest_threshold
-from pacinian.scene.sampling.pose_prediction import HandTrack, PosePredictor
-from pacinian.scene.sampling.ramps import PressureRamps
-from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
     Contact,
@@ -71,7 +72,7 @@ COUNTED = {
     FAINT: "samples too faint to feel",
     PRESSURE_LIMITED: "forces beyond the most pressure",
 }
-"""Reasons of `Sampler.skipped`, by those of an account."""
+"""Reasons of `Sampler.skipped`, by those of the sample counts."""
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
 DENSE = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
@@ -149,7 +150,7 @@ class Sampler:
         self._target = no_samples()
         self.skins: tuple[PosedSkin, ...] = ()
         """The skins of the hands in the scene at the last call of `sample`; none while they are lost."""
-        self.account = Account()
+        self.sample_counts = SampleCounts()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
         self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
@@ -182,28 +183,28 @@ class Sampler:
 
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
-        account = self.account = Account(scene.objects)
-        account.samples = self._make_samples(scene, t, account)
-        if not account.clean:
+        counts = self.sample_counts = SampleCounts(scene.objects)
+        counts.samples = self._make_samples(scene, t, counts)
+        if not counts.clean:
             for reason, skipped in COUNTED.items():
-                if count := account.total(reason):
+                if count := counts.total(reason):
                     self.skipped[skipped] += count
-        return account.samples
+        return counts.samples
 
-    def _make_samples(self, scene: Scene, t: float, account: Account) -> Samples:
+    def _make_samples(self, scene: Scene, t: float, counts: SampleCounts) -> Samples:
         skin = bool(scene.hands)
-        hands = self._track_hands(scene, t, account)
+        hands = self._track_hands(scene, t, counts)
         self.skins = tuple(hand for hand, _ in hands)
         capsules = _all([hand.capsules for hand in self.skins]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
-        self.skipped["objects out of reach"] += len(scene.objects) - len(found)
+        self.skipped["objects away from hands"] += len(scene.objects) - len(found)
         if not skin and len(found) < len(scene.objects):
-            self._note_outside(scene, found, account)
+            self._note_outside(scene, found, counts)
         sources = self._sources(scene, t, found, hands, skin)
         for source, _ in sources:
             if self._find_unresolved(source.item, source.place) > 0.0:
-                account.note_object(TOO_FINE, source.index)
+                counts.note_object(TOO_FINE, source.index)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
@@ -217,14 +218,14 @@ class Sampler:
             budget,
             self._levels,
             self._cut(scene.workspace),
-            account,
+            counts,
             self.bands,
             self.budget,
             strict=self.strict,
         )
         if len(parts) > 1:
-            parts = [self._merge_samples([source.item for source, _ in sources], parts, account)]
-        parts = [self._focal(parts[0], account)]
+            parts = [self._merge_samples([source.item for source, _ in sources], parts, counts)]
+        parts = [self._focal(parts[0], counts)]
         if self.surround and skin and solid and self._resolving is not None:
             touching, centre = [hand for hand, _ in hands], self._resolving.centre
             resolved = min(self._resolving.compute_spacing(hand.centre) for hand in touching)
@@ -232,17 +233,17 @@ class Sampler:
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
-    def _note_outside(self, scene: Scene, found: list[int], account: Account) -> None:
+    def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> None:
         """Note the objects that are rendered whole and lie outside the workspace, or too far from the array."""
         for i in sorted(set(range(len(scene.objects))) - set(found)):
             item = scene.objects[i]
             if item.pressure > 0.0 and item.envelope != OFF:
                 spacing = self.spacing or WAVELENGTH * (DENSE if is_dense(item) else 1.0)
                 count = round(estimate_samples(item, spacing))
-                account.ask(i, count)
-                account.note(FAR if scene.workspace is None else OUTSIDE, i, count)
+                counts.ask(i, count)
+                counts.note(FAR if scene.workspace is None else OUTSIDE, i, count)
 
-    def _focal(self, samples: Samples, account: Account) -> Samples:
+    def _focal(self, samples: Samples, counts: SampleCounts) -> Samples:
         """Spread the forces of foci over the area that the focus has at each sample."""
         if self._resolving is None:
             return samples
@@ -264,12 +265,12 @@ class Sampler:
             P[rows] *= area[rows] / found
             most[rows] *= area[rows] / found
             area[rows] = found
-        account.note_rows(PRESSURE_LIMITED, samples, which[P[which] > self.peak])
+        counts.note_rows(PRESSURE_LIMITED, samples, which[P[which] > self.peak])
         P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
         return samples.changed(radiation_pressure=P, most=most, area=area)
 
     def _track_hands(
-        self, scene: Scene, t: float, account: Account
+        self, scene: Scene, t: float, counts: SampleCounts
     ) -> list[tuple[PosedSkin, float]]:
         """Return the hands that are present, each with the factor on its pressures, 0..1."""
         tracks = {
@@ -281,10 +282,10 @@ class Sampler:
             now, share = tracks[hand.name].at(hand, t, self._ahead)
             if now is None:
                 self.skipped["hands lost"] += 1
-                account.note_hand(HAND_LOST, hand.name)
+                counts.note_hand(HAND_LOST, hand.name)
             else:
                 if share < 1.0:
-                    account.note_hand(HAND_FADING, hand.name)
+                    counts.note_hand(HAND_FADING, hand.name)
                 there.append((tracks[hand.name].pose_skin(now), share))
         return there
 
@@ -428,7 +429,7 @@ class Sampler:
         return cut
 
     def _merge_samples(
-        self, items: list[Object], parts: list[Samples], account: Account
+        self, items: list[Object], parts: list[Samples], counts: SampleCounts
     ) -> Samples:
         """Join all samples, and merge those of different `items` that the array cannot resolve.
 
@@ -437,21 +438,21 @@ class Sampler:
         whole = join_samples(parts)
         if len(whole) > MAX_MERGE_SAMPLES:
             return whole
-        counts = [len(part) for part in parts]
-        source = np.repeat(np.arange(len(parts)), counts)
-        voice = np.repeat(_voices(items), counts)
+        sizes = [len(part) for part in parts]
+        source = np.repeat(np.arange(len(parts)), sizes)
+        group = np.repeat(_number_groups(items), sizes)
         P, area = np.empty(len(whole)), np.empty(len(whole))
         kept = np.empty(len(whole), dtype=np.bool_)
         apart = MERGE_SHARE * (WAVELENGTH if self.spacing is None else self.spacing)
         radius = np.full(len(whole), MERGE_DISTANCE if self.strict else apart)
         radius[whole.regions != ISOLATED] = MERGE_DISTANCE
         gone = merge(
-            whole.positions, whole.radiation_pressure, whole.area, source, voice, radius,
+            whole.positions, whole.radiation_pressure, whole.area, source, group, radius,
             P, area, kept,
         )  # fmt: skip
         if not gone:
             return whole
-        account.note_rows(MERGED, whole, ~kept & (whole.radiation_pressure > 0.0))
+        counts.note_rows(MERGED, whole, ~kept & (whole.radiation_pressure > 0.0))
         return whole.changed(radiation_pressure=P, area=area).only(kept)
 
 
@@ -471,15 +472,15 @@ def _name(item: Object, index: int) -> int:
     return zlib.crc32(item.name.encode()) % NAMES if item.name else index
 
 
-def _voices(items: list[Object]) -> list[int]:
+def _number_groups(items: list[Object]) -> list[int]:
     """Number the items so that items of equal envelope and technique share a number."""
     seen: list[tuple[object, object]] = []
     numbers = list[int]()
     for item in items:
-        voice = item.envelope, item.technique
-        if voice not in seen:
-            seen.append(voice)
-        numbers.append(seen.index(voice))
+        group = item.envelope, item.technique
+        if group not in seen:
+            seen.append(group)
+        numbers.append(seen.index(group))
     return numbers
 
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from pacinian.serving.bus.admission import Client
     from pacinian.serving.bus.stored_object import StoredObject
+    from pacinian.wire.modulation import Envelope
     from pacinian.wire.replies import Reply
-    from pacinian.wire.time import Envelope
 
 Converted = list[tuple["StoredObject", bytes]]
 

@@ -17,7 +17,17 @@ from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.bus.stored_object import make_error_reply
 from pacinian.serving.ipc.messages import BusStatus
 from pacinian.wire.codec import decode_command, id_of
-from pacinian.wire.commands import Field, Show
+from pacinian.wire.commands import (
+    Clear,
+    Envelopes,
+    Field,
+    Hands,
+    Move,
+    Put,
+    Quiet,
+    Remove,
+    Show,
+)
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -174,7 +184,7 @@ class CommandDispatcher:
         scene = self.scenes.get(info.scene)
         if scene is None:
             scene = self.scenes[info.scene] = SharedScene(
-                self._settings, self.converter, info.scene
+                self._settings, self.converter, info.scene, info.number
             )
         scene.clients.add(client)
 
@@ -197,7 +207,7 @@ class CommandDispatcher:
             if isinstance(command, Show):
                 return make_snapshot(self.batcher.scene, command)
             scene = self.scenes[client.info.scene]
-            if not scene.do(client, command, now - client.age, now, size):
+            if not carry_out(scene, client, command, now - client.age, now, size):
                 return None
         except CommandRejected as refusal:
             message = f"{refusal}"[:1000]
@@ -222,3 +232,28 @@ class CommandDispatcher:
         if self._peers.tells(peer, now):
             error = Error(id=id_of(data), code=code, message=problem[:1000], path=path[:200])
             self.replies.append((peer, error))
+
+
+def carry_out(
+    scene: SharedScene, client: Client, command: AnyCommand, seen: float, now: float, size: int
+) -> bool:
+    """Change a scene by a client's command, sent at `seen` and received at `now` [s] by the server's clock.
+
+    size: of the message [bytes]. Returns whether it is done; otherwise, the converter replies later.
+    Raises CommandRejected, WireError.
+    """
+    if isinstance(command, Put):
+        return scene.put(client, command, seen, size)
+    if isinstance(command, Envelopes):
+        return scene.wrap(client, command)
+    if isinstance(command, Move):
+        scene.move(command, seen)
+    elif isinstance(command, Hands):
+        scene.set_hands(client, command, seen, now)
+    elif isinstance(command, Remove):
+        scene.remove(command.names)
+    elif isinstance(command, Quiet):
+        scene.set_quiet(client, command.zones)
+    elif isinstance(command, Clear):
+        scene.clear(client)
+    return True

@@ -61,7 +61,7 @@ MIN_ROUND_INTERVAL = 3e-4
 # on a system where a new session cannot end the wait.
 SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
 SWITCH = 2e-4  # thread switch interval [s]: limits how long a conversion blocks the loop
-TELL = 0.05  # interval between two status reports [s]
+REPORT_INTERVAL = 0.05  # interval between two status reports [s]
 QUEUE = 256  # messages of one client that may wait here
 
 
@@ -95,7 +95,7 @@ class Bus:
         self._poller.register(socket, zmq.POLLIN)
         if wake.works:
             self._poller.register(wake.fileno(), zmq.POLLIN)
-        self._told = -TELL  # [s]
+        self._told = -REPORT_INTERVAL  # [s]
         self._busy = False
         self._begun = -math.inf  # begin of the last round [s]
         memory["changes"].write(pack(Changes(0, run, ())))  # nothing of an earlier bus may sound
@@ -124,7 +124,7 @@ class Bus:
             self._publish()
         self.dispatcher.round(self._clock())
         self._reply()
-        if self._clock() - self._told >= TELL:
+        if self._clock() - self._told >= REPORT_INTERVAL:
             self.tell()
         self._busy = len(self.dispatcher.queries) > 0
 

@@ -22,8 +22,7 @@ from pacinian.serving.bus.stored_object import (
     make_error_reply,
     reject_strength,
 )
-from pacinian.serving.ipc.messages import SetQuiet, number_scene
-from pacinian.wire.commands import Clear, Envelopes, Hands, Move, Put, Quiet, Remove
+from pacinian.serving.ipc.messages import SetQuiet
 from pacinian.wire.convert import envelope_to_scene
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from pacinian.serving.bus.conversion import Converter
     from pacinian.serving.ipc.messages import SetHands
     from pacinian.serving.settings import Settings
-    from pacinian.wire.commands import AnyCommand, Zone
+    from pacinian.wire.commands import Envelopes, Hands, Move, Put, Zone
     from pacinian.wire.replies import Code, Error
 
 # Memory limit for the objects of one client [bytes].
@@ -53,11 +52,13 @@ class CommandRejected(Exception):
 class SharedScene:
     """One scene. Its objects keep the order in which they arrived.
 
-    felt: True once any client tracks hands; before that, whole objects are rendered. number: as in permits.
+    felt: True once any client tracks hands; before that, whole objects are rendered. number: as in `Permit`.
     """
 
-    def __init__(self, settings: Settings, converter: Converter, name: str = "") -> None:
-        self.name, self.number = name, number_scene(name)
+    def __init__(
+        self, settings: Settings, converter: Converter, name: str = "", number: int = 0
+    ) -> None:
+        self.name, self.number = name, number
         self.objects: dict[str, StoredObject] = {}
         self.hands: dict[Client, TrackedHands] = {}
         self.zones: dict[Client, tuple[Zone, ...]] = {}
@@ -67,36 +68,19 @@ class SharedScene:
         self._settings, self._converter = settings, converter
         self._ends: list[tuple[float, str]] = []  # a heap of the times at which objects may expire
 
-    def do(self, client: Client, command: AnyCommand, seen: float, now: float, size: int) -> bool:
-        """Carry out a command, sent at `seen` and received at `now` [s] by the server's clock.
-
-        Returns whether it is done; otherwise, the converter replies later. Raises CommandRejected, WireError.
-        """
-        if isinstance(command, Move):
-            self._move(command, seen)
-        elif isinstance(command, Put):
-            return self._put(client, command, seen, size)
-        elif isinstance(command, Hands):
-            self.hands[client] = track_hands(client.number, command, seen, now)
-            self.felt = True
-            self.pending.hand()
-        elif isinstance(command, Remove):
-            self._remove(command.names)
-        elif isinstance(command, Envelopes):
-            return self._wrap(client, command)
-        elif isinstance(command, Quiet):
-            self._quiet(client, command.zones)
-        elif isinstance(command, Clear):
-            self.clear(client)
-        return True
-
     def clear(self, client: Client) -> None:
         """Remove all objects, hands and quiet zones of a client."""
-        self._remove([stored.name for stored in self.objects.values() if stored.owner is client])
+        self.remove([stored.name for stored in self.objects.values() if stored.owner is client])
         if self.hands.pop(client, None) is not None:
             self.pending.hand()
         if self.zones.pop(client, None) is not None:
             self.pending.quiet = True
+
+    def set_hands(self, client: Client, command: Hands, seen: float, now: float) -> None:
+        """Replace the hands of a client, seen at `seen` and received at `now` [s] by the server's clock."""
+        self.hands[client] = track_hands(client.number, command, seen, now)
+        self.felt = True
+        self.pending.hand()
 
     @property
     def due(self) -> float:
@@ -109,7 +93,7 @@ class SharedScene:
             _, name = heappop(self._ends)
             stored = self.objects.get(name)
             if stored is not None and stored.until is not None and stored.until <= now:
-                self._remove([name])
+                self.remove([name])
 
     def has(self, stored: StoredObject) -> bool:
         """Whether the object is still in the scene."""
@@ -117,14 +101,14 @@ class SharedScene:
 
     def drop(self, stored_objects: list[StoredObject]) -> None:
         """Remove those of the objects that are still in the scene."""
-        self._remove([stored.name for stored in stored_objects if self.has(stored)])
+        self.remove([stored.name for stored in stored_objects if self.has(stored)])
 
     def pack(self, stored: StoredObject) -> Error | None:
         """Encode an object. If it is invalid, remove it and return the error for its client."""
         try:
             stored.pack(self._settings.safety.pressure)
         except WireError as error:
-            self._remove([stored.name])
+            self.remove([stored.name])
             return make_error_reply(error)
         return None
 
@@ -138,7 +122,11 @@ class SharedScene:
         ours = [(zone.position, zone.pressure, zone.radius) for zone in self._settings.safety.zones]
         return SetQuiet((*ours, *((zone.position, zone.pressure, zone.radius) for zone in zones)))
 
-    def _put(self, client: Client, command: Put, seen: float, size: int) -> bool:
+    def put(self, client: Client, command: Put, seen: float, size: int) -> bool:
+        """Put objects, sent at `seen` [s] in a message of `size` [bytes].
+
+        Returns False if the converter puts some of them later. Raises CommandRejected, WireError.
+        """
         most = self._settings.safety.pressure
         stored_objects = [
             StoredObject(name, item, client, seen) for name, item in command.objects.items()
@@ -190,7 +178,8 @@ class SharedScene:
             heappush(self._ends, (stored.until, stored.name))
         self.pending.put(stored.name, there=old is not None)
 
-    def _move(self, command: Move, seen: float) -> None:
+    def move(self, command: Move, seen: float) -> None:
+        """Set the poses and velocities of objects, as of `seen` [s]. Raises CommandRejected, WireError."""
         check_poses(command)
         poses, velocities = command.poses, command.velocities
         for i, stored in self._those(command.names):
@@ -199,7 +188,11 @@ class SharedScene:
             self.pending.new(stored.name, MOVED)
         self._all_there(command.names)
 
-    def _wrap(self, client: Client, command: Envelopes) -> bool:
+    def wrap(self, client: Client, command: Envelopes) -> bool:
+        """Set the envelope of objects.
+
+        Returns False if the converter sets it later. Raises CommandRejected, WireError.
+        """
         stored_objects, size = (
             [stored for _, stored in self._those(command.names)],
             count_bulk_bytes(command.envelope),
@@ -245,7 +238,8 @@ class SharedScene:
                 problem = f"there is no object {name!r}; the others are done"
                 raise CommandRejected("unknown", problem, f"$.names[{i}]")
 
-    def _remove(self, names: Iterable[str]) -> None:
+    def remove(self, names: Iterable[str]) -> None:
+        """Remove the objects of these names, as far as they exist."""
         for name in names:
             stored = self.objects.pop(name, None)
             if stored is not None:
@@ -253,7 +247,8 @@ class SharedScene:
                 stored.leave()
                 self.pending.note_removed(name)
 
-    def _quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
+    def set_quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
+        """Replace the quiet zones of a client. Raises CommandRejected."""
         others = sum(len(given) for who, given in self.zones.items() if who is not client)
         if others + len(zones) > QUIET:
             raise CommandRejected("limit", f"would be more than {QUIET} zones in all", "$.zones")

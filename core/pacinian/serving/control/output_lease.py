@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from pacinian.serving.ipc.clocks import ClockOffsetEstimator
-from pacinian.serving.ipc.messages import Permit, number_scene
+from pacinian.serving.ipc.messages import Permit
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -19,7 +19,10 @@ SILENT, ARMED, CLOSES = 0, 1, 2  # values of `Permit.armed`
 
 @dataclass(eq=False, slots=True)
 class Session:
-    """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s]."""
+    """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s].
+
+    number: of its scene, as in `Permit`.
+    """
 
     key: bytes
     peer: bytes
@@ -31,6 +34,7 @@ class Session:
     until: float = 0.0
     time: float = 0.0
     sequence: int = 0
+    number: int = 0
     clock: ClockOffsetEstimator = field(default_factory=ClockOffsetEstimator)
 
 
@@ -172,8 +176,8 @@ class OutputLease:
             )
 
     def _begin(self, session: Session) -> None:
-        epoch, scene = self.permit.epoch + 1, number_scene(session.scene)
-        self.permit = Permit(ARMED, session.until, epoch, scene=scene)
+        epoch = self.permit.epoch + 1
+        self.permit = Permit(ARMED, session.until, epoch, scene=session.number)
         self.resumes = False
 
     def _silence(self) -> None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from pacinian.errors import WireError
-from pacinian.serving.ipc.messages import RequestedSettings
+from pacinian.serving.ipc.messages import SUPERSEDED, RequestedSettings
 from pacinian.wire.control import Choice
-from pacinian.wire.convert_time import technique_to_scene
+from pacinian.wire.convert_modulation import technique_to_scene
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
@@ -100,10 +100,19 @@ class Selection:
         self.orders = replace(self.orders, reset=count)
 
     def answers(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
-        """Return the replies that are due, given all `results` by "kind number"."""
+        """Return the replies that are due, given all `results` by "kind number".
+
+        Orders of one kind end in their order. So one that has no result, although a newer one has, was never read.
+        """
         told: list[tuple[bytes, Reply]] = []
+        newest: dict[str, int] = {}
+        for kind, number in map(str.split, results):
+            newest[kind] = max(newest.get(kind, 0), int(number))
         for waiting in list(self._waiting):
             came = {name: results[name] for name in waiting.missing if name in results}
+            for kind, number in map(str.split, waiting.missing - came.keys()):
+                if int(number) < newest.get(kind, 0):
+                    came[f"{kind} {number}"] = SUPERSEDED
             problem = "; ".join(f"{name.split()[0]}: {why}" for name, why in came.items() if why)
             waiting.missing -= came.keys()
             if waiting.missing and not problem and now < waiting.until:

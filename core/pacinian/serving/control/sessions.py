@@ -41,6 +41,7 @@ class ClientSessions:
         self.lease = OutputLease(settings.safety.takeover)
         self.changes = self.resets = self.replayed = 0
         self._settings, self._server, self._key = settings, server, key
+        self._scenes = 0  # that have begun
         self._by_key: dict[bytes, Session] = {}
         self._by_peer: dict[bytes, Session] = {}
 
@@ -51,7 +52,7 @@ class ClientSessions:
 
     def list_sessions(self) -> messages.SessionTable:
         """Return the sessions that may send commands, and the owner's scene."""
-        infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user) for s in self.all)
+        infos = (messages.SessionInfo(s.key, s.name, s.scene, s.user, s.number) for s in self.all)
         owner = self.lease.owner
         return messages.SessionTable(tuple(infos), owner.scene if owner is not None else "")
 
@@ -130,6 +131,14 @@ class ClientSessions:
         """Return the unsolicited message that reports the session's lease."""
         return self._make_renewed(session, 0, now)
 
+    def _number_scene(self, name: str) -> int:
+        """Return the number of a scene that has a session, or else a new one."""
+        for session in self.all:
+            if session.scene == name:
+                return session.number
+        self._scenes += 1
+        return self._scenes
+
     def _hello(self, peer: bytes, user: str, message: Hello, now: float) -> None:
         major = message.protocol[0]
         if major != MAJOR:
@@ -148,12 +157,14 @@ class ClientSessions:
             self._error(peer, message.id, "limit", f"the server has its maximum of {most} clients")
             return
         most_lease = self._settings.safety.lease
+        scene = message.scene or f"{OWN}{secrets.token_hex(8)}"
         session = Session(
             key=self._key(),
             peer=peer,
             user=user,
             name=message.client,
-            scene=message.scene or f"{OWN}{secrets.token_hex(8)}",
+            scene=scene,
+            number=self._number_scene(scene),
             lease=most_lease if message.lease is None else min(message.lease, most_lease),
             renewed=now,
         )

@@ -12,12 +12,12 @@ from msgspec.structs import replace
 
 from pacinian.devices.description import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
-from pacinian.serving.control.silence import find_cause
+from pacinian.serving.control.silence_cause import find_cause
 from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
 from pacinian.wire.binary_arrays import pack
+from pacinian.wire.modulation import Technique
 from pacinian.wire.replies import Abilities, Sound
 from pacinian.wire.state import ClientState, FrameState, State
-from pacinian.wire.time import Technique
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

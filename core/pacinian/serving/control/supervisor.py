@@ -26,7 +26,7 @@ STARTING = 120.0
 # Delay from an end to the restart, doubled each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
-WELL = 10.0
+TRUSTED_AFTER = 10.0
 MAX_END_TIME = 3.0  # time limit to end after a request [s]
 
 
@@ -154,7 +154,7 @@ class Supervisor:
             elif why := self._check_child(child, beats.get(name, 0.0), hung, now):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
-                if now - child.started > WELL:
+                if now - child.started > TRUSTED_AFTER:
                     child.wait = MIN_RESTART_DELAY
             if why:
                 if child.due is None and child.sounded:
@@ -193,7 +193,7 @@ class Supervisor:
         spare = self._spare if child.name == GUARD else None
         if spare is not None and spare.process.poll() is None:
             child.process, self._spare, self._spare_due = spare.process, None, child.due
-            child.patience = self._hung if now - spare.started > WELL else STARTING
+            child.patience = self._hung if now - spare.started > TRUSTED_AFTER else STARTING
             child.process.call()
         elif now < child.due:
             return ""

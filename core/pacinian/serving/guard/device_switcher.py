@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import BackendError, describe_error
 from pacinian.rendering.clock import SystemClock
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.ipc import plugin_list
-from pacinian.serving.ipc.messages import check_rate
+from pacinian.serving.ipc.messages import SUPERSEDED, check_rate
 from pacinian.serving.ipc.scheduling import raise_priority, start_background_thread
 
 if TYPE_CHECKING:
@@ -33,20 +33,15 @@ MAX_RESULTS = 16
 OPENING = 8.0
 # Number of threads that may hang in abandoned devices; only the end of the process ends them.
 MAX_HANGING = 4
-# Time during which to retry a device that another process has just left, and pause between retries
-# [s].
-AGAIN, PAUSE = (
-    1.0,
-    0.02,
-)
-SUPERSEDED = "replaced by a newer selection"
+# Time during which to retry a device that another process has just left, and pause between retries [s].
+RETRY_TIME, RETRY_INTERVAL = 1.0, 0.02
 
 
 class Opened(NamedTuple):
     """The result of opening a device for `orders`. problem: why there is no device."""
 
     orders: tuple[str, ...]
-    choice: Choice | Configured
+    choice: Choice | PluginConfig
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
 
@@ -60,9 +55,9 @@ class Opening:
     """
 
     orders: tuple[str, ...]
-    choice: Choice | Configured
+    choice: Choice | PluginConfig
     olds: list[Backend]
-    left: Configured | None
+    left: PluginConfig | None
     since: float
     until: float
 
@@ -74,7 +69,7 @@ class PendingOpen:
     """
 
     def __init__(self) -> None:
-        self.choice: Choice | Configured | None = None
+        self.choice: Choice | PluginConfig | None = None
         self.order = ""
         self.resets: list[str] = []
         self.olds: list[Backend] = []
@@ -99,9 +94,9 @@ class DeviceSwitcher:
         self,
         guard: OutputGate,
         array: Array,
-        choice: Choice | Configured,
+        choice: Choice | PluginConfig,
         rate: float,
-        make: Callable[[Choice | Configured], Backend] | None = None,
+        make: Callable[[Choice | PluginConfig], Backend] | None = None,
         thread: Callable[[Callable[[], None]], object] | None = None,
         clock: Clock | None = None,
     ) -> None:
@@ -116,14 +111,14 @@ class DeviceSwitcher:
         self._selected = self._reset = 0  # the last order of each kind
         self._opening: Opening | None = None
         self._hanging = 0  # number of abandoned devices whose threads have not returned
-        self._left: Configured | None = None
+        self._left: PluginConfig | None = None
         self._again = 0.0  # time for which to retry the next device [s]
-        self._choices: dict[int, Configured] = {}  # choices by generation
+        self._choices: dict[int, PluginConfig] = {}  # choices by generation
         self._next = PendingOpen()  # to open next, once none is being opened
         # Maps a generation to the orders that wait for its first frame.
         self._coming: dict[int, tuple[str, ...]] = {}
 
-    def begin(self, orders: RequestedSettings, left: Configured | None = None) -> None:
+    def begin(self, orders: RequestedSettings, left: PluginConfig | None = None) -> None:
         """Open the first device: the one selected before the guard was restarted, or the configured one.
 
         left: the device of the guard before this one. It may still sound, and the system may hold it for a moment.
@@ -133,11 +128,11 @@ class DeviceSwitcher:
         self._choice = selected or self._choice
         if left is not None:
             self._choices[0] = left
-        self._left, self._again = left, AGAIN if left else 0.0
+        self._left, self._again = left, RETRY_TIME if left else 0.0
         self._select(f"backend {self._selected}", self._choice)
 
     @property
-    def choice(self) -> Configured | None:
+    def choice(self) -> PluginConfig | None:
         """The choice of the guard's device, or of the device that was left while the guard has none."""
         return self._choices.get(self._guard.generation)
 
@@ -157,7 +152,7 @@ class DeviceSwitcher:
             self._reset = orders.reset
             self._mend(f"reset {self._reset}")
 
-    def _select(self, order: str, choice: Choice | Configured) -> None:
+    def _select(self, order: str, choice: Choice | PluginConfig) -> None:
         if self._next.order:
             self._note_result(self._next.order, SUPERSEDED)
         self._next.order, self._next.choice = order, choice
@@ -281,7 +276,7 @@ class DeviceSwitcher:
                 self._close(device[0])
         self._opened.put((opening, self._try_open(opening, opening.choice)))
 
-    def _try_open(self, opening: Opening, choice: Choice | Configured) -> Opened:
+    def _try_open(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
         """Open a device, with retries until it opens, the time is over, or it was abandoned."""
         while True:
             opened = self._once(opening, choice)
@@ -291,13 +286,13 @@ class DeviceSwitcher:
                 or self._clock.now() >= opening.until
             ):
                 return opened
-            self._clock.wait_until(self._clock.now() + PAUSE)
+            self._clock.wait_until(self._clock.now() + RETRY_INTERVAL)
 
-    def _convert_choice(self, choice: Choice | Configured) -> Configured:
+    def _convert_choice(self, choice: Choice | PluginConfig) -> PluginConfig:
         """Return the choice as a configuration holds it, with the owner's options if it names the owner's backend."""
-        given = choice if isinstance(choice, Configured) else None
+        given = choice if isinstance(choice, PluginConfig) else None
         owners = self._owners.options if given is None and choice.name == self._owners.name else {}
-        return given or Configured(choice.name, {**owners, **choice.options})
+        return given or PluginConfig(choice.name, {**owners, **choice.options})
 
     def _close(self, backend: Backend) -> None:
         # The device was silenced before, or is faulty; a reset reports what is wrong.
@@ -305,7 +300,7 @@ class DeviceSwitcher:
             backend.close()
         self._guard.note_closed(backend)
 
-    def _once(self, opening: Opening, choice: Choice | Configured) -> Opened:
+    def _once(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
         """Try once to open a device. An abandoned device is not opened."""
         backend, orders = None, opening.orders
         # Catch whatever a plug-in raises, because an exception must not end the thread.
@@ -323,12 +318,12 @@ class DeviceSwitcher:
         return Opened(orders, choice, (backend, can))
 
 
-def import_backend(choice: Choice | Configured) -> None:
+def import_backend(choice: Choice | PluginConfig) -> None:
     """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
     plugin_list.find_plugin("backend", choice.name)
 
 
-def _make_backend(choice: Choice | Configured, configured: Choice | Configured) -> Backend:
+def _make_backend(choice: Choice | PluginConfig, configured: Choice | PluginConfig) -> Backend:
     return cast("Backend", plugin_list.make_plugin("backend", choice, configured))
 
 

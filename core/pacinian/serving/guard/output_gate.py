@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend
-    from pacinian.scene.setup import Choice as Configured
+    from pacinian.scene.setup import PluginConfig
     from pacinian.wire.replies import Plugin
 
 # Number of hand updates kept for the status.
@@ -259,7 +259,7 @@ class OutputGate:
         results: dict[str, str],
         backends: tuple[Plugin, ...],
         processor: int = ANY,
-        choice: Configured | None = None,
+        choice: PluginConfig | None = None,
     ) -> DeviceStatus:
         """Return the status to report to the other processes."""
         can = self._can if self.coming is None else self._coming_can

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.msgpack import Decoder
 
-from pacinian.scene.setup import Choice
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backend
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
@@ -47,16 +47,16 @@ if TYPE_CHECKING:
 # Polling interval while there may be sound and nothing wakes the guard in time, and otherwise [s].
 POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
 # Interval between two status reports, and while there is nothing to do [s].
-TELL, REST_TELL = 0.01, 0.05
+REPORT_INTERVAL, REST_REPORT_INTERVAL = 0.01, 0.05
 # Thread switch interval [s]: a thread that opens a device yields to the sounding one after this
 # time.
 SWITCH = 1e-4
-LAST = 1.0  # time to end after the parent has gone [s]
+MAX_EXIT_TIME = 1.0  # time to end after the parent has gone [s]
 # Time to wait for the parent's lock on the shared memory after the parent has gone [s].
-LEFT = 0.1
+LOCK_WAIT = 0.1
 # Alarm delay, as a multiple of `hung`: control can tell a slow guard from a hung one, so it gets to
 # kill the guard first.
-ALONE = 2.0
+ALARM_FACTOR = 2.0
 
 
 class GuardLoop:
@@ -92,10 +92,10 @@ class GuardLoop:
         array = settings.array.make()
         self.guard = OutputGate(len(array), gain=settings.gain, stale=settings.safety.stale)
         chosen = settings.backend
-        configured = chosen if isinstance(chosen, Choice) else Choice(chosen)
+        configured = chosen if isinstance(chosen, PluginConfig) else PluginConfig(chosen)
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
-        self._told = -TELL  # [s]
+        self._told = -REPORT_INTERVAL  # [s]
         # There is nothing to do until time passes, or a new permit, frame or order ends the wait.
         self._listens = False
         self._orders.look()
@@ -135,7 +135,7 @@ class GuardLoop:
         switched = guard.step(self._permit.value, frame)
         now = time.perf_counter()
         known = self.backends is not None and (self._replaces or guard.backend or guard.fault)
-        if known and (guard.changed or now - self._told >= TELL):
+        if known and (guard.changed or now - self._told >= REPORT_INTERVAL):
             self.tell()
             self._told = now
         if switched:
@@ -143,12 +143,12 @@ class GuardLoop:
         permit, pending = self._permit.value, guard.stuck or self.devices.busy
         if not (permit.armed or guard.loud):
             self._listens = bool(known) and not pending
-            return REST_TELL if self._listens else IDLE_INTERVAL
+            return REST_REPORT_INTERVAL if self._listens else IDLE_INTERVAL
         left = guard.compute_time_left(permit)
         self._listens = self._wake.works and not pending and left > 0.0
         if not self._listens:
             return POLL_INTERVAL
-        return min(left, max(TELL - (now - self._told), POLL_INTERVAL))
+        return min(left, max(REPORT_INTERVAL - (now - self._told), POLL_INTERVAL))
 
     def wait(self, seconds: float) -> None:
         """Wait until the next round. If only time can change anything, a new permit, frame or order ends the wait."""
@@ -174,7 +174,7 @@ class GuardLoop:
 
     def __exit__(self, *_: object) -> None:
         """Silence the device, report the final status, and close everything."""
-        guard, due = self.guard, time.perf_counter() + 0.5 * LAST
+        guard, due = self.guard, time.perf_counter() + 0.5 * MAX_EXIT_TIME
         with self._stack:
             guard.silence("end")
             while guard.loud and time.perf_counter() < due:
@@ -200,53 +200,55 @@ def main() -> None:
 
     def end() -> None:
         ended.set()
-        rounds.wake()
+        loop.wake()
 
     def orphaned() -> None:
         end()
-        time.sleep(LAST)
+        time.sleep(MAX_EXIT_TIME)
         os._exit(1)  # a backend blocks the exit; the system closes the device
 
     def asked(number: int, frame: FrameType | None) -> None:
         end()
 
     starter = child_process.Parent()
-    told = starter.config
-    configure(told.settings.log, "guard")
+    config = starter.config
+    configure(config.settings.log, "guard")
     sys.setswitchinterval(SWITCH)
-    rounds = GuardLoop(told.path, told.settings)
-    if told.spare:
+    loop = GuardLoop(config.path, config.settings)
+    if config.spare:
         starter.prepare()
-        _settle(rounds)
-        stand_by(starter, told.settings.safety.hung, rounds.watch)
+        _settle(loop)
+        stand_by(starter, config.settings.safety.hung, loop.watch)
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, asked)
     starter.watch(orphaned, kill=False)
-    with rounds:
-        while not (ended.is_set() or rounds.guard.backend or rounds.guard.fault):
-            rounds.turn()  # opening a device may take long
+    with loop:
+        while not (ended.is_set() or loop.guard.backend or loop.guard.fault):
+            loop.turn()  # opening a device may take long
             time.sleep(IDLE_INTERVAL)
-        if rounds.backends is None:
+        if loop.backends is None:
             # Listing the backends takes long, but an open device is still silent here.
-            publish_offers("backend", functools.partial(setattr, rounds, "backends"))
-        _settle(rounds)
+            publish_offers("backend", functools.partial(setattr, loop, "backends"))
+        _settle(loop)
         while not ended.is_set():
             # While a released device is still open, let the alarm kill this process, which closes
             # the device.
-            if not rounds.guard.stuck:
+            if not loop.guard.stuck:
                 # No alarm while there is no device: opening one may take long.
-                _rearm_alarm(ALONE * told.settings.safety.hung if rounds.guard.backend else 0.0)
-            rounds.wait(rounds.turn())
-        _rearm_alarm(LAST)
+                _rearm_alarm(
+                    ALARM_FACTOR * config.settings.safety.hung if loop.guard.backend else 0.0
+                )
+            loop.wait(loop.turn())
+        _rearm_alarm(MAX_EXIT_TIME)
     # If the parent has gone, it cannot remove the files itself.
-    shared_memory.remove(told.path, LEFT)
+    shared_memory.remove(config.path, LOCK_WAIT)
 
 
-def _settle(rounds: GuardLoop) -> None:
+def _settle(loop: GuardLoop) -> None:
     """Turn off garbage collection and use the real-time class, because from here on the process mostly sleeps."""
     settle_memory()
     gc.disable()
-    rounds.processor = scheduling.use_realtime_class()
+    loop.processor = scheduling.use_realtime_class()
 
 
 if __name__ == "__main__":

@@ -142,7 +142,7 @@ def read_launch_config(orphaned: Callable[[], object]) -> LaunchConfig:
 
 
 class Parent:
-    """In the child, its parent. told: the launch configuration. pipe: from the parent.
+    """In the child, its parent. config: the launch configuration. pipe: from the parent.
 
     Raises as `read_launch_config`.
     """

@@ -8,6 +8,8 @@ from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
 # Time window [s]. The offset is the smallest of the last one to two windows.
 WINDOW = 5.0
+# Largest drift of two clocks [s/s].
+MAX_DRIFT = 200e-6
 # A clock that went back by more than this was set [s], because no command lives so long.
 BACK = MAX_TIME_TO_LIVE
 
@@ -17,7 +19,8 @@ class ClockOffsetEstimator:
 
     A message cannot arrive before it is sent. Therefore the smallest recent difference between receipt and time stamp
     is the clock offset plus the shortest transit time. Ages are measured from that, so they are never negative. The
-    window follows clock drift: 100 ppm makes at most 1 ms.
+    window follows clock drift: 100 ppm makes at most 1 ms. The offset before a pause counts after it, with room for
+    the drift in between.
     """
 
     def __init__(self) -> None:
@@ -34,10 +37,14 @@ class ClockOffsetEstimator:
     def age(self, time: float, received: float) -> float:
         """Return the age [s] of a message sent at `time` [s] by the client's clock and received at `received` [s]."""
         if time < self._latest - BACK:
-            self._until = -math.inf
+            self._until, self._now, self._before = -math.inf, math.inf, math.inf
         self._latest = time
         if received >= self._until:
-            kept = self._now if received < self._until + WINDOW else math.inf
+            kept = self._now
+            if (
+                received >= self._until + WINDOW
+            ):  # the first message after a pause may have waited in it
+                kept = self.offset + MAX_DRIFT * (received - self._until + WINDOW)
             self._before, self._now, self._until = kept, math.inf, received + WINDOW
         self._now = min(self._now, received - time)
         return received - time - self.offset

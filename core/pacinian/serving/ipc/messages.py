@@ -21,7 +21,6 @@ are of `time.perf_counter`, which all processes of one machine share.
 from __future__ import annotations
 
 import struct
-import zlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
@@ -30,12 +29,12 @@ from msgspec import Struct
 
 from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.ipc.scheduling import ANY
 from pacinian.serving.ipc.wake_pipe import WakePipe
 from pacinian.wire.control import Choice
+from pacinian.wire.modulation import Technique
 from pacinian.wire.replies import Plugin
-from pacinian.wire.time import Technique
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -85,7 +84,8 @@ class Permit(NamedTuple):
     """The permit to sound.
 
     until: when it expires [s]. epoch: counts the permits given; only frames of the same epoch are let through. stopped:
-    1 after an emergency stop or the server's end. scene: number of the scene that may be rendered.
+    1 after an emergency stop or the server's end. scene: number of the scene that may be rendered. A scene that ends
+    and begins again has another number.
     """
 
     armed: int = 0
@@ -105,11 +105,6 @@ class Permit(NamedTuple):
 
 
 _PERMIT = struct.Struct("<qdqqq")
-
-
-def number_scene(name: str) -> int:
-    """Return the number of a scene, the same in all processes; 0 for none."""
-    return zlib.crc32(name.encode()) if name else 0
 
 
 class FrameHead(NamedTuple):
@@ -149,12 +144,13 @@ _FRAME = struct.Struct("<qdqqqqqdddqq")
 
 
 class SessionInfo(Struct, frozen=True, array_like=True):
-    """A client that may send commands. user: as authenticated."""
+    """A client that may send commands. user: as authenticated. number: of its scene, as in `Permit`."""
 
     key: bytes
     name: str
     scene: str
     user: str
+    number: int = 0
 
 
 class SessionTable(Struct, frozen=True, array_like=True):
@@ -162,6 +158,9 @@ class SessionTable(Struct, frozen=True, array_like=True):
 
     sessions: tuple[SessionInfo, ...] = ()
     owned: str = ""
+
+
+SUPERSEDED = "replaced by a newer selection"  # result of a selection that was not carried out
 
 
 class RequestedSettings(Struct, frozen=True, array_like=True):
@@ -327,7 +326,7 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
     reasons: dict[str, int] = {}
     sizes: bytes = b""
     processor: int = ANY
-    choice: Configured | None = None
+    choice: PluginConfig | None = None
 
     @property
     def capability(self) -> Capability:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
     from pacinian.plugins.solver import Solver
-    from pacinian.scene.setup import Choice as Configured
+    from pacinian.scene.setup import PluginConfig
 
 LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 # Time after which no process waits for a plug-in that is still being imported [s].
@@ -81,7 +81,7 @@ def _collect_offers(kind: Kind) -> tuple[Plugin, ...]:
 
 
 def make_plugin(
-    kind: Kind, choice: Configured | Choice, configured: Configured | Choice
+    kind: Kind, choice: PluginConfig | Choice, configured: PluginConfig | Choice
 ) -> Solver | Backend:
     """Make a plug-in as configured, or as a client chooses it.
 

@@ -11,7 +11,7 @@ from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, make_ca
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.sampler import find_vibration
-from pacinian.wire.silence import UNTOUCHED, Silence
+from pacinian.wire.silence_cause import UNTOUCHED, Silence
 from pacinian.wire.state import TouchState
 
 if TYPE_CHECKING:

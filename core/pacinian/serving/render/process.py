@@ -21,7 +21,7 @@ from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wak
 from pacinian.serving.ipc.plugin_list import publish_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.between_ticks import FILES, BetweenTicks
+from pacinian.serving.render.render_loop import FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.render.warmup import warm_up
 
@@ -57,7 +57,7 @@ def _render(told: child_process.LaunchConfig) -> None:
         while (newest := files["device"].read()) is None:
             time.sleep(CHECK_INTERVAL)
         device = Decoder(DeviceStatus).decode(newest[1])
-        loop = BetweenTicks(
+        loop = RenderLoop(
             files,
             settings,
             array,

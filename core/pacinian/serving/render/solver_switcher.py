@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import describe_error
 from pacinian.rendering.warmup import try_out
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.ipc import plugin_list
+from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.session import Session
 
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.wire.control import Choice
 
-SUPERSEDED = "replaced by a newer selection"
 # Time after which a solver that is not made yet gives way to a newer selection [s]; its client no
 # longer waits.
 MAKING = 10.0
@@ -55,7 +55,7 @@ class SolverSwitcher:
         chosen: Solver,
         array: Array,
         medium: Air | None = None,
-        configured: str | Configured = "",
+        configured: str | PluginConfig = "",
         thread: Callable[[Callable[[], None]], object] | None = None,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
@@ -135,7 +135,7 @@ class SolverSwitcher:
         return ""
 
 
-def make_solver(choice: str | Choice | Configured, configured: str | Configured = "") -> Solver:
+def make_solver(choice: str | Choice | PluginConfig, configured: str | PluginConfig = "") -> Solver:
     """Make a solver. configured: as in `plugin_list.make_plugin`. Raises UnknownPlugin, PluginError, ArgumentError."""
-    whole, owners = (Configured(c) if isinstance(c, str) else c for c in (choice, configured))
+    whole, owners = (PluginConfig(c) if isinstance(c, str) else c for c in (choice, configured))
     return cast("Solver", plugin_list.make_plugin("solver", whole, owners))

@@ -10,8 +10,8 @@ from msgspec.structs import asdict
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
-from pacinian.rendering.probe import name_of
-from pacinian.scene.sampling.pose_prediction import FADE, HOLD
+from pacinian.rendering.emitted_measurement import name_of
+from pacinian.scene.sampling.hand_tracking import FADE, HOLD
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.serving.render.contact import find_touches
 

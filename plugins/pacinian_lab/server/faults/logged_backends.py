@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pacinian as pc
 from pacinian.plugins import registry
-from pacinian_lab.server.faults.device import Probe
+from pacinian_lab.server.faults.logging_device import Probe
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -5,17 +5,17 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from pacinian_lab.server.faults.device import FOLDER
+from pacinian_lab.server.faults.logging_device import FOLDER
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 POINTS = """[pacinian]
-probe = pacinian_lab.server.faults.device
-probe-other = pacinian_lab.server.faults.device
+probe = pacinian_lab.server.faults.logging_device
+probe-other = pacinian_lab.server.faults.logging_device
 probe-simulated = pacinian_lab.server.faults.logged_backends
 probe-usb-autd = pacinian_lab.server.faults.logged_backends
-stuck = pacinian_lab.server.faults.solvers
+stuck = pacinian_lab.server.faults.hanging_solver
 """
 
 

@@ -17,8 +17,8 @@ from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.serving.guard import process as guard_process
 from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Safety
-from pacinian_lab.server.faults import clients
-from pacinian_lab.server.faults import server_parts as parts
+from pacinian_lab.server.faults import client_faults
+from pacinian_lab.server.faults import server_faults as parts
 from pacinian_lab.server.faults.server import Server
 from pacinian_lab.server.faults.stage import Stage, Times
 
@@ -53,28 +53,31 @@ class Fault(NamedTuple):
 
 
 FAULTS = (
-    Fault("client killed -9", clients.kill_client, LEASE, "end of the link, or lease"),
-    Fault("client stopped (SIGSTOP)", clients.stop_client, LEASE, "lease"),
-    Fault("game thread frozen", clients.freeze_client, LEASE, "lease"),
+    Fault("client killed -9", client_faults.kill_client, LEASE, "end of the link, or lease"),
+    Fault("client stopped (SIGSTOP)", client_faults.stop_client, LEASE, "lease"),
+    Fault("game thread frozen", client_faults.freeze_client, LEASE, "lease"),
     Fault(
         "half-open connection: a relay that passes nothing on",
-        clients.half_open_client,
+        client_faults.half_open_client,
         LEASE,
         "lease",
     ),
-    Fault("client's clock jumps by 1 h", clients.jump_clock, LEASE, "lease"),
+    Fault("client's clock jumps by 1 h", client_faults.jump_clock, LEASE, "lease"),
     Fault(
         "subscribers that never read the state",
-        clients.subscribe_unread,
+        client_faults.subscribe_unread,
         math.nan,
         "memory bounded",
     ),
     Fault(
-        "subscriber to thousands of topics", clients.subscribe_widely, math.nan, "memory bounded"
+        "subscriber to thousands of topics",
+        client_faults.subscribe_widely,
+        math.nan,
+        "memory bounded",
     ),
     Fault(
         "emergency stop by another client",
-        clients.stop_in_emergency,
+        client_faults.stop_in_emergency,
         TICK,
         "delivery and two rounds",
     ),
@@ -94,7 +97,7 @@ FAULTS = (
         GUARD_ROUND,
         "a round, after they resume",
     ),
-    Fault("server killed and restarted", clients.restart_server, LEASE, "lease"),
+    Fault("server killed and restarted", client_faults.restart_server, LEASE, "lease"),
     Fault("device unplugged", parts.unplug_device, TICK + GUARD_ROUND, "the next frame"),
     Fault(
         "... while swapping solvers", parts.unplug_swapping, TICK + GUARD_ROUND, "the next frame"

@@ -17,8 +17,8 @@ import psutil
 
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import SPARE
-from pacinian_lab.server.faults.device import Log, Other, Probe
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
+from pacinian_lab.server.faults.logging_device import Log, Other, Probe
 from pacinian_lab.server.faults.plugins import install
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from pacinian.closing import Closing
-from pacinian_lab.server.faults.device import BLOCKED, UNPLUGGED
+from pacinian_lab.server.faults.hanging_solver import STUCK
+from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.raw_client import Peer, Silent
-from pacinian_lab.server.faults.solvers import STUCK
 
 if TYPE_CHECKING:
     from collections.abc import Callable

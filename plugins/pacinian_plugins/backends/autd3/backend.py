@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, ClassVar
 import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.errors import ArgumentError
-from pacinian_plugins.backends.autd3 import levels, transports, units
+from pacinian_plugins.backends.autd3 import levels, open_transport, units
 from pacinian_plugins.backends.autd3.packages import NAME
 from pacinian_plugins.backends.autd3.stream import CARRIER, Stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian_plugins.backends.autd3.transport import Transport
+    from pacinian_plugins.backends.autd3.transport_interface import Transport
 
 MAX_ROWS = 6  # maximum number of rows in a tick; the units buffer 7 messages
 
@@ -48,10 +48,10 @@ class Autd3(pc.Backend):
     """Transport to the units, set by the last `open`."""
 
     def __post_init__(self) -> None:
-        if self.link in transports.ETHERCAT:
-            raise ArgumentError("link", f"{self.link!r} {transports.GONE}")
-        if self.link not in transports.LINKS:
-            there = ", ".join(map(repr, transports.LINKS))
+        if self.link in open_transport.ETHERCAT:
+            raise ArgumentError("link", f"{self.link!r} {open_transport.GONE}")
+        if self.link not in open_transport.LINKS:
+            there = ", ".join(map(repr, open_transport.LINKS))
             raise ArgumentError("link", f"must be one of {there}, not {self.link!r}")
         self.port = check_integer("port", self.port, low=0)
         self.rate = check_integer("rate", self.rate, low=100)
@@ -60,7 +60,7 @@ class Autd3(pc.Backend):
         self.watchdog = check_number("watchdog", self.watchdog, low=0.005, high=60.0)
         self.lead = check_number("lead", self.lead, low=0.0, high=0.02)
         self.timeout = check_number("timeout", self.timeout, low=0.02, high=10.0)
-        watchdog = self.watchdog if self.link in transports.FAILSAFE else None
+        watchdog = self.watchdog if self.link in open_transport.FAILSAFE else None
         self._capability = pc.Capability(levels.PHASES, levels.SIZES, self.rate, watchdog)
         self._open, self._failures = False, 0
         self._first: float | None = None  # [s] when the first row was due
@@ -81,7 +81,7 @@ class Autd3(pc.Backend):
         geometry = layout.geometry()
         self._stream, self._packer = Stream(geometry, self.rate), levels.Packer(layout)
         self._failures, self._first = 0, None
-        self.line = transports.make_transport(
+        self.line = open_transport.make_transport(
             self.link, geometry, self.interface, self.port, self.watchdog, self.timeout, self.clock
         )
         self._open = True

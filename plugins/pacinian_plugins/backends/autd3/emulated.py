@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from pacinian.types import Gains
-    from pacinian_plugins.backends.autd3.transport import Due
+    from pacinian_plugins.backends.autd3.transport_interface import Due
 
 CYCLE = 25_000  # period of the ultrasound [ns]
 MAX_MESSAGES = 4096  # messages kept; at most two cycles determine the current sound

@@ -69,10 +69,10 @@ class OpenMpd(pc.Backend):
         """Open boards, in the array's order."""
 
     @classmethod
-    def found(cls) -> Iterable[pc.Found]:
+    def find_devices(cls) -> Iterable[pc.FoundDevice]:
         """Return the connected chips by serial, whether they are boards or other devices."""
         title = "FT232H, an OpenMPD board or anything else"
-        return [pc.Found(NAME, *one) for one in CHIPS.describe(title)]
+        return [pc.FoundDevice(NAME, *one) for one in CHIPS.describe(title)]
 
     @property
     def capability(self) -> pc.Capability:

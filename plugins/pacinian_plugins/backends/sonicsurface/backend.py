@@ -52,12 +52,12 @@ class SonicSurface(pc.Backend):
         self._line: SerialWriter | None = None
 
     @classmethod
-    def found(cls) -> Iterable[pc.Found]:
+    def find_devices(cls) -> Iterable[pc.FoundDevice]:
         """Return the connected serial adapters, whatever they are attached to."""
         try:
             return ports.find_boards()
         except pc.MissingExtra as error:
-            return [pc.Found(ports.NAME, "", "", str(error))]
+            return [pc.FoundDevice(ports.NAME, "", "", str(error))]
 
     @property
     def capability(self) -> pc.Capability:

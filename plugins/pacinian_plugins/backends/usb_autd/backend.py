@@ -67,9 +67,9 @@ class UsbAutd(pc.Backend):
         self._next = 0  # index of the device to check next
 
     @classmethod
-    def found(cls) -> Iterable[pc.Found]:
+    def find_devices(cls) -> Iterable[pc.FoundDevice]:
         """Return the connected devices by serial."""
-        return [pc.Found(NAME, *one) for one in DEVICES.describe("AUTD units")]
+        return [pc.FoundDevice(NAME, *one) for one in DEVICES.describe("AUTD units")]
 
     @property
     def capability(self) -> pc.Capability:

@@ -18,7 +18,7 @@ from pacinian.solving.phases import choose_phases_into, initial_phases
 from pacinian.solving.solution_values import AT_LIMIT
 from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
-from pacinian_plugins.solvers.lagrange.phase_free import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.gain_limited import PhaseFreeSolve
 from pacinian_plugins.solvers.lagrange.problem import Problem
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose_phases
 from pacinian.solving.propagator import gram_matrix
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
-from pacinian_plugins.solvers.lagrange.convex.matvec import mean_square
-from pacinian_plugins.solvers.lagrange.evenly import climb
-from pacinian_plugins.solvers.lagrange.turn import turn
+from pacinian_plugins.solvers.lagrange.convex.gram_scale import mean_square
+from pacinian_plugins.solvers.lagrange.phase_search import optimise_free_phases
+from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
@@ -109,7 +109,7 @@ class Constrained:
 
         unproven = False
         if self.reduced is None:
-            answer = turn(solve, p, targets.free, budget)
+            answer = optimise_free_phases(solve, p, targets.free, budget)
             if answer.strength > 0.0:
                 return self._found(answer)._replace(unproven=answer.gap > PROVEN)
             most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
@@ -122,7 +122,7 @@ class Constrained:
         return self._found(nearest)._replace(unproven=unproven)
 
     def evenly(self) -> Found:
-        """Find the largest even multiple of a region's targets within the limits; see `evenly.climb`."""
+        """Find the largest even multiple of a region's targets within the limits; see `find_strongest_uniform`."""
         propagator, targets, limits, _, budget, _ = self.problem
         B, answers = propagator.B, list[Answer]()
         p = targets.complex(targets.phases) / self.unit
@@ -142,7 +142,7 @@ class Constrained:
             return self._compute_made(answer)
 
         reach[targets.beside] = 0.0
-        climb(p, reach, attempt, budget)
+        find_strongest_uniform(p, reach, attempt, budget)
         return self._found(answers[-1])
 
     def _restate_bound(

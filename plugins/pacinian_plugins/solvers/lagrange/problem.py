@@ -32,7 +32,8 @@ class Problem(NamedTuple):
     def has_violation(self) -> bool:
         """Return whether the gains in `out` break a limit other than the gain limit."""
         propagator, targets, limits, _, _, out = self
-        if limits.power is not None:
+        full = np.inf if limits.gain is None else len(out) * limits.gain**2
+        if limits.power is not None and limits.power < full:
             if self.strongest and targets.regions is None:
                 return True  # the strongest under the gain limit is not the strongest under power
             power = float(np.vdot(out, out).real)

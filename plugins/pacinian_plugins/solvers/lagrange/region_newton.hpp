@@ -8,6 +8,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "pacinian/native/math.hpp"
@@ -237,6 +238,48 @@ struct Ascent {
     }
 };
 
+// The primal problem at one point of the ascent: gains h, pressures B h, and the objective 1/2 sum |p - B h|^2 / D + mu/2 |h|^2.
+//
+// The dual value grows with every step. The objective need not fall, and may rise far above that of silence, until the steps
+// have converged.
+struct Primal {
+    std::vector<f4> h;
+    std::vector<f8> made;
+    f8 objective = std::numeric_limits<f8>::infinity();
+
+    static f8 measure(const Ascent& a) {
+        f8 missed = 0.0, strength = 0.0;
+        for (Index m = 0; m < a.count(); ++m) missed += power(a.p[m] - a.made_at(m)) / a.D[m];
+        const f4 *__restrict re = a.h.row(0), *__restrict im = a.h.row(1);
+        for (Index n = 0; n < a.h.shape[1]; ++n) strength += re[n] * re[n] + im[n] * im[n];
+        return 0.5 * (missed + a.mu * strength);
+    }
+
+    // Keep the present gains if they are the best.
+    void consider(const Ascent& a) {
+        const f8 found = measure(a);
+        if (!(found < objective)) return;
+        objective = found;
+        h.assign(a.h.data, a.h.data + 2 * a.h.shape[1]);
+        made.assign(a.made.data, a.made.data + a.made.size());
+    }
+
+    // Write the best gains, weakened to the best multiple that is at most 1.
+    void restore(Ascent& a) const {
+        if (h.empty()) return;
+        f8 along = 0.0, size = 0.0;
+        const Index M = a.count();
+        for (Index m = 0; m < M; ++m) {
+            along += (made[m] * a.p[m].real() + made[M + m] * a.p[m].imag()) / a.D[m];
+            size += (square(made[m]) + square(made[M + m])) / a.D[m];
+        }
+        for (const f4 x : h) size += a.mu * square(static_cast<f8>(x));
+        const f8 share = size > 0.0 ? std::clamp(along / size, 0.0, 1.0) : 1.0;
+        for (std::size_t n = 0; n < h.size(); ++n) a.h.data[n] = static_cast<f4>(share) * h[n];
+        for (std::size_t m = 0; m < made.size(); ++m) a.made.data[m] = share * made[m];
+    }
+};
+
 inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, RegionWorkspace& w,
                           nb::handle spent) {
     const Index M = w.M, N = w.N;
@@ -250,7 +293,14 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     for (Index m = 0; m < M; ++m) size += power(p[m]);
     size = std::sqrt(size);
     Vector at(y.data, y.data + M), F(M), d(M), none(M);
-    f8 value = ascent.look(at, 0.0, none, F), missed = std::sqrt(inner(F, F));
+    f8 value = ascent.look(at, 0.0, none, F);
+    if (value < 0.0) {  // farther from the optimum than no multipliers
+        at = none;
+        value = ascent.look(at, 0.0, none, F);
+    }
+    f8 missed = std::sqrt(inner(F, F));
+    Primal best;
+    best.consider(ascent);
     Index steps = 0;
     while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
         if (w.state == Factor::none && L.size()) {
@@ -269,22 +319,18 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
         }
         ++steps;
         missed = std::sqrt(inner(F, F));
-    }
-    f8 dual = -ascent.cost, primal = 0.0;
-    for (Index m = 0; m < M; ++m) {
-        dual += y[m].real() * p[m].real() + y[m].imag() * p[m].imag() - 0.5 * D[m] * power(y[m]);
-        primal += power(p[m] - ascent.made_at(m)) / D[m];
-    }
-    f8 strength = 0.0;
-    Index held = 0;
-    for (Index n = 0; n < N; ++n) {
-        const f8 squared = square(static_cast<f8>(h(0, n))) + square(static_cast<f8>(h(1, n)));
-        strength += squared;
-        held += squared > HELD * HELD ? 1 : 0;
+        best.consider(ascent);
     }
     w.met = missed <= STOP_RESIDUAL * size;
+    f8 dual = -ascent.cost;
+    for (Index m = 0; m < M; ++m)
+        dual += y[m].real() * p[m].real() + y[m].imag() * p[m].imag() - 0.5 * D[m] * power(y[m]);
+    if (!w.met) best.restore(ascent);
+    Index held = 0;
+    for (Index n = 0; n < N; ++n)
+        held += square(static_cast<f8>(h(0, n))) + square(static_cast<f8>(h(1, n))) > HELD * HELD ? 1 : 0;
     w.bound = dual;
-    w.objective = 0.5 * (primal + mu * strength);
+    w.objective = Primal::measure(ascent);
     w.held = held;
     return steps;
 }
@@ -306,7 +352,8 @@ inline void define_region(nb::module_& m) {
            "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
            "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the\n"
            "kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and\n"
-           "D. spent: returns whether the time is up, asked after the first step and after some products of each.",
+           "D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never\n"
+           "worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.",
            "B", "p", "D", "mu", "y", "workspace", "spent");
     kernel(m, "start_region", &start_region,
            "Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.\n\n"

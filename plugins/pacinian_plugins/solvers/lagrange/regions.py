@@ -30,8 +30,8 @@ from pacinian_plugins.native.lagrange import (
     solve_region,
     start_region,
 )
-from pacinian_plugins.solvers.lagrange.evenly import climb
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
+from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains
@@ -101,7 +101,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     strongest = problem.strongest
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
-        climb(p, reach, ascent.turn_to, budget)
+        find_strongest_uniform(p, reach, ascent.turn_to, budget)
         share = max(share, 1.0)  # the strength is free
     else:
         ascent.run()

@@ -50,23 +50,23 @@ def merged(seed: int, count: int, radius: float) -> tuple[Any, ...]:
     rng = np.random.default_rng(seed)
     points = rng.uniform(-0.03, 0.03, (count, 3))
     P, area = rng.uniform(0.0, 10.0, count), rng.uniform(1e-5, 1e-4, count)
-    source, voice = np.sort(rng.integers(0, 4, count)), rng.integers(0, 2, count)
+    source, group = np.sort(rng.integers(0, 4, count)), rng.integers(0, 2, count)
     pressed, stands = np.empty(count), np.empty(count)
     kept = np.empty(count, dtype=np.bool_)
     radii = np.full(count, radius)
-    gone = merge(points, P, area, source, voice, radii, pressed, stands, kept)
-    return points, P, area, source, voice, pressed, stands, kept, gone
+    gone = merge(points, P, area, source, group, radii, pressed, stands, kept)
+    return points, P, area, source, group, pressed, stands, kept, gone
 
 
 @given(seed=seeds, count=st.integers(0, 80), radius=st.floats(0.0, 0.03))
 @bounded
-def test_merging_keeps_the_force_and_the_area_of_each_voice(
+def test_merging_keeps_the_force_and_the_area_of_each_group(
     seed: int, count: int, radius: float
 ) -> None:
-    _, P, area, _, voice, pressed, stands, kept, gone = merged(seed, count, radius)
+    _, P, area, _, group, pressed, stands, kept, gone = merged(seed, count, radius)
     assert gone == count - kept.sum()
     for v in (0, 1):
-        mine = voice == v
+        mine = group == v
         force = (pressed * stands)[kept & mine].sum()
         assert np.isclose(force, (P * area)[mine].sum(), rtol=1e-9, atol=0.0)
         assert np.isclose(stands[kept & mine].sum(), area[mine].sum(), rtol=1e-9, atol=0.0)
@@ -78,20 +78,20 @@ def test_merging_keeps_the_force_and_the_area_of_each_voice(
 def test_two_samples_are_merged_where_they_are_near_for_both() -> None:
     points = np.array([[0.0, 0.0, 0.0], [0.003, 0.0, 0.0], [0.006, 0.0, 0.0]])
     one, kept, source = np.ones(3), np.empty(3, np.bool_), np.arange(3)
-    radii, voice = np.array([0.002, 0.004, 0.004]), np.zeros(3, np.intp)
-    gone = merge(points, one, one, source, voice, radii, np.empty(3), np.empty(3), kept)
+    radii, group = np.array([0.002, 0.004, 0.004]), np.zeros(3, np.intp)
+    gone = merge(points, one, one, source, group, radii, np.empty(3), np.empty(3), kept)
     assert gone == 1
     assert kept.tolist() == [True, True, False]
 
 
 @given(seed=seeds, count=st.integers(0, 80), radius=st.floats(0.0, 0.03))
 @bounded
-def test_only_near_samples_of_different_sources_and_one_voice_are_merged(
+def test_only_near_samples_of_different_sources_and_one_group_are_merged(
     seed: int, count: int, radius: float
 ) -> None:
-    points, P, area, source, voice, pressed, stands, kept, _ = merged(seed, count, radius)
+    points, P, area, source, group, pressed, stands, kept, _ = merged(seed, count, radius)
     d = np.linalg.norm(points[:, None] - points, axis=2)
-    pairs = (d < radius) & (source[:, None] != source) & (voice[:, None] == voice)
+    pairs = (d < radius) & (source[:, None] != source) & (group[:, None] == group)
     alone = ~pairs.any(axis=1)
     assert kept[alone].all()
     assert (pressed[alone] == P[alone]).all()

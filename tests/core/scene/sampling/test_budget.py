@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import Particles
-from pacinian.scene.sampling.account import Account, label_object
 from pacinian.scene.sampling.budget import allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache
+from pacinian.scene.sampling.sample_counts import SampleCounts, label_object
 from pacinian.scene.sampling.sources import WholeObject
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ objects = st.lists(
 def test_there_are_never_more_than_the_budget(items: Any, budgets: Any) -> None:
     levels: dict[int, int] = {}
     for budget in budgets:
-        parts = allot_budget(given_by(*items), budget, levels, whole, Account())
+        parts = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
         assert sounded(items, parts) <= budget
         if budget >= 4 * len(items) and len({item.priority for item in items}) == 1:
             assert all(len(part) for part in parts)  # coarser, rather than none
@@ -82,8 +82,8 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
     items: Any, extra: Any, budget: int
 ) -> None:
     low = [pc.Point(position=(0, 0, 0), radiation_pressure=1.0, priority=-9) for _ in extra]
-    alone = allot_budget(given_by(*items), budget, {}, whole, Account())
-    both = allot_budget(given_by(*items, *low), budget, {}, whole, Account())
+    alone = allot_budget(given_by(*items), budget, {}, whole, SampleCounts())
+    both = allot_budget(given_by(*items, *low), budget, {}, whole, SampleCounts())
     for mine, again in zip(alone, both[: len(items)], strict=True):
         assert np.array_equal(mine.positions, again.positions)
 
@@ -93,9 +93,9 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
 def test_the_same_is_shared_out_alike_for_ever(items: Any, budget: int) -> None:
     levels: dict[int, int] = {}
     for _ in range(20):  # from any level to the one that fits
-        first = allot_budget(given_by(*items), budget, levels, whole, Account())
+        first = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
     for _ in range(3):
-        again = allot_budget(given_by(*items), budget, levels, whole, Account())
+        again = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
         for a, b in zip(first, again, strict=True):
             assert np.array_equal(a.keys, b.keys)
 
@@ -105,19 +105,19 @@ def test_what_trembles_about_the_budget_changes_its_spacing_once() -> None:
     seen = []
     for i in range(40):
         items = [disc(0.1 * (1.0 + 0.1 * (-1) ** i))]
-        allot_budget(given_by(*items), 310, levels, whole, Account())
+        allot_budget(given_by(*items), 310, levels, whole, SampleCounts())
         seen.append(levels[0])
     assert np.count_nonzero(np.diff(seen)) <= 1
 
 
 def test_it_becomes_finer_again_when_there_is_room() -> None:
     levels: dict[int, int] = {}
-    full = allot_budget(given_by(disc(0.1)), 400, levels, whole, Account())
-    allot_budget(given_by(disc(0.1)), 40, levels, whole, Account())
+    full = allot_budget(given_by(disc(0.1)), 400, levels, whole, SampleCounts())
+    allot_budget(given_by(disc(0.1)), 40, levels, whole, SampleCounts())
     coarse = levels[0]
     assert coarse > 0
     for _ in range(coarse + 1):
-        again = allot_budget(given_by(disc(0.1)), 1000, levels, whole, Account())
+        again = allot_budget(given_by(disc(0.1)), 1000, levels, whole, SampleCounts())
     assert levels[0] == 0
     assert np.array_equal(again[0].keys, full[0].keys)
 
@@ -128,11 +128,11 @@ def test_of_each_object_what_is_asked_is_rendered_or_has_a_reason(items: Any, bu
     levels: dict[int, int] = {}
     full = [len(source.at(spacing)) for source, spacing in given_by(*items)]
     for budget in budgets:
-        account, sources = Account(tuple(items)), given_by(*items)
-        parts = allot_budget(sources, budget, levels, whole, account, full=100_000)
-        assert len(account.objects) == len(items)
+        counts, sources = SampleCounts(tuple(items)), given_by(*items)
+        parts = allot_budget(sources, budget, levels, whole, counts, full=100_000)
+        assert len(counts.objects) == len(items)
         for (source, _), part, asked in zip(sources, parts, full, strict=True):
-            one = account.objects[label_object(source.item, source.index)]
+            one = counts.objects[label_object(source.item, source.index)]
             assert (one.asked, one.rendered) == (asked, len(part))
             assert one.asked - one.rendered == sum(one.reasons.values()) == one.left_out
 
@@ -140,15 +140,15 @@ def test_of_each_object_what_is_asked_is_rendered_or_has_a_reason(items: Any, bu
 @given(items=objects, budget=st.integers(1, 300))
 @bounded
 def test_if_strict_all_is_rendered_or_refused_by_name(items: Any, budget: int) -> None:
-    sources, account, levels = given_by(*items), Account(tuple(items)), {0: 3}
-    if sounded(items, allot_budget(sources, 10**6, {}, whole, Account(tuple(items)))) > budget:
+    sources, counts, levels = given_by(*items), SampleCounts(tuple(items)), {0: 3}
+    if sounded(items, allot_budget(sources, 10**6, {}, whole, SampleCounts(tuple(items)))) > budget:
         with pytest.raises(pc.ArgumentError) as refused:
-            allot_budget(sources, budget, levels, whole, account, strict=True)
+            allot_budget(sources, budget, levels, whole, counts, strict=True)
         labels = [label_object(item, i) for i, item in enumerate(items)]
         assert any(repr(label) in str(refused.value) for label in labels)
     else:
-        parts = allot_budget(sources, budget, levels, whole, account, strict=True)
-        assert account.clean
+        parts = allot_budget(sources, budget, levels, whole, counts, strict=True)
+        assert counts.clean
         assert [len(p) for p in parts] == [len(source.at(spacing)) for source, spacing in sources]
 
 
@@ -160,7 +160,7 @@ def test_the_weakest_of_one_object_are_dropped() -> None:
 
     item = pc.Volume(shape=pc.Box((1.0, 1.0, 1.0)), radiation_pressure=1.0)
     source = Uneven(item, 0, 0, pc.Pose(), SampleCache(), (item,))
-    part = allot_budget([(source, 3.0)], 4, {}, whole, Account())[0]
+    part = allot_budget([(source, 3.0)], 4, {}, whole, SampleCounts())[0]
     assert part.radiation_pressure.tolist() == [2.0, 3.0, 4.0, 5.0]
 
 
@@ -181,7 +181,7 @@ def test_those_with_the_least_force_are_dropped_of_equals_the_last(
 
     item = Particles(positions=((0.0, 0.0, 0.0),) * 12, radiation_pressure=1.0)
     source = Uneven(item, 0, 0, pc.Pose(), SampleCache(), (item,))
-    part = allot_budget([(source, SPACING)], budget, {}, whole, Account())[0]
+    part = allot_budget([(source, SPACING)], budget, {}, whole, SampleCounts())[0]
     best = sorted(range(12), key=lambda i: (-forces[i][0] * forces[i][1], i))[:budget]
     kept = [forces[i] for i in sorted(best)]
     assert list(zip(part.radiation_pressure, part.area, strict=True)) == kept
@@ -193,7 +193,7 @@ def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> No
     """Or it would stay coarse for long once there is room again."""
     levels: dict[int, int] = {}
     for _ in range(3):
-        allot_budget(given_by(*items), budget, levels, whole, Account())
+        allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
     for priority, level in levels.items():
         size = max(2.0 * item.bounding_radius for item in items if item.priority == priority)
         assert level == 0 or SPACING * math.sqrt(2.0) ** (level - 1) < size
@@ -201,14 +201,16 @@ def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> No
 
 def test_foci_that_run_count_as_one_each_and_keep_their_fineness() -> None:
     items = [disc(0.2, technique=STM(50.0)) for _ in range(3)]
-    parts = allot_budget(given_by(*items), 2, {}, whole, Account())
+    parts = allot_budget(given_by(*items), 2, {}, whole, SampleCounts())
     assert [len(part) > 1000 for part in parts] == [True, True, False]
 
 
 def test_points_and_foci_that_run_keep_their_keys_while_others_get_coarser() -> None:
     items = [point(), disc(0.05, technique=STM(50.0)), disc(0.2)]
     levels: dict[int, int] = {}
-    fine, coarse = (allot_budget(given_by(*items), n, levels, whole, Account()) for n in (2000, 50))
+    fine, coarse = (
+        allot_budget(given_by(*items), n, levels, whole, SampleCounts()) for n in (2000, 50)
+    )
     for mine, again in zip(fine[:2], coarse[:2], strict=True):
         assert np.array_equal(mine.keys, again.keys)
     assert not set(fine[2].keys.tolist()) & set(coarse[2].keys.tolist())
@@ -218,5 +220,5 @@ def test_what_may_not_sound_takes_none_of_the_budget() -> None:
     def right(samples: Samples) -> Samples:
         return samples.only(samples.positions[:, 0] > 0.0)
 
-    parts = allot_budget(given_by(disc(0.05)), 41, {}, right, Account())
+    parts = allot_budget(given_by(disc(0.05)), 41, {}, right, SampleCounts())
     assert 20 <= len(parts[0]) <= 41

@@ -22,7 +22,7 @@ from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.array_resolution import ArrayResolution, weigh_incidence
-from pacinian.scene.sampling.pose_prediction import FADE, HOLD
+from pacinian.scene.sampling.hand_tracking import FADE, HOLD
 from pacinian.scene.sampling.posed_skin import PosedSkin
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
@@ -666,7 +666,7 @@ def test_more_particles_than_the_budget_are_cut_to_it() -> None:
     assert len(touched(replace(rain, technique=STM(50.0)), budget=40)) > 40  # one at a time
 
 
-def test_objects_of_one_voice_are_one_where_they_meet_and_keep_their_force() -> None:
+def test_objects_of_one_group_are_one_where_they_meet_and_keep_their_force() -> None:
     one, two = ball(at=(-0.001, 0.0, 0.175)), ball(at=(0.001, 0.0, 0.175))
     both = touched(one, two, spacing=0.0085)
     assert both.force == pytest.approx(
@@ -797,7 +797,7 @@ def test_what_is_left_out_is_counted_each_time_it_is_looked_for() -> None:
     sampler = pc.Sampler(3, 0.0085)
     samples = sampler.sample(scene)
     assert len(samples) == 3
-    assert sampler.skipped["objects out of reach"] == 1
+    assert sampler.skipped["objects away from hands"] == 1
     assert sampler.skipped["hands lost"] == 1
     assert sampler.skipped["samples too faint to feel"] > 0
     once = sampler.skipped.copy()

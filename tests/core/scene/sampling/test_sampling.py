@@ -69,7 +69,7 @@ particles = st.builds(
 
 
 def apart(objects: Any) -> Any:
-    """Objects of different voices, so that none are merged."""
+    """Objects of different groups, so that none are merged."""
     return tuple(replace(item, envelope=pc.Sine(1.0 + i)) for i, item in enumerate(objects))
 
 
@@ -394,7 +394,7 @@ def test_the_workspace_cuts_and_counts() -> None:
     room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
     samples, skipped = sampled(scene.objects, room)
     assert samples.objects.tolist() == [0, 2]
-    assert skipped["objects out of reach"] == 2
+    assert skipped["objects away from hands"] == 2
     assert not skipped["samples over budget"]
 
 
@@ -404,7 +404,7 @@ def test_what_is_outside_takes_none_of_the_budget() -> None:
     alone, _ = sampled((near,), ROOM, budget=121, spacing=0.008)
     both, skipped = sampled((far, near), ROOM, budget=121, spacing=0.008)
     assert np.array_equal(alone.positions, both.positions)
-    assert skipped["objects out of reach"] == 1
+    assert skipped["objects away from hands"] == 1
     assert spacing(both, 1) == pytest.approx(0.008)
 
 
@@ -413,10 +413,10 @@ def test_what_is_too_far_from_the_array_is_out_of_reach() -> None:
     sampler.prepare(pc.autd(), pc.Air())
     samples = sampler.sample(pc.Scene((point(0.0), point(100.0))))
     assert samples.objects.tolist() == [0]
-    assert sampler.skipped["objects out of reach"] == 1
+    assert sampler.skipped["objects away from hands"] == 1
 
 
-def test_objects_of_one_voice_that_meet_are_merged() -> None:
+def test_objects_of_one_group_that_meet_are_merged() -> None:
     three = point(0.0, 2.0), point(0.002, 4.0), point(0.05, 1.0)
     samples, skipped = sampled(three)
     assert samples.objects.tolist() == [0, 2]

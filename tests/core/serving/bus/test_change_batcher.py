@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.serving.bus.change_batcher import BYTES, MAX_BATCH_OBJECTS, ChangeBatcher
+from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.bus.stored_object import HEAVY_BYTES
 from pacinian.serving.ipc.messages import (
@@ -21,7 +22,7 @@ from pacinian.serving.ipc.messages import (
 from pacinian.wire import objects, shapes
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import HandFrame
-from pacinian.wire.time import STEADY, Wave
+from pacinian.wire.modulation import STEADY, Wave
 
 from ..fake_renderer import (
     FakeRenderer,
@@ -74,7 +75,7 @@ def command(step: tuple[Any, ...]) -> Any:
 
 def done(room: SharedScene, who: Any, made: Any, size: int = 100) -> None:
     try:
-        room.do(who, made, 0.0, 0.0, size)
+        carry_out(room, who, made, 0.0, 0.0, size)
     except CommandRejected as refusal:
         assert refusal.code == "unknown"  # noqa: PT017
 

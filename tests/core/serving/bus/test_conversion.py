@@ -12,15 +12,16 @@ from msgspec.structs import force_setattr
 
 from pacinian.serving.bus.change_batcher import ChangeBatcher
 from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.ipc.messages import PutObject
 from pacinian.serving.settings import Settings
 from pacinian.wire import objects, shapes
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Envelopes
+from pacinian.wire.modulation import STM, Constant, Wave
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.shapes import Polyline
-from pacinian.wire.time import STM, Constant, Wave
 
 from ..fake_renderer import (
     KEY,
@@ -42,7 +43,7 @@ def mesh(radiation_pressure: float = 10.0, force: float | None = None) -> object
 
 
 def do(room: Any, who: Any, command: Any) -> bool:
-    return bool(room.do(who, command, 0.0, 0.0, 200))
+    return bool(carry_out(room, who, command, 0.0, 0.0, 200))
 
 
 def test_with_an_id_it_is_answered_when_it_is_converted() -> None:
@@ -147,7 +148,7 @@ def test_each_object_is_judged_by_what_it_is_made_of(count: int) -> None:
         "run": point(technique=STM(frequency=100.0, along=run)),
     }
     many = {f"p{k}": point() for k in range(count)}
-    assert not room.do(who, put({**slow, **many}), 0.0, 0.0, 60_000)
+    assert not carry_out(room, who, put({**slow, **many}), 0.0, 0.0, 60_000)
     assert {name for name, thing in room.objects.items() if thing.heavy} == set(slow)
     sizes = [room.objects[name].size for name in slow]
     assert min(sizes) > 6000

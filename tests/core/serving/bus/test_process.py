@@ -400,7 +400,7 @@ def test_a_command_that_fails_is_answered(server: Server, monkeypatch: pytest.Mo
     def bad(*_: object) -> Any:
         raise RuntimeError("of ours")
 
-    monkeypatch.setattr("pacinian.serving.bus.shared_scene.SharedScene.do", bad)
+    monkeypatch.setattr("pacinian.serving.bus.dispatcher.carry_out", bad)
     send(one, put({"a": point()}, session=A, id=1))
     reply = server.reply(one)
     assert isinstance(reply, Error)

@@ -10,6 +10,7 @@ import pytest
 from pacinian.errors import WireError
 from pacinian.serving.bus.admission import Client
 from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.scene_snapshot import FULL, make_snapshot
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import SessionInfo
@@ -39,7 +40,7 @@ class Hall:
 
     def do(self, kind: type[Any], **fields: Any) -> None:
         command = kind(session=KEY, sequence=1, time=0.0, **fields)
-        self.room.do(self.client, command, 0.0, 0.0, len(encode(command)))
+        carry_out(self.room, self.client, command, 0.0, 0.0, len(encode(command)))
 
     def put(self, **items: objects.Object) -> None:
         self.do(commands.Put, objects=items)

@@ -7,6 +7,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.errors import WireError
+from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import MAX_CLIENT_BYTES, QUIET, CommandRejected, SharedScene
 from pacinian.serving.bus.stored_object import TooStrong, make_error_reply
 from pacinian.serving.settings import Clients, Safety, Settings, Zone
@@ -14,7 +15,7 @@ from pacinian.wire import objects, shapes
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Clear, HandFrame, Move
 from pacinian.wire.commands import Zone as Ball
-from pacinian.wire.time import Wave
+from pacinian.wire.modulation import Wave
 
 from ..fake_renderer import KEY, client, hands, move, point, put, quiet, remove, room_of, wrap
 
@@ -23,7 +24,7 @@ JOINTS = pack(pc.Hand.open().joints)  # type: ignore[arg-type]
 
 
 def do(room: SharedScene, who: Any, command: Any, now: float = 0.0, size: int = 100) -> None:
-    room.do(who, command, now, now, size)
+    carry_out(room, who, command, now, now, size)
 
 
 def test_objects_stay_until_their_duration_is_over() -> None:
@@ -162,7 +163,7 @@ def test_velocities_go_with_their_pose_and_time() -> None:
         session=KEY, sequence=1, time=0.0, names=("a", "b"), poses=pack([[0, 0, 0.2, 0, 0, 0, 1]] * 2),
         velocities=pack(np.arange(12.0)),
     )  # fmt: skip
-    room.do(who, command, 41.5, 42.0, 100)
+    carry_out(room, who, command, 41.5, 42.0, 100)
     moved = room.objects["b"].move()
     assert moved is not None
     assert moved.velocity == (6.0, 7.0, 8.0)
@@ -173,8 +174,10 @@ def test_velocities_go_with_their_pose_and_time() -> None:
 def test_hands_are_of_all_clients_with_names_of_their_own_and_felt_for_good() -> None:
     room, one, other = room_of(), client(1), client(2)
     assert not room.all_hands().felt
-    room.do(one, hands(HandFrame(joints=JOINTS), sequence=5, time=1.0), 101.0, 101.5, 100)
-    room.do(other, hands(HandFrame(), HandFrame(side="left"), sequence=7, time=3.0), 99.0, 99.5, 1)
+    carry_out(room, one, hands(HandFrame(joints=JOINTS), sequence=5, time=1.0), 101.0, 101.5, 100)
+    carry_out(
+        room, other, hands(HandFrame(), HandFrame(side="left"), sequence=7, time=3.0), 99.0, 99.5, 1
+    )
     told = room.all_hands()
     assert [hand.name for hand in told.hands] == ["right@1", "right@2", "left@2"]
     assert (told.input, told.sent, told.received) == (5, 1.0, 101.5)

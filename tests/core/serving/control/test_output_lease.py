@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.serving.control.output_lease import CLOSING
-from pacinian.serving.ipc.messages import number_scene
 from pacinian.wire.control import Arm, Bye, Disarm, Reset, Stop
 from pacinian.wire.replies import Ok
 
@@ -313,12 +312,28 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_resumes_only_as_agreed(
         assert desk.sessions.list_sessions().owned == (owner.scene if owner else "")
 
 
+def number_of(desk: FakeControl, scene: str) -> int:
+    return next(one.number for one in desk.sessions.list_sessions().sessions if one.scene == scene)
+
+
 def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:
     desk = FakeControl()
     old, new = desk.hello(b"old", scene="old"), desk.hello(b"new", scene="new")
     old.arm()
-    assert desk.permit.scene == number_scene("old")
+    assert desk.permit.scene == number_of(desk, "old")
     desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
-    assert desk.permit.scene == number_scene("old"), "that fades"
+    assert desk.permit.scene == number_of(desk, "old"), "that fades"
     desk.wait(CLOSING)
-    assert desk.permit.scene == number_scene("new") != number_scene("old")
+    assert desk.permit.scene == number_of(desk, "new") != number_of(desk, "old")
+
+
+def test_a_scene_that_has_ended_and_begins_again_has_another_number() -> None:
+    """The renderer may still have the objects of the first."""
+    desk = FakeControl()
+    one, other = desk.hello(b"one", scene="table"), desk.hello(b"other", scene="table")
+    number = number_of(desk, "table")
+    desk.all(b"one", Bye(session=one.welcome.session, id=5))
+    assert number_of(desk, "table") == number, "the other is still there"
+    desk.all(b"other", Bye(session=other.welcome.session, id=6))
+    desk.hello(b"new", scene="table").arm()
+    assert desk.permit.scene == number_of(desk, "table") != number

@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.control.output_lease import Session
 from pacinian.serving.control.selection import MAX_PENDING, MAX_SELECTION_TIME, SUSPECT, Selection
 from pacinian.serving.settings import Settings
 from pacinian.wire.control import Choice, Select
+from pacinian.wire.modulation import AM, STM
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.shapes import Polyline
-from pacinian.wire.time import AM, STM
 
 KNOWN = {"solver": ("auto", "gs"), "backend": ("simulated",)}
 GAME = Session(bytes(16), b"game", "", "game", "room", 0.25, 0.0)
@@ -66,7 +66,7 @@ def test_what_failed_is_told_at_once_and_what_hangs_after_a_while() -> None:
 
 
 def test_a_solver_that_ends_the_renderer_twice_is_given_up_for_the_configured_one() -> None:
-    selection = Selection(Settings(solver=Configured("lagrange", {"steps": 5})))
+    selection = Selection(Settings(solver=PluginConfig("lagrange", {"steps": 5})))
     assert not selection.renderer_ended(0.0)
     assert not selection.renderer_ended(0.1), "nothing was selected"
     ask(selection, now=1.0, solver=Choice(name="gs"))
@@ -133,3 +133,16 @@ def test_resets_are_counted() -> None:
     selection = Selection(Settings())
     selection.reset(4)
     assert selection.orders.reset == 4
+
+
+def test_a_selection_that_was_overwritten_before_it_was_read_is_answered_with_the_newer_one() -> (
+    None
+):
+    selection = Selection(Settings())
+    assert ask(selection, solver=Choice(name="gs")) is None
+    assert ask(selection, solver=Choice(name="auto")) is None
+    assert selection.answers({}, 0.1) == []
+    first, second = (reply for _, reply in selection.answers({"solver 2": ""}, 0.1))
+    assert isinstance(first, Error)
+    assert "newer" in first.message
+    assert second == Ok(id=3)

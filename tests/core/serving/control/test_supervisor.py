@@ -21,7 +21,7 @@ from pacinian.serving.control.supervisor import (
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
     STARTING,
-    WELL,
+    TRUSTED_AFTER,
     Supervisor,
 )
 from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, compute_hang_limit
@@ -183,7 +183,7 @@ def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
     waits = [waited() for _ in range(10)]
     for a, b in itertools.pairwise(waits):
         assert b == pytest.approx(min(MAX_RESTART_DELAY, 2.0 * a), abs=0.003)
-    watch.clock.advance(2.0 * WELL)
+    watch.clock.advance(2.0 * TRUSTED_AFTER)
     assert waited() == pytest.approx(MIN_RESTART_DELAY, abs=0.003)
 
 
@@ -386,7 +386,7 @@ def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
 
 def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_started() -> None:
     """It may stand still, too."""
-    watch, guard, spare = with_spare(WELL + 1.0)
+    watch, guard, spare = with_spare(TRUSTED_AFTER + 1.0)
     guard.code = -9
     watch.check()
     beat = watch.clock.time - LOOK

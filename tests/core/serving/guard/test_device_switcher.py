@@ -7,17 +7,16 @@ from typing import ClassVar
 import pytest
 
 import pacinian as pc
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.guard.device_switcher import (
-    AGAIN,
     MAX_HANGING,
     MAX_RESULTS,
     OPENING,
-    SUPERSEDED,
+    RETRY_TIME,
     DeviceSwitcher,
 )
 from pacinian.serving.guard.output_gate import OutputGate
-from pacinian.serving.ipc.messages import FrameHead, Permit, RequestedSettings
+from pacinian.serving.ipc.messages import SUPERSEDED, FrameHead, Permit, RequestedSettings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
@@ -63,7 +62,7 @@ class Named(pc.Backend):
 class Bench:
     """Devices whose threads run when they are told to."""
 
-    def __init__(self, choice: Choice | Configured | None = None) -> None:
+    def __init__(self, choice: Choice | PluginConfig | None = None) -> None:
         self.clock = ManualClock()
         self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=ManualClock().now)
         self.hang = ""  # the one that opens too late
@@ -77,7 +76,7 @@ class Bench:
             self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.start, self.clock
         )
 
-    def make(self, choice: Choice | Configured) -> pc.Backend:
+    def make(self, choice: Choice | PluginConfig) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
         self.made[-1].rate = self.rates.get(choice.name, 1000.0)
         if self.busy:
@@ -460,7 +459,7 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
 def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() -> None:
     bench = Bench()
     bench.threads = False
-    bench.devices.begin(RequestedSettings(), Configured("c"))
+    bench.devices.begin(RequestedSettings(), PluginConfig("c"))
     bench.run()
     assert [device.log for device in bench.made] == [["open", "close"], ["open"]]
     assert (bench.now, bench.devices.results) == ("a", {"backend 0": ""})
@@ -480,33 +479,33 @@ def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() 
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench = Bench()
     bench.busy = 3
-    bench.devices.begin(RequestedSettings(), Configured("a"))
+    bench.devices.begin(RequestedSettings(), PluginConfig("a"))
     bench.run()
     assert bench.now == "a"
     assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(RequestedSettings(), Configured("a"))
+    bench.devices.begin(RequestedSettings(), PluginConfig("a"))
     bench.run()
     assert "open failed" in bench.guard.fault
-    assert 2 <= len(bench.made) <= AGAIN / 0.005, "for a bounded time"
+    assert 2 <= len(bench.made) <= RETRY_TIME / 0.005, "for a bounded time"
 
 
 def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_opened() -> None:
     bench = Bench()
     bench.busy = 1  # the system holds it still
-    bench.devices.begin(selected(1, "b"), Configured("a", {"port": "x" * 1000}))
-    assert bench.devices.choice == Configured("a", {"port": "x" * 1000})
+    bench.devices.begin(selected(1, "b"), PluginConfig("a", {"port": "x" * 1000}))
+    assert bench.devices.choice == PluginConfig("a", {"port": "x" * 1000})
     bench.run()
     assert [(made.called, made.log) for made in bench.made] == [
         ("a", ["open", "close"]), ("a", ["open", "close"]), ("b", ["open"]),
     ]  # fmt: skip
     assert bench.now == "b"
-    assert bench.devices.choice == Configured("b")
+    assert bench.devices.choice == PluginConfig("b")
 
 
 def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() -> None:
-    configured = Configured("a", {"port": "usb-1"})
+    configured = PluginConfig("a", {"port": "usb-1"})
     first, spare = Bench(configured), Bench(configured)
     first.devices.begin(RequestedSettings())
     first.run()
@@ -515,7 +514,7 @@ def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() ->
     first.devices.follow(orders)
     first.run()
     first.frame()
-    whole = Configured("a", {"port": "usb-1", "phases": 8})
+    whole = PluginConfig("a", {"port": "usb-1", "phases": 8})
     assert first.devices.choice == whole
     spare.devices.begin(orders, first.devices.choice)
     spare.run()
@@ -524,4 +523,4 @@ def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() ->
     first.devices.follow(selected(2, "b"))
     first.run()
     first.frame()
-    assert first.devices.choice == Configured("b"), "which the owner's options are not for"
+    assert first.devices.choice == PluginConfig("b"), "which the owner's options are not for"

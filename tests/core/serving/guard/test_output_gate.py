@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.setup import Choice
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
-from pacinian.serving.guard.process import REST_TELL, TELL, GuardLoop
+from pacinian.serving.guard.process import REPORT_INTERVAL, REST_REPORT_INTERVAL, GuardLoop
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     MAX_ROWS,
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 N, STALE, ROUND = 5, 0.02, 0.25e-3
 FOREVER = Permit(1, math.inf, 1, 0)
-SIMULATED = Settings(backend=Choice("simulated"))
+SIMULATED = Settings(backend=PluginConfig("simulated"))
 
 
 class Recorded(pc.Backend):
@@ -677,19 +677,21 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         rounds.backends = ()
         open_device(rounds)
-        eventually(lambda: rounds.turn() == REST_TELL)
+        eventually(lambda: rounds.turn() == REST_REPORT_INTERVAL)
         memory["permit"].write(FOREVER.pack())
         rounds.wait(1e4)
-        assert rounds.turn() <= TELL
+        assert rounds.turn() <= REPORT_INTERVAL
         memory["permit"].write(FOREVER._replace(armed=0).pack())
-        assert rounds.turn() == REST_TELL
+        assert rounds.turn() == REST_REPORT_INTERVAL
         rounds.wait(1e4)
         orders = pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
         threading.Timer(0.01, memory["orders"].write, [orders]).start()
         rounds.wait(1e4)
 
         def follow() -> None:
-            assert rounds.turn() < REST_TELL  # another device is opened, then waits for its frame
+            assert (
+                rounds.turn() < REST_REPORT_INTERVAL
+            )  # another device is opened, then waits for its frame
             write_frame(memory, 2)
 
         eventually(lambda: rounds.guard.generation == 2, follow)
@@ -750,7 +752,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         rounds.turn()
         rounds.turn()
         assert read_status().generation == 2
-        assert read_status().choice == Choice("simulated")
+        assert read_status().choice == PluginConfig("simulated")
         assert not read_status().sounding  # the frame was for the device before
 
 

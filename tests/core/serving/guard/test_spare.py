@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from pacinian.scene.setup import Choice
+from pacinian.scene.setup import PluginConfig
 from pacinian.serving.guard.spare import CHECK_INTERVAL, HangDetector
 from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
 from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
@@ -127,7 +127,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
 ) -> None:
     told = server.make_config(log)
     guard, _, before = begin(server, told)
-    assert before.choice == Choice("logged", {"log": str(log), "does": ""})
+    assert before.choice == PluginConfig("logged", {"log": str(log), "does": ""})
     guard.send_signal(signal.SIGSTOP)  # it does not hear of the selection any more
     server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="simulated")))))
     guard.send_signal(signal.SIGKILL)

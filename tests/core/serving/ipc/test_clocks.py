@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.ipc.clocks import BACK, WINDOW, ClockOffsetEstimator, TokenBucket
+from pacinian.serving.ipc.clocks import BACK, MAX_DRIFT, WINDOW, ClockOffsetEstimator, TokenBucket
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
 bounded = settings(max_examples=100)
@@ -73,10 +73,24 @@ def test_a_clock_set_back_a_little_is_late_until_the_window_has_passed() -> None
     assert all(a < 1e-9 for t, a in zip(times, ages, strict=True) if t > 10.0 + 2.0 * WINDOW)
 
 
-def test_after_a_long_silence_nothing_old_counts() -> None:
+@pytest.mark.parametrize("pause", [2.0, 6.0, 8.0, 9.5, 30.0, 500.0])
+def test_what_has_waited_in_a_pause_is_as_old_as_it_is(pause: float) -> None:
+    """It must not define the offset: else renewals of a game that stands still would arm its output."""
+    clock = ClockOffsetEstimator()
+    for i in range(200):
+        clock.age(7.0 + 0.05 * i, 0.05 * i)
+    end = 10.0 + pause
+    for sent in (10.0, 10.1):
+        age = end - sent
+        assert age - 2.0 * MAX_DRIFT * (age + WINDOW) <= clock.age(7.0 + sent, end) <= age + 1e-9
+    assert clock.age(7.0 + end, end) <= 1e-9
+
+
+@pytest.mark.parametrize("drift", [-MAX_DRIFT, MAX_DRIFT])
+def test_a_clock_that_drifted_in_a_pause_makes_nothing_old(drift: float) -> None:
     clock = ClockOffsetEstimator()
     clock.age(0.0, 0.0)
-    assert clock.age(100.0, 100.5) == 0.0
+    assert clock.age((1.0 + drift) * 600.0, 600.0) <= 1e-9
 
 
 @bounded

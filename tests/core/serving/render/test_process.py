@@ -32,13 +32,13 @@ from pacinian.serving.ipc.messages import (
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.between_ticks import FILES, BetweenTicks
+from pacinian.serving.render.render_loop import FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
+from pacinian.wire.modulation import AM, STM
 from pacinian.wire.shapes import Polyline
-from pacinian.wire.time import AM, STM
 
 from ....waiting import PATIENCE, eventually
 from ...rendering.by_hand import solve_beside
@@ -76,7 +76,7 @@ class Server:
         self.threads: list[Callable[[], None]] = []
         solvers = SolverSwitcher(make_solver(solver), ARRAY, AIR, thread=self.threads.append)
         self.loader = BackgroundLoader(lambda _: None)
-        self.loop = BetweenTicks(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
+        self.loop = RenderLoop(self.files, settings, ARRAY, AIR, solvers, self.loader, self.clock)
         self.number = 0
         self.run = 11
 
@@ -178,6 +178,26 @@ def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> Non
     assert server.frame[0].epoch == 6
 
 
+@pytest.mark.parametrize("beside", [False, True])
+def test_what_an_earlier_permit_began_is_not_heard_under_a_later_one(
+    server: Server, beside: bool
+) -> None:
+    """Neither its fade nor a solve that was begun for it: the next owner's scene has no object."""
+    server.put()
+    server.files["permit"].write(Permit(1, 1e9, 1).pack())
+    server.tick(10)
+    assert server.sounds
+    server.loop.renderer.schedule.beside = beside
+    server.put(pc.Point(position=(0.02, 0.0, 0.15), radiation_pressure=5.0))
+    server.tick(2)
+    assert server.sounds
+    server.files["permit"].write(Permit(1, 1e9, 2, scene=7).pack())
+    for _ in range(30):
+        server.tick()
+        assert server.frame[0].epoch == 2
+        assert not server.sounds
+
+
 def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
     server.change(ResetScene(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
     server.arm()  # of scene 0
@@ -217,7 +237,7 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
         happens()
         loop.run_between()
         assert not loop.rests, what
-        server.tick(2)
+        server.tick(3)
         if what == "a permit":
             assert server.sounds
             server.arm(armed=0)
@@ -283,7 +303,7 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
 ) -> None:
     server = make()
     server.put(name="old")
-    again = BetweenTicks(
+    again = RenderLoop(
         server.files, Settings(), ARRAY, AIR, SolverSwitcher(make_solver("auto"), ARRAY, AIR),
         server.loader, server.clock,
     )  # fmt: skip
@@ -550,14 +570,14 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
 def test_it_begins_whatever_the_orders_are(
     make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
 ) -> None:
-    before = BetweenTicks.open
+    before = RenderLoop.open
 
-    def opened(loop: BetweenTicks) -> None:
+    def opened(loop: RenderLoop) -> None:
         data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
         loop._files["orders"].write(data)
         before(loop)
 
-    monkeypatch.setattr(BetweenTicks, "open", opened)
+    monkeypatch.setattr(RenderLoop, "open", opened)
     server = make()
     server.put()
     server.arm()

@@ -11,12 +11,12 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
-from pacinian.scene.setup import Choice as Configured
+from pacinian.scene.setup import PluginConfig
+from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.render.solver_switcher import (
     MAKING,
     MAX_HANGING,
-    SUPERSEDED,
     SolverSwitcher,
     make_solver,
 )
@@ -102,7 +102,7 @@ def test_a_solver_takes_over_once_it_is_made(solvers: SolverSwitcher, threads: T
 
 
 def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same() -> None:
-    owners = Configured("loud", {"file": "secret", "level": 0.1})
+    owners = PluginConfig("loud", {"file": "secret", "level": 0.1})
     solver = make_solver(Choice(name="loud", options={"level": 0.25}), owners)
     assert (solver.file, solver.level) == ("secret", 0.25)  # type: ignore[attr-defined]
     assert make_solver(Choice(name="loud"), owners).level == 0.1  # type: ignore[attr-defined]

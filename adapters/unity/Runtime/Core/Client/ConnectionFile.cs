@@ -15,7 +15,7 @@ namespace Pacinian
         /// <summary>The environment variable that says where the file is.</summary>
         public const string Variable = "PACINIAN_CONNECTION";
 
-        private const string Advice = "is `pacinian serve` running?";
+        private const string Advice = "is `pacinian serve` running, or still starting?";
         private const int MaxBytes = 1 << 16; // of the file
 
         /// <summary>Addresses of the three sockets.</summary>

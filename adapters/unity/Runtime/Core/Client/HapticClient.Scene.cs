@@ -25,7 +25,7 @@ namespace Pacinian
             Writer part = _shared.Writers.Rent();
             item.Write(part);
             Refusal why;
-            if (Checking.Find(name, item, part, _checker, out why))
+            if (ObjectValidation.Find(name, item, part, _checker, out why))
             {
                 _shared.Inbox.Refuse(why);
                 _shared.Writers.Return(part);

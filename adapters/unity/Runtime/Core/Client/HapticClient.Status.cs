@@ -84,7 +84,7 @@ namespace Pacinian
             return RegionFelt.Of(State, name);
         }
 
-        /// <summary>Why the output is silent, and what to do; "" while it sounds, and before the first state.</summary>
+        /// <summary>Why the output is silent, and what to do; "" while it sounds. As of the newest state.</summary>
         public Silence Silence
         {
             get { return Silence.Of(_standing, State); }

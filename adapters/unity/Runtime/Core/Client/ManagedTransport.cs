@@ -15,7 +15,7 @@ namespace Pacinian
         private const int MaxToken = 255; // [bytes]: what a HELLO has room for
         private const string User = "pacinian";
 
-        private readonly AutoResetEvent _bell = new AutoResetEvent(false);
+        private readonly AutoResetEvent _wake = new AutoResetEvent(false);
         private readonly ZmtpSocket[] _sockets = new ZmtpSocket[3];
 
         /// <inheritdoc/>
@@ -88,7 +88,7 @@ namespace Pacinian
                     longest = Math.Min(longest, socket.Patience);
                 }
             }
-            _bell.WaitOne((int)Math.Ceiling(1e3 * longest));
+            _wake.WaitOne((int)Math.Ceiling(1e3 * longest));
             foreach (ZmtpSocket socket in _sockets)
             {
                 socket?.Work();
@@ -100,7 +100,7 @@ namespace Pacinian
         {
             try
             {
-                _bell.Set();
+                _wake.Set();
             }
             catch (ObjectDisposedException)
             {
@@ -121,7 +121,7 @@ namespace Pacinian
         public void Dispose()
         {
             Close();
-            _bell.Dispose();
+            _wake.Dispose();
         }
 
         private ZmtpSocket FindEnded()
@@ -151,7 +151,7 @@ namespace Pacinian
             {
                 settings.Topics.Add(Encoding.ASCII.GetBytes("state"));
             }
-            return new ZmtpSocket(settings, at, state, _bell, Timing.Now);
+            return new ZmtpSocket(settings, at, state, _wake, Timing.Now);
         }
     }
 }

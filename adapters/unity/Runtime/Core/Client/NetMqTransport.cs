@@ -20,7 +20,7 @@ namespace Pacinian
         private readonly NetMQSelector.Item[] _items = new NetMQSelector.Item[4];
         private readonly bool[] _full = new bool[3];
         private readonly object _waking = new object();
-        private readonly byte[] _bell = new byte[1];
+        private readonly byte[] _wake = new byte[1];
         private PairSocket _wakes, _woken;
         private bool _stood;
         private int _rung;
@@ -142,9 +142,9 @@ namespace Pacinian
                 }
             }
             _selector.Select(_items, count, (long)Math.Ceiling(1e3 * Math.Max(0.0, Math.Min(seconds, 0.05))));
-            byte[] bell;
+            byte[] wake;
             bool more;
-            while (_woken.TryReceiveFrameBytes(out bell, out more))
+            while (_woken.TryReceiveFrameBytes(out wake, out more))
             {
             }
             Interlocked.Exchange(ref _rung, 0);
@@ -159,7 +159,7 @@ namespace Pacinian
                 {
                     if (_wakes != null)
                     {
-                        _wakes.TrySendFrame(TimeSpan.Zero, _bell, 1);
+                        _wakes.TrySendFrame(TimeSpan.Zero, _wake, 1);
                     }
                 }
             }

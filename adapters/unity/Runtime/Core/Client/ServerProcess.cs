@@ -18,22 +18,27 @@ namespace Pacinian
         private const double Well = 10.0; // [s] after which the next pause is the first again
         private const int Tail = 2000; // of a log [bytes]
         private const int NotFound = 127, NotFoundByWindows = 9009; // exit codes of a shell
+        private const int Killed = 128 + 9; // exit code of a program that was ended by SIGKILL
+
+        private static readonly bool Windows = Path.DirectorySeparatorChar == '\\';
 
         private readonly string _program, _connection, _log, _arguments;
+        private readonly bool _temporaryLog;
         private Process _process;
         private bool _wanted;
         private double _started, _due, _pause = FirstPause;
 
         /// <summary>
         /// Not started yet. program: its path, or its name if the system finds it. connection: the connection file; "": where
-        /// clients look for it. log: a file for what it says; "": in the folder for temporary files. arguments: more for
-        /// `serve`, such as the path of a configuration, without spaces inside of one.
+        /// clients look for it. log: a file for what it says; "": one in the folder for temporary files, which Stop deletes.
+        /// arguments: more for `serve`, such as the path of a configuration, without spaces inside of one.
         /// </summary>
         public ServerProcess(string program, string connection = "", string log = "", string arguments = "")
         {
             _program = program;
             _connection = connection;
-            _log = log.Length > 0 ? log : Path.Combine(Path.GetTempPath(), "pacinian-" + Process.GetCurrentProcess().Id + ".log");
+            _temporaryLog = log.Length == 0;
+            _log = _temporaryLog ? Path.Combine(Path.GetTempPath(), "pacinian-" + Guid.NewGuid().ToString("N") + ".log") : log;
             _arguments = arguments;
         }
 
@@ -103,19 +108,19 @@ namespace Pacinian
         public void Stop(double patience = 5.0)
         {
             _wanted = false;
-            if (_process == null)
+            if (_process != null)
             {
-                return;
-            }
-            _process.StandardInput.Close();
-            for (double end = Timing.Now() + patience; !_process.HasExited; Thread.Sleep(10))
-            {
-                if (Timing.Now() > end)
+                _process.StandardInput.Close();
+                for (double end = Timing.Now() + patience; !_process.HasExited; Thread.Sleep(10))
                 {
-                    Kill();
+                    if (Timing.Now() > end)
+                    {
+                        Kill();
+                    }
                 }
+                Forget();
             }
-            Forget();
+            DeleteTemporaryLog();
         }
 
         /// <summary>As Stop.</summary>
@@ -126,12 +131,11 @@ namespace Pacinian
 
         private bool Begin(double now)
         {
-            bool windows = Path.DirectorySeparatorChar == '\\';
             ProcessStartInfo how = new ProcessStartInfo
             {
                 UseShellExecute = false, CreateNoWindow = true, RedirectStandardInput = true,
-                FileName = windows ? "cmd.exe" : "/bin/sh",
-                Arguments = windows
+                FileName = Windows ? "cmd.exe" : "/bin/sh",
+                Arguments = Windows
                     ? "/d /s /c \"\"%PACINIAN_PROGRAM%\" serve --until-eof %PACINIAN_ARGUMENTS% > \"%PACINIAN_LOG%\" 2>&1\""
                     : "-fc \"exec \\\"$PACINIAN_PROGRAM\\\" serve --until-eof $PACINIAN_ARGUMENTS >\\\"$PACINIAN_LOG\\\" 2>&1\"",
             };
@@ -143,10 +147,12 @@ namespace Pacinian
             Rest(now);
             try
             {
+                CreateTemporaryLog();
                 _process = Process.Start(how);
                 Problem = "";
             }
-            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException || error is NotSupportedException)
+            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException || error is NotSupportedException
+                || error is IOException || error is UnauthorizedAccessException)
             {
                 Problem = _program + " cannot be started: " + error.Message; // NotSupportedException: of IL2CPP
             }
@@ -163,13 +169,43 @@ namespace Pacinian
         private void Bury(double now)
         {
             string said = LastLine();
-            bool missing = _process.ExitCode == NotFound || _process.ExitCode == NotFoundByWindows;
-            Problem = missing
-                ? "the program " + _program + " was not found: install Pacinian, or give the program's path (" + said + ")"
-                : "the server has ended, with exit code " + _process.ExitCode.ToString(CultureInfo.InvariantCulture)
-                    + (said.Length > 0 ? ": " + said : "");
+            int code = _process.ExitCode;
+            Problem = code == NotFound || code == NotFoundByWindows
+                ? "the program " + _program + " was not found: install Pacinian, or give the program's full path (" + said + ")"
+                : Describe(code) + (said.Length > 0 ? ": " + said : "");
             Forget();
             Rest(now);
+        }
+
+        private static string Describe(int code)
+        {
+            return code == Killed && !Windows ? "the server was killed (signal 9)"
+                : "the server has ended, with exit code " + code.ToString(CultureInfo.InvariantCulture);
+        }
+
+        /// <summary>Creates it anew, so that the server does not follow a link that another user has put there.</summary>
+        private void CreateTemporaryLog()
+        {
+            if (_temporaryLog)
+            {
+                DeleteTemporaryLog();
+                new FileStream(_log, FileMode.CreateNew).Dispose();
+            }
+        }
+
+        private void DeleteTemporaryLog()
+        {
+            try
+            {
+                if (_temporaryLog)
+                {
+                    File.Delete(_log);
+                }
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)
+            {
+                // It stays.
+            }
         }
 
         private string LastLine()

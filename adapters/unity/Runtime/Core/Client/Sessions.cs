@@ -16,7 +16,7 @@ namespace Pacinian
         private readonly ITransport _transport;
         private readonly ConnectionReader _read;
         private readonly MessageBuffers _buffers;
-        private Dialogue _dialogue;
+        private ServerSession _session;
         private double _due = double.NegativeInfinity, _pause = Shortest / 2.0;
         private int _count;
 
@@ -32,37 +32,37 @@ namespace Pacinian
         /// <summary>Does what is due. ticked: when the game ticked last; both [s].</summary>
         public void Step(double now, double ticked)
         {
-            if (_dialogue == null && now >= _due)
+            if (_session == null && now >= _due)
             {
                 Connect(now);
             }
-            if (_dialogue == null)
+            if (_session == null)
             {
                 return;
             }
-            _dialogue.Step(now, ticked);
-            if (_dialogue.Over.Length > 0)
+            _session.Step(now, ticked);
+            if (_session.Over.Length > 0)
             {
-                Pause(_dialogue.Over, _dialogue.Refused, _dialogue.Begun, Longest, now);
+                Pause(_session.Over, _session.Refused, _session.Begun, Longest, now);
             }
         }
 
         /// <summary>How long there is nothing to do but what comes [s].</summary>
         public double Patience(double now)
         {
-            return _dialogue != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _due - now));
+            return _session != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _due - now));
         }
 
         /// <summary>Says goodbye, if there is a session; whether there will be an answer.</summary>
         public bool Leave(double now)
         {
-            return _dialogue != null && _dialogue.Leave(now);
+            return _session != null && _session.Leave(now);
         }
 
         /// <summary>Whether the goodbye was answered, or there is nobody any more who would.</summary>
         public bool Left
         {
-            get { return _dialogue == null || _dialogue.Left; }
+            get { return _session == null || _session.Left; }
         }
 
         private void Connect(double now)
@@ -78,13 +78,13 @@ namespace Pacinian
                 Pause(problem, false, false, Unasked, now);
                 return;
             }
-            _dialogue = new Dialogue(_shared, _transport, _buffers, file.Control, ++_count, now);
+            _session = new ServerSession(_shared, _transport, _buffers, file.Control, ++_count, now);
         }
 
         private void Pause(string problem, bool refused, bool begun, double longest, double now)
         {
             _transport.Close();
-            _dialogue = null;
+            _session = null;
             _pause = begun ? Shortest : Math.Min(2.0 * _pause, longest);
             _due = now + _pause;
             _shared.End(problem, refused, begun);

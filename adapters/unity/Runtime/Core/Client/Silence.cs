@@ -2,10 +2,14 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Why the output is silent for this client. The server finds it, but for what only a client knows.</summary>
+    /// <summary>
+    /// Why the output is silent for this client. The server finds it, but for what only a client knows. For some 30 ms after a
+    /// command the newest state may be from before it, and name a cause that the command has just removed.
+    /// </summary>
     public struct Silence
     {
         private const string Stopped = "the client is not started, or has ended: call Start";
+        private const string NoState = "connected; the server has not sent its first state yet";
 
         /// <summary>For programs: the values of `cause` on the wire, "not connected" and "not the owner"; "" if it sounds.</summary>
         public string Cause;
@@ -30,7 +34,7 @@ namespace Pacinian
             }
             if (state == null)
             {
-                return new Silence { Cause = "", Text = "" };
+                return new Silence { Cause = "not connected", Text = NoState };
             }
             if (state.Owner.Length > 0 && !standing.Owner && state.Scene != standing.Scene)
             {

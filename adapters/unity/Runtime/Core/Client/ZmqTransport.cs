@@ -10,7 +10,7 @@ namespace Pacinian
         private static int _counted;
 
         private readonly object _waking = new object();
-        private readonly byte[] _bell = new byte[1];
+        private readonly byte[] _wake = new byte[1];
         private readonly ZmqPoll _poll = new ZmqPoll(6);
         private readonly ZmqSocket[] _sockets = new ZmqSocket[3];
         private IntPtr _context;
@@ -111,7 +111,7 @@ namespace Pacinian
                     socket.Full = false;
                 }
             }
-            while (_woken.Receive(_bell) >= 0)
+            while (_woken.Receive(_wake) >= 0)
             {
             }
             Interlocked.Exchange(ref _rung, 0);
@@ -126,7 +126,7 @@ namespace Pacinian
                 {
                     if (_wakes.Valid)
                     {
-                        _wakes.Send(_bell, 1);
+                        _wakes.Send(_wake, 1);
                     }
                 }
             }

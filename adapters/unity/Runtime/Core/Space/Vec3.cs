@@ -1,4 +1,5 @@
 using System;
+using System.Globalization;
 
 namespace Pacinian
 {
@@ -14,6 +15,12 @@ namespace Pacinian
             X = x;
             Y = y;
             Z = z;
+        }
+
+        /// <summary>As (0.1, -2, 30).</summary>
+        public override string ToString()
+        {
+            return string.Format(CultureInfo.InvariantCulture, "({0}, {1}, {2})", X, Y, Z);
         }
 
         /// <summary>The sum.</summary>

@@ -3,7 +3,7 @@
 namespace Pacinian.Wire
 {
     /// <summary>Fields of all commands.</summary>
-    public abstract class Command : IMessage
+    public abstract partial class Command : IMessage
     {
         /// <summary>Key from `welcome`. 16 bytes.</summary>
         public Bulk Session;
@@ -22,13 +22,10 @@ namespace Pacinian.Wire
 
         /// <inheritdoc/>
         public abstract void Write(Writer w);
-
-        /// <inheritdoc/>
-        public abstract bool Read(Reader r);
     }
 
     /// <summary>Add objects, or replace those that have the same name.</summary>
-    public sealed class Put : Command
+    public sealed partial class Put : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "objects");
         private static readonly byte[][] Tag = Utf8.Of("put");
@@ -60,91 +57,10 @@ namespace Pacinian.Wire
                 w.Message(Objects.Value(i));
             }
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x4F) != 0)
-            {
-                return r.Missing(Keys, missing & 0x4F);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return ReadObjects(r);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
-
-        private bool ReadObjects(Reader r)
-        {
-            int count;
-            Objects.Clear();
-            if (!r.Map(out count, 256))
-            {
-                return false;
-            }
-            for (int i = 0; i < count; i++)
-            {
-                string key = Objects.SpareKey();
-                if (!r.Text(ref key, 1, 64))
-                {
-                    return false;
-                }
-                Felt item = Objects.Spare();
-                if (!Unions.Read(r, ref item))
-                {
-                    return r.Within("[...]");
-                }
-                Objects.Set(key, item);
-            }
-            return true;
-        }
     }
 
     /// <summary>Move existing objects.</summary>
-    public sealed class Move : Command
+    public sealed partial class Move : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names", "poses", "velocities");
         private static readonly byte[][] Tag = Utf8.Of("move");
@@ -185,73 +101,10 @@ namespace Pacinian.Wire
             w.Word(Keys[8]);
             w.Binary(Velocities);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x1FF;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0xCF) != 0)
-            {
-                return r.Missing(Keys, missing & 0xCF);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return r.Rows("poses", ref Poses, 7, Names.Count) && r.Range("poses", ref Poses, -10.0, 10.0)
-            && (Velocities.Count == 0 || (r.Rows("velocities", ref Velocities, 6, Names.Count) && r.Range("velocities", ref Velocities, -100.0, 100.0)));
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return r.Texts(Names, 0, 256, 1, 64);
-                case 7: return r.Binary(ref Poses, 0, 7168);
-                case 8: return r.Binary(ref Velocities, 0, 6144);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-            if ((missing & 0x100) != 0)
-            {
-                Velocities.Clear();
-            }
-        }
     }
 
     /// <summary>Remove objects.</summary>
-    public sealed class Remove : Command
+    public sealed partial class Remove : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names");
         private static readonly byte[][] Tag = Utf8.Of("remove");
@@ -282,66 +135,10 @@ namespace Pacinian.Wire
                 w.Text(Names[i]);
             }
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x4F) != 0)
-            {
-                return r.Missing(Keys, missing & 0x4F);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return r.Texts(Names, 0, 256, 1, 64);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Remove all objects, hands and quiet zones of this client.</summary>
-    public sealed class Clear : Command
+    public sealed partial class Clear : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id");
         private static readonly byte[][] Tag = Utf8.Of("clear");
@@ -363,65 +160,10 @@ namespace Pacinian.Wire
             w.Word(Keys[5]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x3F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0xF) != 0)
-            {
-                return r.Missing(Keys, missing & 0xF);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Change the envelope of existing objects.</summary>
-    public sealed class Envelopes : Command
+    public sealed partial class Envelopes : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "names", "envelope");
         private static readonly byte[][] Tag = Utf8.Of("envelope");
@@ -457,67 +199,10 @@ namespace Pacinian.Wire
             w.Word(Keys[7]);
             w.Message(Envelope);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0xFF;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0xCF) != 0)
-            {
-                return r.Missing(Keys, missing & 0xCF);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return r.Texts(Names, 0, 256, 1, 64);
-                case 7: return Unions.Read(r, ref Envelope);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>A hand at the command's time.</summary>
-    public sealed class HandFrame : IMessage
+    public sealed partial class HandFrame : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("side", "name", "joints", "radii", "velocities");
 
@@ -551,74 +236,10 @@ namespace Pacinian.Wire
             w.Word(Keys[4]);
             w.Binary(Velocities);
         }
-
-        /// <inheritdoc/>
-        public bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x1F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return (Joints.Count == 0 || (r.Rows("joints", ref Joints, 3, 26)))
-            && (Radii.Count == 0 || (r.Rows("radii", ref Radii, 1, 26)))
-            && (Velocities.Count == 0 || (r.Rows("velocities", ref Velocities, 3, 26, 1)));
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return Words.Read(r, ref Side);
-                case 1: return r.Text(ref Name, 0, 64);
-                case 2: return r.Binary(ref Joints, 0, 312);
-                case 3: return r.Binary(ref Radii, 0, 104);
-                case 4: return r.Binary(ref Velocities, 0, 312);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x1) != 0)
-            {
-                Side = HandFrameSide.Right;
-            }
-            if ((missing & 0x2) != 0)
-            {
-                Name = "";
-            }
-            if ((missing & 0x4) != 0)
-            {
-                Joints.Clear();
-            }
-            if ((missing & 0x8) != 0)
-            {
-                Radii.Clear();
-            }
-            if ((missing & 0x10) != 0)
-            {
-                Velocities.Clear();
-            }
-        }
     }
 
     /// <summary>Replace the hands that this client tracks. From the first such command on, only hands feel the scene: without a hand, the output is silent.</summary>
-    public sealed class Hands : Command
+    public sealed partial class Hands : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "hands");
         private static readonly byte[][] Tag = Utf8.Of("hands");
@@ -649,86 +270,10 @@ namespace Pacinian.Wire
                 w.Message(All[i]);
             }
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x4F) != 0)
-            {
-                return r.Missing(Keys, missing & 0x4F);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return ReadAll(r);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
-
-        private bool ReadAll(Reader r)
-        {
-            int count;
-            All.Clear();
-            if (!r.Array(out count, 0, 8))
-            {
-                return false;
-            }
-            for (int i = 0; i < count; i++)
-            {
-                HandFrame item = All.Spare() ?? new HandFrame();
-                if (!item.Read(r))
-                {
-                    return r.Within(i);
-                }
-                All.Add(item);
-            }
-            return true;
-        }
     }
 
     /// <summary>A ball that must stay quiet.</summary>
-    public sealed class Zone : IMessage
+    public sealed partial class Zone : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("position", "pressure", "radius");
 
@@ -752,58 +297,10 @@ namespace Pacinian.Wire
             w.Word(Keys[2]);
             w.Real(Radius);
         }
-
-        /// <inheritdoc/>
-        public bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Fixed(ref Position, -10.0, 10.0);
-                case 1: return r.Real(ref Pressure, 0.0, 1000000.0);
-                case 2: return r.Real(ref Radius, 0.0, 1.0);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Radius = 0.0;
-            }
-        }
     }
 
     /// <summary>Replace the quiet zones of this client. The zones of the server's configuration stay.</summary>
-    public sealed class Quiet : Command
+    public sealed partial class Quiet : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "zones");
         private static readonly byte[][] Tag = Utf8.Of("quiet");
@@ -834,86 +331,10 @@ namespace Pacinian.Wire
                 w.Message(Zones[i]);
             }
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x4F) != 0)
-            {
-                return r.Missing(Keys, missing & 0x4F);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return ReadZones(r);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
-
-        private bool ReadZones(Reader r)
-        {
-            int count;
-            Zones.Clear();
-            if (!r.Array(out count, 0, 16))
-            {
-                return false;
-            }
-            for (int i = 0; i < count; i++)
-            {
-                Zone item = Zones.Spare() ?? new Zone();
-                if (!item.Read(r))
-                {
-                    return r.Within(i);
-                }
-                Zones.Add(item);
-            }
-            return true;
-        }
     }
 
     /// <summary>Request the sound pressure that is emitted now at given points.</summary>
-    public sealed class Field : Command
+    public sealed partial class Field : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "points");
         private static readonly byte[][] Tag = Utf8.Of("field");
@@ -940,66 +361,10 @@ namespace Pacinian.Wire
             w.Word(Keys[6]);
             w.Binary(Points);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x4F) != 0)
-            {
-                return r.Missing(Keys, missing & 0x4F);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return r.Rows("points", ref Points, 3) && r.Range("points", ref Points, -10.0, 10.0);
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return r.Binary(ref Points, 0, 786432);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Request the objects of the active or last active scene, whichever client put them; since protocol 1.1.</summary>
-    public sealed class Show : Command
+    public sealed partial class Show : Command
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "sequence", "time", "ttl", "id", "scene", "since");
         private static readonly byte[][] Tag = Utf8.Of("show");
@@ -1030,71 +395,6 @@ namespace Pacinian.Wire
             w.Text(Scene);
             w.Word(Keys[7]);
             w.Whole(Since);
-        }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0xFF;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0xF) != 0)
-            {
-                return r.Missing(Keys, missing & 0xF);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 3: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                case 4: return r.Real(ref Ttl, 0.0, 60.0);
-                case 5: return r.Whole(ref Id, 0, 4294967295);
-                case 6: return r.Text(ref Scene, 0, 64);
-                case 7: return r.Whole(ref Since, 0, 9007199254740992);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x10) != 0)
-            {
-                Ttl = 1.0;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Id = 0;
-            }
-            if ((missing & 0x40) != 0)
-            {
-                Scene = "";
-            }
-            if ((missing & 0x80) != 0)
-            {
-                Since = 0;
-            }
         }
     }
 }

@@ -3,7 +3,7 @@
 namespace Pacinian.Wire
 {
     /// <summary>Fields of all other requests.</summary>
-    public abstract class Request : IMessage
+    public abstract partial class Request : IMessage
     {
         /// <summary>Key from `welcome`. 16 bytes.</summary>
         public Bulk Session;
@@ -13,13 +13,10 @@ namespace Pacinian.Wire
 
         /// <inheritdoc/>
         public abstract void Write(Writer w);
-
-        /// <inheritdoc/>
-        public abstract bool Read(Reader r);
     }
 
     /// <summary>Open a session. The first message; answered by `welcome`, or by `error`.</summary>
-    public sealed class Hello : IControl
+    public sealed partial class Hello : IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "protocol", "client", "version", "scene", "lease");
         private static readonly byte[][] Tag = Utf8.Of("hello");
@@ -61,74 +58,10 @@ namespace Pacinian.Wire
             w.Word(Keys[6]);
             w.Real(Lease);
         }
-
-        /// <inheritdoc/>
-        public bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0xD) != 0)
-            {
-                return r.Missing(Keys, missing & 0xD);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Whole(ref Id, 0, 4294967295);
-                case 2: return r.Fixed(ref Protocol, 0, 65535);
-                case 3: return r.Text(ref Client, 1, 64);
-                case 4: return r.Text(ref Version, 0, 200);
-                case 5: return r.Text(ref Scene, 0, 64);
-                case 6: return r.Real(ref Lease, 0.02, 10.0);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x2) != 0)
-            {
-                Id = 0;
-            }
-            if ((missing & 0x10) != 0)
-            {
-                Version = "";
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Scene = "";
-            }
-            if ((missing & 0x40) != 0)
-            {
-                Lease = null;
-            }
-        }
     }
 
     /// <summary>Renew the lease. Send this from the game's own tick. Answered by `renewed`.</summary>
-    public sealed class Renew : Request, IControl
+    public sealed partial class Renew : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "sequence", "time");
         private static readonly byte[][] Tag = Utf8.Of("renew");
@@ -154,60 +87,10 @@ namespace Pacinian.Wire
             w.Word(Keys[4]);
             w.Real(Time);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x1F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x1B) != 0)
-            {
-                return r.Missing(Keys, missing & 0x1B);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                case 3: return r.Whole(ref Sequence, 1, 9007199254740992);
-                case 4: return r.Real(ref Time, -1000000000000.0, 1000000000000.0);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Own the output and make this client's scene active.</summary>
-    public sealed class Arm : Request, IControl
+    public sealed partial class Arm : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "take", "resume");
         private static readonly byte[][] Tag = Utf8.Of("arm");
@@ -233,68 +116,10 @@ namespace Pacinian.Wire
             w.Word(Keys[4]);
             w.Bool(Resume);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x1F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                case 3: return r.Bool(ref Take);
-                case 4: return r.Bool(ref Resume);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-            if ((missing & 0x8) != 0)
-            {
-                Take = false;
-            }
-            if ((missing & 0x10) != 0)
-            {
-                Resume = false;
-            }
-        }
     }
 
     /// <summary>Fade to silence and release the output. For the owner.</summary>
-    public sealed class Disarm : Request, IControl
+    public sealed partial class Disarm : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
         private static readonly byte[][] Tag = Utf8.Of("disarm");
@@ -310,58 +135,10 @@ namespace Pacinian.Wire
             w.Word(Keys[2]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.</summary>
-    public sealed class Stop : IControl
+    public sealed partial class Stop : IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id");
         private static readonly byte[][] Tag = Utf8.Of("stop");
@@ -378,57 +155,10 @@ namespace Pacinian.Wire
             w.Word(Keys[1]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x3;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x1) != 0)
-            {
-                return r.Missing(Keys, missing & 0x1);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x2) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Allow the output to be armed again after an emergency stop or a fault.</summary>
-    public sealed class Reset : Request, IControl
+    public sealed partial class Reset : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
         private static readonly byte[][] Tag = Utf8.Of("reset");
@@ -444,58 +174,10 @@ namespace Pacinian.Wire
             w.Word(Keys[2]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>A solver or a backend.</summary>
-    public sealed class Choice : IMessage
+    public sealed partial class Choice : IMessage
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "options");
 
@@ -519,82 +201,10 @@ namespace Pacinian.Wire
                 Options.Value(i).Write(w);
             }
         }
-
-        /// <inheritdoc/>
-        public bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x3;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x1) != 0)
-            {
-                return r.Missing(Keys, missing & 0x1);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Text(ref Name, 1, 64);
-                case 1: return ReadOptions(r);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x2) != 0)
-            {
-                Options.Clear();
-            }
-        }
-
-        private bool ReadOptions(Reader r)
-        {
-            int count;
-            Options.Clear();
-            if (!r.Map(out count, 32))
-            {
-                return false;
-            }
-            for (int i = 0; i < count; i++)
-            {
-                string key = Options.SpareKey();
-                if (!r.Text(ref key, 1, 64))
-                {
-                    return false;
-                }
-                Value item = Options.Spare();
-                if (!r.Scalar(ref item, -1e+300, 1e+300, 0, 200))
-                {
-                    return r.Within("[...]");
-                }
-                Options.Set(key, item);
-            }
-            return true;
-        }
     }
 
     /// <summary>Change the solver, the backend, the technique or the intensity while the server runs. Settings that are not given stay. Only the owner may change them, or any client while there is no owner. The answer comes after the change was made or has failed.</summary>
-    public sealed class Select : Request, IControl
+    public sealed partial class Select : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id", "solver", "backend", "technique", "intensity");
         private static readonly byte[][] Tag = Utf8.Of("select");
@@ -630,96 +240,10 @@ namespace Pacinian.Wire
             w.Word(Keys[6]);
             w.Real(Intensity);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7F;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                case 3:
-                    if (r.Nil())
-                    {
-                        Solver = null;
-                        return true;
-                    }
-                    return (Solver = Solver ?? new Choice()).Read(r);
-                case 4:
-                    if (r.Nil())
-                    {
-                        Backend = null;
-                        return true;
-                    }
-                    return (Backend = Backend ?? new Choice()).Read(r);
-                case 5:
-                    if (r.Nil())
-                    {
-                        Technique = null;
-                        return true;
-                    }
-                    return Unions.Read(r, ref Technique);
-                case 6: return r.Real(ref Intensity, 0.0, 1.0);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-            if ((missing & 0x8) != 0)
-            {
-                Solver = null;
-            }
-            if ((missing & 0x10) != 0)
-            {
-                Backend = null;
-            }
-            if ((missing & 0x20) != 0)
-            {
-                Technique = null;
-            }
-            if ((missing & 0x40) != 0)
-            {
-                Intensity = null;
-            }
-        }
     }
 
     /// <summary>Request the properties of the server: its array, solvers, backends and limits.</summary>
-    public sealed class Capabilities : Request, IControl
+    public sealed partial class Capabilities : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
         private static readonly byte[][] Tag = Utf8.Of("capabilities");
@@ -735,58 +259,10 @@ namespace Pacinian.Wire
             w.Word(Keys[2]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>Request the state, as it is published.</summary>
-    public sealed class Status : Request, IControl
+    public sealed partial class Status : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
         private static readonly byte[][] Tag = Utf8.Of("status");
@@ -802,58 +278,10 @@ namespace Pacinian.Wire
             w.Word(Keys[2]);
             w.Whole(Id);
         }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
-        }
     }
 
     /// <summary>End the session and remove its objects. The output falls silent if this client owns it.</summary>
-    public sealed class Bye : Request, IControl
+    public sealed partial class Bye : Request, IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "session", "id");
         private static readonly byte[][] Tag = Utf8.Of("bye");
@@ -868,54 +296,6 @@ namespace Pacinian.Wire
             w.Binary(Session);
             w.Word(Keys[2]);
             w.Whole(Id);
-        }
-
-        /// <inheritdoc/>
-        public override bool Read(Reader r)
-        {
-            int count, key = Reader.Other;
-            ulong missing = 0x7;
-            if (!r.Map(out count))
-            {
-                return false;
-            }
-            for (; count > 0; count--)
-            {
-                key = r.Key(Keys, key + 1);
-                if (!One(r, key))
-                {
-                    return r.Within(Keys, key);
-                }
-                missing &= key < 0 ? missing : ~(1UL << key);
-            }
-            if ((missing & 0x3) != 0)
-            {
-                return r.Missing(Keys, missing & 0x3);
-            }
-            if (missing != 0)
-            {
-                Default(missing);
-            }
-            return true;
-        }
-
-        private bool One(Reader r, int key)
-        {
-            switch (key)
-            {
-                case 0: return r.Expect(Tag);
-                case 1: return r.Binary(ref Session, 16, 16);
-                case 2: return r.Whole(ref Id, 0, 4294967295);
-                default: return key == Reader.Other && r.Skip();
-            }
-        }
-
-        private void Default(ulong missing)
-        {
-            if ((missing & 0x4) != 0)
-            {
-                Id = 0;
-            }
         }
     }
 }

@@ -3,7 +3,7 @@
 namespace Pacinian.Wire
 {
     /// <summary>The protocol's numbers, and its messages.</summary>
-    public static class Protocol
+    public static partial class Protocol
     {
         public const int Major = 1;
         public const int Minor = 1;
@@ -22,20 +22,6 @@ namespace Pacinian.Wire
         public const int MaxParticles = 10000;
         public const int MaxParts = 16;
         public const int MaxOptions = 32;
-
-        /// <summary>Reads a message of the kind `command`; one of the same kind that is there already is used again.</summary>
-        public static bool ReadCommand(Reader r, byte[] data, int start, int count, ref Command value)
-        {
-            return r.Begin(data, start, count, 1048576)
-                && Unions.Read(r, ref value) && r.End();
-        }
-
-        /// <summary>Reads a message of the kind `control`; one of the same kind that is there already is used again.</summary>
-        public static bool ReadControl(Reader r, byte[] data, int start, int count, ref IControl value)
-        {
-            return r.Begin(data, start, count, 65536)
-                && Unions.Read(r, ref value) && r.End();
-        }
 
         /// <summary>Reads a message of the kind `reply`; one of the same kind that is there already is used again.</summary>
         public static bool ReadReply(Reader r, byte[] data, int start, int count, ref IReply value)

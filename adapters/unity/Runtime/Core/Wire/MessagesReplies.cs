@@ -3,20 +3,17 @@
 namespace Pacinian.Wire
 {
     /// <summary>Fields of all replies.</summary>
-    public abstract class Reply : IMessage
+    public abstract partial class Reply
     {
         /// <summary>`id` of the message that it answers; 0 if it answers none. 0 to 4,294,967,295.</summary>
         public long Id;
 
-        /// <inheritdoc/>
-        public abstract void Write(Writer w);
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public abstract bool Read(Reader r);
     }
 
     /// <summary>Answer to `hello`.</summary>
-    public sealed class Welcome : Reply, IReply
+    public sealed partial class Welcome : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "session", "protocol", "server", "time", "scene", "lease", "link", "rate");
         private static readonly byte[][] Tag = Utf8.Of("welcome");
@@ -45,33 +42,7 @@ namespace Pacinian.Wire
         /// <summary>Ticks per second [Hz].</summary>
         public double Rate;
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(10);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Binary(Session);
-            w.Word(Keys[3]);
-            w.Fixed(Protocol);
-            w.Word(Keys[4]);
-            w.Text(Server);
-            w.Word(Keys[5]);
-            w.Real(Time);
-            w.Word(Keys[6]);
-            w.Text(Scene);
-            w.Word(Keys[7]);
-            w.Real(Lease);
-            w.Word(Keys[8]);
-            w.Real(Link);
-            w.Word(Keys[9]);
-            w.Real(Rate);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -128,22 +99,12 @@ namespace Pacinian.Wire
     }
 
     /// <summary>The request was carried out.</summary>
-    public sealed class Ok : Reply, IReply
+    public sealed partial class Ok : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id");
         private static readonly byte[][] Tag = Utf8.Of("ok");
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(2);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -192,7 +153,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>The request was refused or has failed.</summary>
-    public sealed class Error : Reply, IReply
+    public sealed partial class Error : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "code", "message", "path", "advice");
         private static readonly byte[][] Tag = Utf8.Of("error");
@@ -209,25 +170,7 @@ namespace Pacinian.Wire
         /// <summary>Remedy, for people. 0 to 1,000 characters.</summary>
         public string Advice = "";
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(6);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Word(Words.Code[(int)Code]);
-            w.Word(Keys[3]);
-            w.Text(Message);
-            w.Word(Keys[4]);
-            w.Text(Path);
-            w.Word(Keys[5]);
-            w.Text(Advice);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -288,7 +231,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Answer to `renew`, with its `id`. With `id` 0 it only probes whether the client is still connected.</summary>
-    public sealed class Renewed : Reply, IReply
+    public sealed partial class Renewed : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "server_time", "until", "owner", "armed");
         private static readonly byte[][] Tag = Utf8.Of("renewed");
@@ -311,29 +254,7 @@ namespace Pacinian.Wire
         /// <summary>Whether the output may sound.</summary>
         public bool Armed;
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(8);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Whole(Sequence);
-            w.Word(Keys[3]);
-            w.Real(Time);
-            w.Word(Keys[4]);
-            w.Real(ServerTime);
-            w.Word(Keys[5]);
-            w.Real(Until);
-            w.Word(Keys[6]);
-            w.Bool(Owner);
-            w.Word(Keys[7]);
-            w.Bool(Armed);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -388,7 +309,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A solver or backend that can be selected.</summary>
-    public sealed class Plugin : IMessage
+    public sealed partial class Plugin
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "summary", "options");
 
@@ -401,24 +322,7 @@ namespace Pacinian.Wire
         /// <summary>Options that clients may set, with their defaults if these are plain values.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(3);
-            w.Word(Keys[0]);
-            w.Text(Name);
-            w.Word(Keys[1]);
-            w.Text(Summary);
-            w.Word(Keys[2]);
-            w.Map(Options.Count);
-            for (int i = 0; i < Options.Count; i++)
-            {
-                w.Text(Options.Key(i));
-                Options.Value(i).Write(w);
-            }
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -497,7 +401,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Parameters of the field: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption + j k) r).</summary>
-    public sealed class Sound : IMessage
+    public sealed partial class Sound
     {
         private static readonly byte[][] Keys = Utf8.Of("pressure", "directivity", "response", "sizes", "speed_of_sound", "density", "power", "absorption", "temperature");
 
@@ -528,31 +432,7 @@ namespace Pacinian.Wire
         /// <summary>Temperature of the air, configured or assumed [degC]; nil if only a speed of sound is configured. -80 to 100; null: not given.</summary>
         public double? Temperature;
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(9);
-            w.Word(Keys[0]);
-            w.Real(Pressure);
-            w.Word(Keys[1]);
-            w.Text(Directivity);
-            w.Word(Keys[2]);
-            w.Binary(Response);
-            w.Word(Keys[3]);
-            w.Binary(Sizes);
-            w.Word(Keys[4]);
-            w.Real(SpeedOfSound);
-            w.Word(Keys[5]);
-            w.Real(Density);
-            w.Word(Keys[6]);
-            w.Real(Power);
-            w.Word(Keys[7]);
-            w.Real(Absorption);
-            w.Word(Keys[8]);
-            w.Real(Temperature);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -616,7 +496,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Answer to `capabilities`.</summary>
-    public sealed class Abilities : Reply, IReply
+    public sealed partial class Abilities : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "solvers", "backends", "techniques", "presets", "positions", "normals", "frequency", "wavelength", "phases", "amplitudes", "device_rate", "rate", "limits", "sound");
         private static readonly byte[][] Tag = Utf8.Of("abilities");
@@ -663,66 +543,7 @@ namespace Pacinian.Wire
         /// <summary>Parameters of the field; since protocol 1.1. null: not given.</summary>
         public Sound Sound;
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(16);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Array(Solvers.Count);
-            for (int i = 0; i < Solvers.Count; i++)
-            {
-                w.Message(Solvers[i]);
-            }
-            w.Word(Keys[3]);
-            w.Array(Backends.Count);
-            for (int i = 0; i < Backends.Count; i++)
-            {
-                w.Message(Backends[i]);
-            }
-            w.Word(Keys[4]);
-            w.Array(Techniques.Count);
-            for (int i = 0; i < Techniques.Count; i++)
-            {
-                w.Text(Techniques[i]);
-            }
-            w.Word(Keys[5]);
-            w.Array(Presets.Count);
-            for (int i = 0; i < Presets.Count; i++)
-            {
-                w.Text(Presets[i]);
-            }
-            w.Word(Keys[6]);
-            w.Binary(Positions);
-            w.Word(Keys[7]);
-            w.Binary(Normals);
-            w.Word(Keys[8]);
-            w.Real(Frequency);
-            w.Word(Keys[9]);
-            w.Real(Wavelength);
-            w.Word(Keys[10]);
-            w.Whole(Phases);
-            w.Word(Keys[11]);
-            w.Whole(Amplitudes);
-            w.Word(Keys[12]);
-            w.Real(DeviceRate);
-            w.Word(Keys[13]);
-            w.Real(Rate);
-            w.Word(Keys[14]);
-            w.Map(Limits.Count);
-            for (int i = 0; i < Limits.Count; i++)
-            {
-                w.Text(Limits.Key(i));
-                w.Real(Limits.Value(i));
-            }
-            w.Word(Keys[15]);
-            w.Message(Sound);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -860,7 +681,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Answer to `field`.</summary>
-    public sealed class Pressures : Reply, IReply
+    public sealed partial class Pressures : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "pressures", "time");
         private static readonly byte[][] Tag = Utf8.Of("pressures");
@@ -871,21 +692,7 @@ namespace Pacinian.Wire
         /// <summary>Time of the emitted frame, by the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(4);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Binary(Values);
-            w.Word(Keys[3]);
-            w.Real(Time);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -936,7 +743,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Answer to `show`.</summary>
-    public sealed class Shown : Reply, IReply
+    public sealed partial class Shown : Reply, IReply
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "scene", "version", "names", "poses", "objects");
         private static readonly byte[][] Tag = Utf8.Of("shown");
@@ -956,36 +763,7 @@ namespace Pacinian.Wire
         /// <summary>Objects that are new since the version asked for, by name, as they were put. If there are many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out. 0 to 1,024.</summary>
         public readonly Table<Felt> Objects = new Table<Felt>();
 
-        /// <inheritdoc/>
-        public override void Write(Writer w)
-        {
-            w.Map(7);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Text(Scene);
-            w.Word(Keys[3]);
-            w.Whole(Version);
-            w.Word(Keys[4]);
-            w.Array(Names.Count);
-            for (int i = 0; i < Names.Count; i++)
-            {
-                w.Text(Names[i]);
-            }
-            w.Word(Keys[5]);
-            w.Binary(Poses);
-            w.Word(Keys[6]);
-            w.Map(Objects.Count);
-            for (int i = 0; i < Objects.Count; i++)
-            {
-                w.Text(Objects.Key(i));
-                w.Message(Objects.Value(i));
-            }
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;

@@ -21,7 +21,7 @@ namespace Pacinian.Wire
             w.Real(Length);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -76,7 +76,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -151,7 +151,7 @@ namespace Pacinian.Wire
             w.Real(Phase);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -235,7 +235,7 @@ namespace Pacinian.Wire
             w.Bool(Closed);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -305,7 +305,7 @@ namespace Pacinian.Wire
             w.Fixed(Rotation);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -377,7 +377,7 @@ namespace Pacinian.Wire
             w.Real(Height);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -433,7 +433,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -488,7 +488,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -563,7 +563,7 @@ namespace Pacinian.Wire
             w.Real(Depth);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -644,7 +644,7 @@ namespace Pacinian.Wire
             w.Real(Scale);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -714,7 +714,7 @@ namespace Pacinian.Wire
             w.Fixed(Size);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -774,7 +774,7 @@ namespace Pacinian.Wire
             w.Real(Length);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -845,7 +845,7 @@ namespace Pacinian.Wire
             w.Real(Level);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -920,7 +920,7 @@ namespace Pacinian.Wire
             w.Message(Pose);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -992,7 +992,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -1071,7 +1071,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -1155,7 +1155,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;

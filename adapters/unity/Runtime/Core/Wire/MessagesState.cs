@@ -3,7 +3,7 @@
 namespace Pacinian.Wire
 {
     /// <summary>A client.</summary>
-    public sealed class ClientState : IMessage
+    public sealed partial class ClientState
     {
         private static readonly byte[][] Keys = Utf8.Of("name", "scene", "owner", "objects", "commands", "errors", "dropped", "age", "renewed");
 
@@ -34,31 +34,7 @@ namespace Pacinian.Wire
         /// <summary>Time since its last renewal [s].</summary>
         public double Renewed;
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(9);
-            w.Word(Keys[0]);
-            w.Text(Name);
-            w.Word(Keys[1]);
-            w.Text(Scene);
-            w.Word(Keys[2]);
-            w.Bool(Owner);
-            w.Word(Keys[3]);
-            w.Whole(Objects);
-            w.Word(Keys[4]);
-            w.Whole(Commands);
-            w.Word(Keys[5]);
-            w.Whole(Errors);
-            w.Word(Keys[6]);
-            w.Whole(Dropped);
-            w.Word(Keys[7]);
-            w.Real(Age);
-            w.Word(Keys[8]);
-            w.Real(Renewed);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -102,7 +78,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A hand that feels an object.</summary>
-    public sealed class TouchState : IMessage
+    public sealed partial class TouchState
     {
         private static readonly byte[][] Keys = Utf8.Of("object", "hand", "position", "pressure", "strength");
 
@@ -121,23 +97,7 @@ namespace Pacinian.Wire
         /// <summary>That pressure over the object's own, 0..1. All are at full envelope.</summary>
         public double Strength;
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(5);
-            w.Word(Keys[0]);
-            w.Text(Object);
-            w.Word(Keys[1]);
-            w.Text(Hand);
-            w.Word(Keys[2]);
-            w.Fixed(Position);
-            w.Word(Keys[3]);
-            w.Real(Pressure);
-            w.Word(Keys[4]);
-            w.Real(Strength);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -177,7 +137,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>The emitted output and the health of the server. Published, and sent as the answer to `status`.</summary>
-    public sealed class State : IReply, IState
+    public sealed partial class State : IReply, IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id", "sequence", "time", "output", "armed", "owner", "scene", "solver", "backend", "technique", "intensity", "points", "normals", "asked", "achieved", "index", "objects", "hands", "error", "felt", "status", "ticks", "late", "rate", "tick_ms", "frames", "longest_gap", "skipped", "faults", "fault_count", "restarts", "inputs", "clients", "tick_counts", "cause", "why", "touches", "presentation");
         private static readonly byte[][] Tag = Utf8.Of("state");
@@ -296,117 +256,7 @@ namespace Pacinian.Wire
         /// <summary>The technique in use with its parameters; since protocol 1.1. null: not given.</summary>
         public ITechnique Presentation;
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(39);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Id);
-            w.Word(Keys[2]);
-            w.Whole(Sequence);
-            w.Word(Keys[3]);
-            w.Real(Time);
-            w.Word(Keys[4]);
-            w.Word(Words.Output[(int)Output]);
-            w.Word(Keys[5]);
-            w.Bool(Armed);
-            w.Word(Keys[6]);
-            w.Text(Owner);
-            w.Word(Keys[7]);
-            w.Text(Scene);
-            w.Word(Keys[8]);
-            w.Text(Solver);
-            w.Word(Keys[9]);
-            w.Text(Backend);
-            w.Word(Keys[10]);
-            w.Text(Technique);
-            w.Word(Keys[11]);
-            w.Real(Intensity);
-            w.Word(Keys[12]);
-            w.Binary(Points);
-            w.Word(Keys[13]);
-            w.Binary(Normals);
-            w.Word(Keys[14]);
-            w.Binary(Asked);
-            w.Word(Keys[15]);
-            w.Binary(Achieved);
-            w.Word(Keys[16]);
-            w.Binary(Index);
-            w.Word(Keys[17]);
-            w.Array(Objects.Count);
-            for (int i = 0; i < Objects.Count; i++)
-            {
-                w.Text(Objects[i]);
-            }
-            w.Word(Keys[18]);
-            w.Binary(Hands);
-            w.Word(Keys[19]);
-            w.Real(Error);
-            w.Word(Keys[20]);
-            w.Binary(Felt);
-            w.Word(Keys[21]);
-            w.Text(Status);
-            w.Word(Keys[22]);
-            w.Whole(Ticks);
-            w.Word(Keys[23]);
-            w.Whole(Late);
-            w.Word(Keys[24]);
-            w.Real(Rate);
-            w.Word(Keys[25]);
-            w.Fixed(TickMs);
-            w.Word(Keys[26]);
-            w.Whole(Frames);
-            w.Word(Keys[27]);
-            w.Real(LongestGap);
-            w.Word(Keys[28]);
-            w.Map(Skipped.Count);
-            for (int i = 0; i < Skipped.Count; i++)
-            {
-                w.Text(Skipped.Key(i));
-                w.Whole(Skipped.Value(i));
-            }
-            w.Word(Keys[29]);
-            w.Array(Faults.Count);
-            for (int i = 0; i < Faults.Count; i++)
-            {
-                w.Text(Faults[i]);
-            }
-            w.Word(Keys[30]);
-            w.Whole(FaultCount);
-            w.Word(Keys[31]);
-            w.Map(Restarts.Count);
-            for (int i = 0; i < Restarts.Count; i++)
-            {
-                w.Text(Restarts.Key(i));
-                w.Whole(Restarts.Value(i));
-            }
-            w.Word(Keys[32]);
-            w.Binary(Inputs);
-            w.Word(Keys[33]);
-            w.Array(Clients.Count);
-            for (int i = 0; i < Clients.Count; i++)
-            {
-                w.Message(Clients[i]);
-            }
-            w.Word(Keys[34]);
-            w.Binary(TickCounts);
-            w.Word(Keys[35]);
-            w.Text(Cause);
-            w.Word(Keys[36]);
-            w.Text(Why);
-            w.Word(Keys[37]);
-            w.Array(Touches.Count);
-            for (int i = 0; i < Touches.Count; i++)
-            {
-                w.Message(Touches[i]);
-            }
-            w.Word(Keys[38]);
-            w.Message(Presentation);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -696,7 +546,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>The emitted levels of one row of a frame, another row each time; empty in silence. Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with them.</summary>
-    public sealed class FrameState : IState
+    public sealed partial class FrameState : IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude", "scene_time", "part", "parts");
         private static readonly byte[][] Tag = Utf8.Of("frame");
@@ -728,33 +578,7 @@ namespace Pacinian.Wire
         /// <summary>Number of frames in the cycle, which sound in turn; 0 if it is not known; since protocol 1.1.</summary>
         public long Parts;
 
-        /// <inheritdoc/>
-        public void Write(Writer w)
-        {
-            w.Map(10);
-            w.Word(Keys[0]);
-            w.Word(Tag[0]);
-            w.Word(Keys[1]);
-            w.Whole(Sequence);
-            w.Word(Keys[2]);
-            w.Real(Time);
-            w.Word(Keys[3]);
-            w.Whole(Phases);
-            w.Word(Keys[4]);
-            w.Whole(Amplitudes);
-            w.Word(Keys[5]);
-            w.Binary(Phase);
-            w.Word(Keys[6]);
-            w.Binary(Amplitude);
-            w.Word(Keys[7]);
-            w.Real(SceneTime);
-            w.Word(Keys[8]);
-            w.Whole(Part);
-            w.Word(Keys[9]);
-            w.Whole(Parts);
-        }
-
-        /// <inheritdoc/>
+        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;

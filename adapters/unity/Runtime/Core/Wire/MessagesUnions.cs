@@ -19,7 +19,7 @@ namespace Pacinian.Wire
             w.Word(Words.RouteWord[(int)Value]);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it.</summary>
         public bool Read(Reader r)
         {
             return Words.Read(r, ref Value);
@@ -43,7 +43,7 @@ namespace Pacinian.Wire
             w.Word(Words.PresetName[(int)Value]);
         }
 
-        /// <inheritdoc/>
+        /// <summary>Reads it.</summary>
         public bool Read(Reader r)
         {
             return Words.Read(r, ref Value);
@@ -86,17 +86,17 @@ namespace Pacinian.Wire
     }
 
     /// <summary>One of Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State.</summary>
-    public interface IReply : IMessage
+    public partial interface IReply
     {
     }
 
     /// <summary>One of State, FrameState.</summary>
-    public interface IState : IMessage
+    public partial interface IState
     {
     }
 
     /// <summary>Reads one of several messages; one of the same kind that is there already is used again.</summary>
-    internal static class Unions
+    internal static partial class Unions
     {
         private static readonly byte[][] RouteTags = Utf8.Of("line", "circle", "lissajous", "polyline");
 
@@ -487,140 +487,6 @@ namespace Pacinian.Wire
                 case 4:
                 {
                     Volume made = value as Volume ?? new Volume();
-                    value = made;
-                    return made.Read(r);
-                }
-                default: return false;
-            }
-        }
-
-        private static readonly byte[][] AnyCommandTags = Utf8.Of("put", "move", "remove", "clear", "envelope", "hands", "quiet", "field", "show");
-
-        public static bool Read(Reader r, ref Command value)
-        {
-            switch (r.Tag(AnyCommandTags))
-            {
-                case 0:
-                {
-                    Put made = value as Put ?? new Put();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 1:
-                {
-                    Move made = value as Move ?? new Move();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 2:
-                {
-                    Remove made = value as Remove ?? new Remove();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 3:
-                {
-                    Clear made = value as Clear ?? new Clear();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 4:
-                {
-                    Envelopes made = value as Envelopes ?? new Envelopes();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 5:
-                {
-                    Hands made = value as Hands ?? new Hands();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 6:
-                {
-                    Quiet made = value as Quiet ?? new Quiet();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 7:
-                {
-                    Field made = value as Field ?? new Field();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 8:
-                {
-                    Show made = value as Show ?? new Show();
-                    value = made;
-                    return made.Read(r);
-                }
-                default: return false;
-            }
-        }
-
-        private static readonly byte[][] AnyControlTags = Utf8.Of("hello", "renew", "arm", "disarm", "stop", "reset", "select", "capabilities", "status", "bye");
-
-        public static bool Read(Reader r, ref IControl value)
-        {
-            switch (r.Tag(AnyControlTags))
-            {
-                case 0:
-                {
-                    Hello made = value as Hello ?? new Hello();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 1:
-                {
-                    Renew made = value as Renew ?? new Renew();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 2:
-                {
-                    Arm made = value as Arm ?? new Arm();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 3:
-                {
-                    Disarm made = value as Disarm ?? new Disarm();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 4:
-                {
-                    Stop made = value as Stop ?? new Stop();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 5:
-                {
-                    Reset made = value as Reset ?? new Reset();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 6:
-                {
-                    Select made = value as Select ?? new Select();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 7:
-                {
-                    Capabilities made = value as Capabilities ?? new Capabilities();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 8:
-                {
-                    Status made = value as Status ?? new Status();
-                    value = made;
-                    return made.Read(r);
-                }
-                case 9:
-                {
-                    Bye made = value as Bye ?? new Bye();
                     value = made;
                     return made.Read(r);
                 }

@@ -69,7 +69,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>The words of the enumerations.</summary>
-    internal static class Words
+    internal static partial class Words
     {
         public static readonly byte[][] PresetName = Utf8.Of("impulsive", "rapturous", "trembling", "buzzing");
         public static readonly byte[][] WaveMode = Utf8.Of("loudness", "waveform");
@@ -108,14 +108,6 @@ namespace Pacinian.Wire
             int index;
             bool known = r.Word(VolumeFelt, out index);
             value = known ? (VolumeFelt)index : value;
-            return known;
-        }
-
-        public static bool Read(Reader r, ref HandFrameSide value)
-        {
-            int index;
-            bool known = r.Word(HandFrameSide, out index);
-            value = known ? (HandFrameSide)index : value;
             return known;
         }
 

@@ -5,7 +5,7 @@ using System.Threading;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// A thread that waits until there is something to read from a socket, and rings a bell: all else is its owner's work. In
+    /// A thread that waits until there is something to read from a socket, and sets a wake event: all else is its owner's work. In
     /// place of Socket.Select, which takes memory at each call: a game's threads are to make no garbage.
     /// </summary>
     internal sealed class ReadWatcher
@@ -14,19 +14,19 @@ namespace Pacinian.Zmtp
         private const int JoinTimeout = 1000; // [ms], which only a thread that hangs would take
 
         private readonly Socket _socket;
-        private readonly AutoResetEvent _bell, _armed = new AutoResetEvent(false);
+        private readonly AutoResetEvent _wake, _armed = new AutoResetEvent(false);
         private readonly Thread _thread;
         private volatile bool _watches, _ends;
 
-        public ReadWatcher(Socket socket, AutoResetEvent bell)
+        public ReadWatcher(Socket socket, AutoResetEvent wake)
         {
             _socket = socket;
-            _bell = bell;
+            _wake = wake;
             _thread = new Thread(Run) { IsBackground = true, Name = "Pacinian reading" };
             _thread.Start();
         }
 
-        /// <summary>The bell is to be rung once, now or when something comes.</summary>
+        /// <summary>The wake event is to be set once, now or when something comes.</summary>
         public void Arm()
         {
             if (!_watches)
@@ -57,7 +57,7 @@ namespace Pacinian.Zmtp
                     {
                     }
                     _watches = false;
-                    _bell.Set();
+                    _wake.Set();
                 }
             }
             catch (Exception error) when (error is SocketException || error is ObjectDisposedException)

@@ -16,15 +16,15 @@ namespace Pacinian.Zmtp
 
         private const int MaxReads = 16; // at once, of a peer that sends without an end
 
-        private readonly AutoResetEvent _bell;
+        private readonly AutoResetEvent _wake;
         private readonly Socket _socket;
         private ReadWatcher _watcher;
         private bool _broken; // nothing can be sent; what has come can still be read
 
-        /// <summary>Begins to connect. bell: is rung when something has come, after <see cref="Watch"/>.</summary>
-        public TcpLink(IPEndPoint at, AutoResetEvent bell)
+        /// <summary>Begins to connect. wake: is set when something has come, after <see cref="Watch"/>.</summary>
+        public TcpLink(IPEndPoint at, AutoResetEvent wake)
         {
-            _bell = bell;
+            _wake = wake;
             try
             {
                 _socket = new Socket(at.AddressFamily, SocketType.Stream, ProtocolType.Tcp) { Blocking = false, NoDelay = true };
@@ -120,12 +120,12 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>The bell is to be rung once, now or when something comes.</summary>
+        /// <summary>The wake event is to be set once, now or when something comes.</summary>
         public void Watch()
         {
             if (Connected && !Closed)
             {
-                _watcher = _watcher ?? new ReadWatcher(_socket, _bell);
+                _watcher = _watcher ?? new ReadWatcher(_socket, _wake);
                 _watcher.Arm();
             }
         }

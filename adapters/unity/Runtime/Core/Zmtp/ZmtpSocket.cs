@@ -6,17 +6,17 @@ namespace Pacinian.Zmtp
 {
     /// <summary>
     /// A DEALER or SUB socket with one peer, to which it connects. Belongs to one thread and never waits: <see cref="Work"/>
-    /// is to be called again when the bell is rung, and at the latest after <see cref="Patience"/>.
+    /// is to be called again when the wake event is set, and at the latest after <see cref="Patience"/>.
     /// </summary>
     internal sealed class ZmtpSocket
     {
         private const double FirstPause = 0.1, LongestPause = 2.0; // [s] before it connects again
-        private const double PollInterval = 0.002; // [s] between two looks at what rings no bell: a connection, and room to send
+        private const double PollInterval = 0.002; // [s] between two looks at what sets no wake event: a connection, and room to send
         private const int MaxReads = 16; // of a peer that sends without an end, for one message
 
         private readonly ZmtpSettings _settings;
         private readonly IPEndPoint _at;
-        private readonly AutoResetEvent _bell;
+        private readonly AutoResetEvent _wake;
         private readonly Func<double> _clock;
         private readonly bool _reconnects;
         private TcpLink _link;
@@ -25,12 +25,12 @@ namespace Pacinian.Zmtp
         private Ending _unconnected;
 
         /// <summary>Begins to connect. reconnects: again and again; else its end is its end. clock [s].</summary>
-        public ZmtpSocket(ZmtpSettings settings, IPEndPoint at, bool reconnects, AutoResetEvent bell, Func<double> clock)
+        public ZmtpSocket(ZmtpSettings settings, IPEndPoint at, bool reconnects, AutoResetEvent wake, Func<double> clock)
         {
             _settings = settings;
             _at = at;
             _reconnects = reconnects;
-            _bell = bell;
+            _wake = wake;
             _clock = clock;
             Work();
         }
@@ -53,7 +53,7 @@ namespace Pacinian.Zmtp
             get { return _connection != null && _connection.HasRoom; }
         }
 
-        /// <summary>How long it can be left alone unless the bell is rung [s].</summary>
+        /// <summary>How long it can be left alone unless the wake event is set [s].</summary>
         public double Patience
         {
             get
@@ -64,7 +64,7 @@ namespace Pacinian.Zmtp
                 }
                 if (_connection != null && _connection.Established && _connection.Input.IsUnread)
                 {
-                    return 0.0; // it was read from TCP, so that no bell rings for it
+                    return 0.0; // it was read from TCP, so that no wake event is set for it
                 }
                 bool looks = _connection == null || _connection.Output.Count > 0;
                 return looks ? PollInterval : _settings.PingInterval > 0.0 ? _settings.PingInterval : double.PositiveInfinity;
@@ -158,7 +158,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>The bell is to be rung when something comes.</summary>
+        /// <summary>The wake event is to be set when something comes.</summary>
         public void Watch()
         {
             if (_link != null && Current == Ending.None)
@@ -184,7 +184,7 @@ namespace Pacinian.Zmtp
             _connection = null;
             _unconnected = Ending.None;
             _begun = now;
-            _link = new TcpLink(_at, _bell);
+            _link = new TcpLink(_at, _wake);
         }
 
         private bool ReadBytes(double now)

@@ -12,7 +12,7 @@ public class PacinianCore : ModuleRules
         bEnableExceptions = false;
         bUseRTTI = false;
         PrivateIncludePaths.Add(Path.Combine(ModuleDirectory, "Private"));
-        PrivateDependencyModuleNames.AddRange(new string[] { "Core", "Projects", "MsgPack" });
+        PrivateDependencyModuleNames.AddRange(new string[] { "Core", "Projects" });
         string Header = Path.Combine(ModuleDirectory, "..", "ThirdParty", "ZeroMQ", "Include", "zmq.h");
         ExternalDependencies.Add(Header); // the module is built again when it comes or goes
         if (File.Exists(Header))

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import matvec
+from pacinian_plugins.solvers.lagrange.convex import gram_scale
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 from pacinian_plugins.solvers.lagrange.convex.smoothing import Smoothing
-from pacinian_plugins.solvers.lagrange.pacing import in_time
+from pacinian_plugins.solvers.lagrange.newton_time import has_time
 
 if TYPE_CHECKING:
     import pacinian as pc
     from pacinian.types import Complexes
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual
-    from pacinian_plugins.solvers.lagrange.convex.newton import Newton, State
+    from pacinian_plugins.solvers.lagrange.convex.newton_step import Newton, State
 
 SLOW, IDLE = 1e-4, 4  # stop after IDLE steps in a row that promise less than SLOW of the tolerance
 FAINT = 0.1  # strength, relative to a row of A and the tolerance, up to which it counts as 0
@@ -62,7 +62,7 @@ def ascend_dual(
     newton: Newton, dual: Dual, state: State, budget: pc.Budget, tolerance: float, steps: int
 ) -> Answer:
     """Ascend from `state` to a relative gap of `tolerance`, in at most `steps` steps."""
-    c, scale = dual.along, matvec.mean_square(newton.gram)
+    c, scale = dual.along, gram_scale.mean_square(newton.gram)
     work = dual.A.shape[0] * dual.A.size
     best: Trial | None = None
     bound, smooth, idle = -math.inf, Smoothing(), 0
@@ -78,7 +78,7 @@ def ascend_dual(
             break
         if c is not None and -bound <= FAINT * tolerance:
             break  # no gains can make these proportions
-        if budget.spent or not in_time(budget, work):
+        if budget.spent or not has_time(budget, work):
             late = True
             break
         if best.excess > 0.0 and c is None and dual.impossible(point.y, scale):

@@ -13,7 +13,7 @@ from pacinian.solving.propagator import gram_matrix as product
 from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
 from pacinian_plugins.solvers.lagrange.convex.dual_ascent import ascend_dual
-from pacinian_plugins.solvers.lagrange.convex.newton import Newton
+from pacinian_plugins.solvers.lagrange.convex.newton_step import Newton
 from pacinian_plugins.solvers.lagrange.convex.start import begin
 
 if TYPE_CHECKING:

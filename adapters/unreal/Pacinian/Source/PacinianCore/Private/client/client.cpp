@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "checking.h"
-#include "inside.h"
+#include "object_validation.h"
+#include "client_impl.h"
 #include "pacinian/wire/bulk.h"
 
 namespace pacinian {
@@ -38,12 +38,12 @@ double steady_clock() {
 }
 
 template <class Act>
-bool Client::Inside::tell(Act act) {
+bool Client::Impl::tell(Act act) {
   return is_games_thread("a call") && worker && worker->mailbox().tell(session, act);
 }
 
 /// Whether a call comes from the thread that ticked last, or none has; if not, that is told, once.
-bool Client::Inside::is_games_thread(const char* call) {
+bool Client::Impl::is_games_thread(const char* call) {
   const std::thread::id game = thread.load();
   if (game == std::thread::id() || game == std::this_thread::get_id()) return true;
   const std::lock_guard<std::mutex> guard(lock);
@@ -52,17 +52,17 @@ bool Client::Inside::is_games_thread(const char* call) {
 }
 
 template <class Act>
-bool Client::Inside::command(Act act) {
+bool Client::Impl::command(Act act) {
   const Stamp stamp{options.clock(), options.life, true};
   return tell([&](Outbox& box, Requests&) { act(box, stamp); });
 }
 
-bool Client::Inside::ask(Request request) {
+bool Client::Impl::ask(Request request) {
   return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
 }
 
 /// Refuses aloud what is lost without a session: once, until the next. Not what is sent in each frame.
-bool Client::Inside::told(const char* what, bool done) {
+bool Client::Impl::told(const char* what, bool done) {
   if (done || !is_games_thread(what) || std::exchange(told_no_session, true)) return done;
   const std::string start = worker ? "" : "call start, and ";
   refusals.push_back({"session", std::string("`") + what + "` was asked for, but there is no session", "",

@@ -2,23 +2,23 @@
 #include <cstdio>
 #include <utility>
 
-#include "inside.h"
+#include "client_impl.h"
 #include "pacinian/wire/bulk.h"
 
 namespace pacinian {
 
 using client::Event;
 
-Client::Inside::Inside(Options given)
-    : options(std::move(given)), stopper(options, [this](const std::string& why) { stopped(why); }) {}
+Client::Impl::Impl(Options given)
+    : options(std::move(given)), emergency_stop(options, [this](const std::string& why) { stopped(why); }) {}
 
-Client::Client(Options options) : in_(std::make_unique<Inside>(std::move(options))) {}
+Client::Client(Options options) : in_(std::make_unique<Impl>(std::move(options))) {}
 
 Client::~Client() { close(); }
 
 void Client::start() {
   if (in_->worker) return;
-  auto worker = std::make_unique<client::Worker>(in_->options, in_->stopper);
+  auto worker = std::make_unique<client::Worker>(in_->options, in_->emergency_stop);
   const std::lock_guard<std::mutex> guard(in_->lock);
   in_->worker = std::move(worker);
   in_->view.status = Status::connecting;
@@ -38,17 +38,17 @@ void Client::close() {
 }
 
 void Client::stop() {
-  in_->stopper.stop();
+  in_->emergency_stop.stop();
 }
 
-void Client::Inside::stopped(const std::string& problem) {
+void Client::Impl::stopped(const std::string& problem) {
   const std::lock_guard<std::mutex> guard(lock);
-  if (worker) worker->mailbox().bell.ring();
+  if (worker) worker->mailbox().wake.set();
   stop_problem = problem;
 }
 
 void Client::tick() {
-  Inside& in = *in_;
+  Impl& in = *in_;
   if (in.ticks) return;  // called by one of the events
   in.ticks = true;
   in.thread = std::this_thread::get_id();
@@ -85,7 +85,7 @@ void Client::tick() {
   in.ticks = false;
 }
 
-void Client::Inside::dispatch(Event& event, const Events& on) {
+void Client::Impl::dispatch(Event& event, const Events& on) {
   const Refusal& told = event.refusal;
   switch (event.kind) {
     case Event::Kind::connected:
@@ -132,6 +132,10 @@ const wire::Abilities* Client::capabilities() const { return in_->view.abilities
 const wire::State* Client::state() const { return in_->has_state ? &in_->state : nullptr; }
 const std::vector<wire::TouchState>& Client::touches() const { return in_->touches.now(); }
 RegionFelt Client::felt(std::string_view name) const { return RegionFelt::of(state(), name); }
+
+std::string Refusal::text() const {
+  return code + ": " + message + (path.empty() ? "" : " (" + path + ")") + (advice.empty() ? "" : "; " + advice);
+}
 
 std::string Standstill::text() const {
   char figures[32];

@@ -38,7 +38,7 @@ void set_all(Socket& socket, const Option (&options)[N]) {
   for (const Option& option : options) socket.set(option.option, option.value);
 }
 
-bool set_keys(Socket& socket, const Connection& given) {
+bool set_keys(Socket& socket, const ConnectionFile& given) {
   for (const std::string* key : {&given.server_key, &given.public_key, &given.secret_key})
     if (key->size() != key_size) return false;
   return socket.set(ZMQ_CURVE_SERVERKEY, given.server_key) && socket.set(ZMQ_CURVE_PUBLICKEY, given.public_key) &&
@@ -56,7 +56,7 @@ struct Line {
 
 class LibzmqTransport final : public Transport {
  public:
-  bool open(const Connection& connection, bool to_all, Loss& loss) {
+  bool open(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
     for (std::size_t i = 0; i < (to_all ? lines_.size() : 1); ++i)
       if (!open(channels[i], connection, loss)) return false;
     count_ = to_all ? lines_.size() : 1;
@@ -79,7 +79,7 @@ class LibzmqTransport final : public Transport {
     return {};
   }
 
-  void wait(double seconds, const Bell* bell) override {
+  void wait(double seconds, const WakeEvent* wake) override {
     std::array<zmq_pollitem_t, 2 * channels.size() + 1> items;
     int count = 0;
     const auto watch = [&](void* socket, short events) {
@@ -91,15 +91,15 @@ class LibzmqTransport final : public Transport {
       watch(lines_[i].monitor.get(), ZMQ_POLLIN);
       lines_[i].is_full = false;
     }
-    if (bell && bell->handle() != zmtp::native::no_handle)
-      items[static_cast<std::size_t>(count++)] = {nullptr, bell->handle(), ZMQ_POLLIN, 0};
+    if (wake && wake->handle() != zmtp::native::no_handle)
+      items[static_cast<std::size_t>(count++)] = {nullptr, wake->handle(), ZMQ_POLLIN, 0};
     zmq_poll(items.data(), count, static_cast<long>(std::ceil(1e3 * std::max(0.0, seconds))));
   }
 
  private:
   Line& of(Channel channel) { return lines_[static_cast<std::size_t>(channel)]; }
 
-  bool open(Channel channel, const Connection& connection, Loss& loss) {
+  bool open(Channel channel, const ConnectionFile& connection, ConnectionFailure& loss) {
     const bool is_state = channel == Channel::state;
     Line& line = of(channel);
     line.socket.open(context_, is_state ? ZMQ_SUB : ZMQ_DEALER);
@@ -146,7 +146,7 @@ class LibzmqTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> connect_by_libzmq(const Connection& connection, bool to_all, Loss& loss) {
+std::unique_ptr<Transport> connect_by_libzmq(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
   auto made = std::make_unique<LibzmqTransport>();
   if (!made->open(connection, to_all, loss)) return nullptr;
   return made;

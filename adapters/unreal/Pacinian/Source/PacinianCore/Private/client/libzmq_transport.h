@@ -8,6 +8,6 @@ namespace pacinian::client {
 
 /// By libzmq, for a server on another machine, whose connection file has CURVE keys. It is there where
 /// PACINIAN_LIBZMQ is defined.
-std::unique_ptr<Transport> connect_by_libzmq(const Connection& connection, bool to_all, Loss& loss);
+std::unique_ptr<Transport> connect_by_libzmq(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss);
 
 }  // namespace pacinian::client

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "bell.h"
+#include "wake_event.h"
 #include "outbox.h"
-#include "told.h"
+#include "worker_messages.h"
 
 namespace pacinian::client {
 
@@ -19,7 +19,7 @@ namespace pacinian::client {
 class Mailbox {
  public:
   /// Ends the worker's wait.
-  Bell bell;
+  WakeEvent wake;
 
   // The game's side.
 
@@ -31,7 +31,7 @@ class Mailbox {
       if (session == 0 || session != session_) return false;
       act(*filling_, requests_);
     }
-    bell.ring();
+    wake.set();
     return true;
   }
 
@@ -43,15 +43,15 @@ class Mailbox {
   /// The game is alive at `time` [s].
   Pause tick(double time) {
     const double before = ticked_.exchange(time), longest = longest_step_.exchange(0.0);
-    if (wants_tick_.exchange(false)) bell.ring();
+    if (wants_tick_.exchange(false)) wake.set();
     return {time - before, std::max(longest, time - stepped_.load())};
   }
 
   /// Takes what has been told since. True if there is a newer state.
-  bool collect(View& view, std::vector<Event>& events, wire::State& state) {
+  bool collect(SessionStatus& view, std::vector<Event>& events, wire::State& state) {
     const std::lock_guard<std::mutex> guard(lock_);
     std::swap(events, events_);
-    if (std::exchange(viewed_, false)) view = view_;
+    if (std::exchange(viewed_, false)) view = status_;
     if (!std::exchange(fresh_, false)) return false;
     std::swap(state, state_);
     return true;
@@ -104,9 +104,9 @@ class Mailbox {
     events.clear();
   }
 
-  void show(const View& view) {
+  void show(const SessionStatus& view) {
     const std::lock_guard<std::mutex> guard(lock_);
-    view_ = view;
+    status_ = view;
     viewed_ = true;
   }
 
@@ -128,7 +128,7 @@ class Mailbox {
   std::vector<Request> requests_;
   std::uint64_t session_ = 0;
   std::vector<Event> events_;
-  View view_;
+  SessionStatus status_;
   wire::State state_;
   bool viewed_ = false, fresh_ = false;
   std::atomic<double> ticked_{-1e300}, longest_step_{0.0};

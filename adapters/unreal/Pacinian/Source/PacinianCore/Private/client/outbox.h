@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "outlet.h"
+#include "message_sink.h"
 #include "pacinian/wire/commands.h"
 
 namespace pacinian::client {
@@ -45,7 +45,7 @@ class Outbox {
   /// What is newer goes over into this one, and out of that.
   void take(Outbox& newer);
   /// Sends what is not too old, until there is no room. True if nothing is left.
-  bool flush(double now, Courier& courier);
+  bool flush(double now, CommandSender& courier);
 
  private:
   using Entries = std::map<std::string, Waiting, std::less<>>;
@@ -55,11 +55,11 @@ class Outbox {
   void drop_overdue(double now);
   bool gather(Stamp Waiting::*kind);
   void sent(Stamp Waiting::*kind);
-  bool send_puts(Courier& courier);
-  bool send_removes(Courier& courier);
-  bool send_moves(Courier& courier);
-  bool send_envelopes(Courier& courier);
-  bool send_rest(Courier& courier);
+  bool send_puts(CommandSender& courier);
+  bool send_removes(CommandSender& courier);
+  bool send_moves(CommandSender& courier);
+  bool send_envelopes(CommandSender& courier);
+  bool send_rest(CommandSender& courier);
 
   Entries entries_;
   std::vector<Entry*> listed_, batch_;  ///< that wait; that go into one message

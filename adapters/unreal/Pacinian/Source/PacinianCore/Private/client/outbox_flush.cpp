@@ -54,7 +54,7 @@ void Outbox::drop_overdue(double now) {
   for (Stamp* stamp : {&clear_, &hands_, &quiet_}) drop(*stamp);
 }
 
-bool Outbox::send_removes(Courier& courier) {
+bool Outbox::send_removes(CommandSender& courier) {
   wire::Remove message;
   while (gather(&Waiting::removed)) {
     message.names.clear();
@@ -65,7 +65,7 @@ bool Outbox::send_removes(Courier& courier) {
   return true;
 }
 
-bool Outbox::send_puts(Courier& courier) {
+bool Outbox::send_puts(CommandSender& courier) {
   while (gather(&Waiting::put)) {
     wire::Put message;
     std::size_t filled = 0, count = 0;
@@ -83,7 +83,7 @@ bool Outbox::send_puts(Courier& courier) {
   return true;
 }
 
-bool Outbox::send_moves(Courier& courier) {
+bool Outbox::send_moves(CommandSender& courier) {
   while (gather(&Waiting::moved)) {
     move_message_.names.resize(batch_.size());
     move_message_.poses.clear();
@@ -106,7 +106,7 @@ bool Outbox::send_moves(Courier& courier) {
   return true;
 }
 
-bool Outbox::send_envelopes(Courier& courier) {
+bool Outbox::send_envelopes(CommandSender& courier) {
   for (Entry* entry : listed_) {
     Waiting& waiting = entry->second;
     if (!waiting.enveloped.waits) continue;
@@ -119,7 +119,7 @@ bool Outbox::send_envelopes(Courier& courier) {
   return true;
 }
 
-bool Outbox::send_rest(Courier& courier) {
+bool Outbox::send_rest(CommandSender& courier) {
   if (hands_.waits && !courier.send(hands_message_, hands_)) return false;
   hands_.waits = false;
   if (quiet_.waits && !courier.send(quiet_message_, quiet_)) return false;
@@ -127,7 +127,7 @@ bool Outbox::send_rest(Courier& courier) {
   return true;
 }
 
-bool Outbox::flush(double now, Courier& courier) {
+bool Outbox::flush(double now, CommandSender& courier) {
   if (empty()) return true;
   drop_overdue(now);
   if (clear_.waits) {

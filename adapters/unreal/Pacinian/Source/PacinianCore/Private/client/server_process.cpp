@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "child.h"
-#include "connection.h"
+#include "connection_file.h"
 #include "pacinian/client/options.h"
 
 namespace pacinian {
@@ -18,6 +18,8 @@ constexpr double first_pause = 2.0, longest_pause = 30.0;  // [s] between two st
 constexpr double well = 10.0;                 // [s] after which the next pause is the first again
 constexpr std::chrono::milliseconds look{10};  // between two looks whether it has ended
 constexpr std::streamoff tail = 2000;         // of a log [bytes]
+constexpr char advice[] = "install Pacinian, or give the program's full path";
+constexpr int killed = -9;                    // code of a child that SIGKILL has ended
 
 /// The last line of a log; empty if there is none.
 std::string last_line(const std::string& path) {
@@ -32,8 +34,8 @@ std::string last_line(const std::string& path) {
 
 }  // namespace
 
-struct ServerProcess::Inside {
-  explicit Inside(Options given) : options(std::move(given)) {}
+struct ServerProcess::Impl {
+  explicit Impl(Options given) : options(std::move(given)) {}
 
   bool begin(double now) {
     std::vector<std::string> command = {options.program, "serve", "--until-eof"};
@@ -42,7 +44,7 @@ struct ServerProcess::Inside {
     command.insert(command.end(), options.arguments.begin(), options.arguments.end());
     std::string why;
     child = client::Child::start(command, options.log, why);
-    problem = child ? "" : options.program + " cannot be started: " + why;
+    problem = child ? "" : options.program + " cannot be started: " + why + "; " + advice;
     started = now;
     rest(now);
     return child != nullptr;
@@ -56,7 +58,8 @@ struct ServerProcess::Inside {
 
   void bury(double now) {
     const std::string said = options.log.empty() ? "" : last_line(options.log);
-    problem = "the server has ended, with exit code " + std::to_string(child->code());
+    problem = child->code() == killed ? "the server was killed (signal 9)"
+                                      : "the server has ended, with exit code " + std::to_string(child->code());
     problem += said.empty() ? "" : ": " + said;
     child.reset();
     rest(now);
@@ -69,12 +72,12 @@ struct ServerProcess::Inside {
   double started = 0.0, due = 0.0, pause = first_pause;
 };
 
-ServerProcess::ServerProcess(Options options) : in_(std::make_unique<Inside>(std::move(options))) {}
+ServerProcess::ServerProcess(Options options) : in_(std::make_unique<Impl>(std::move(options))) {}
 
 ServerProcess::~ServerProcess() { stop(); }
 
 bool ServerProcess::start() {
-  Inside& in = *in_;
+  Impl& in = *in_;
   if (runs()) return true;
   if (client::is_text(in.options.connection_path))
     return in.problem = "a connection that is given as text is of a server elsewhere: none is started here", false;
@@ -82,7 +85,7 @@ bool ServerProcess::start() {
   in.wanted = true;
   in.pause = first_pause;
   in.problem.clear();
-  client::Connection other;
+  client::ConnectionFile other;
   std::string why;
   if (!other.read(in.options.connection_path, why)) return in.begin(now);
   in.rest(now);
@@ -90,7 +93,7 @@ bool ServerProcess::start() {
 }
 
 void ServerProcess::tick(bool connected) {
-  Inside& in = *in_;
+  Impl& in = *in_;
   const double now = steady_clock();
   if (!in.wanted) return;
   if (in.child && !in.child->runs()) in.bury(now);

@@ -30,7 +30,7 @@ zmtp::Settings make_settings(Channel channel, const std::string& token) {
 
 class TokenTransport final : public Transport {
  public:
-  bool open(const Connection& connection, bool to_all, Loss& loss) {
+  bool open(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
     const std::size_t size = connection.token.size();
     if (size == 0 || size > zmtp::Login::max_size) {
       loss = {"the connection has no token, or no keys of a client", true};
@@ -66,9 +66,9 @@ class TokenTransport final : public Transport {
     return {};
   }
 
-  void wait(double seconds, const Bell* bell) override {
+  void wait(double seconds, const WakeEvent* wake) override {
     std::array<zmtp::native::Watch, channels.size() + 1> watches;
-    if (bell) watches.back() = {bell->handle(), true, false, false};
+    if (wake) watches.back() = {wake->handle(), true, false, false};
     const double now = steady_clock();
     for (std::size_t i = 0; i < sockets_.size(); ++i) {
       if (!sockets_[i]) continue;
@@ -88,7 +88,7 @@ class TokenTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> connect_by_token(const Connection& connection, bool to_all, Loss& loss) {
+std::unique_ptr<Transport> connect_by_token(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
   auto made = std::make_unique<TokenTransport>();
   if (!made->open(connection, to_all, loss)) return nullptr;
   return made;

@@ -16,7 +16,7 @@ constexpr char no_libzmq[] =
 
 }  // namespace
 
-std::unique_ptr<Transport> connect(const Connection& connection, bool to_all, Loss& loss) {
+std::unique_ptr<Transport> connect(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
   if (connection.server_key.empty()) return connect_by_token(connection, to_all, loss);
 #ifdef PACINIAN_LIBZMQ
   return connect_by_libzmq(connection, to_all, loss);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "bell.h"
-#include "connection.h"
-#include "loss.h"
+#include "wake_event.h"
+#include "connection_file.h"
+#include "connection_failure.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::client {
@@ -32,12 +32,12 @@ class Transport {
 
   virtual End ended() = 0;
 
-  /// Waits until something has come, the bell rings, or so long [s].
-  virtual void wait(double seconds, const Bell* bell) = 0;
+  /// Waits until something has come, the wake event is set, or so long [s].
+  virtual void wait(double seconds, const WakeEvent* wake) = 0;
 };
 
 /// Begins to connect, to all channels or to `control` alone: with a token by the system's sockets, with CURVE keys by
 /// libzmq. Null, with the reason, if it cannot.
-std::unique_ptr<Transport> connect(const Connection& connection, bool to_all, Loss& loss);
+std::unique_ptr<Transport> connect(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss);
 
 }  // namespace pacinian::client

@@ -7,21 +7,21 @@
 #include <thread>
 #include <vector>
 
-#include "attempts.h"
-#include "connection.h"
-#include "dialogue.h"
+#include "reconnect_backoff.h"
+#include "connection_file.h"
+#include "server_session.h"
 #include "mailbox.h"
 #include "pacinian/client/options.h"
-#include "stopper.h"
+#include "emergency_stop.h"
 #include "transport.h"
 
 namespace pacinian::client {
 
 /// The thread that owns all sockets, from when it is made until it is destroyed.
-class Worker final : private Outlet {
+class Worker final : private MessageSink {
  public:
-  /// stopper: while it is busy, resets wait; is told how we connect.
-  Worker(const Options& options, Stopper& stopper);
+  /// emergency_stop: while it is busy, resets wait; is told how we connect.
+  Worker(const Options& options, EmergencyStop& emergency_stop);
   ~Worker();
 
   Mailbox& mailbox() { return mailbox_; }
@@ -46,20 +46,20 @@ class Worker final : private Outlet {
   void leave();
 
   const Options options_;
-  Stopper& stopper_;
+  EmergencyStop& emergency_stop_;
   Mailbox mailbox_;
   std::atomic<bool> quits_{false};
 
   // All below are the thread's own.
-  Attempts attempts_;
-  Dialogue dialogue_;
-  Connection connection_;
+  ReconnectBackoff backoff_;
+  ServerSession session_;
+  ConnectionFile connection_;
   std::unique_ptr<Transport> transport_;  ///< null: not connected
   wire::Bytes message_;
   double held_ = never;  ///< when the state in `incoming_` came
   Outbox* outbox_;
   std::vector<Request> requests_;
-  View view_;
+  SessionStatus status_;
   wire::AnyState incoming_;
   std::uint64_t sessions_ = 0;
   std::thread thread_;

@@ -20,12 +20,12 @@ wire::Hello Worker::introduce(const Options& options) {
 }
 
 void Worker::connect(double now) {
-  Loss loss;
+  ConnectionFailure loss;
   held_ = never;
   if (connection_.read(options_.connection_path, loss.why)) transport_ = client::connect(connection_, true, loss);
-  if (transport_) return dialogue_.begin(now);
+  if (transport_) return session_.begin(now);
   disconnect();
-  attempts_.failed(loss, options_.clock());
+  backoff_.failed(loss, options_.clock(), ReconnectBackoff::unasked);
 }
 
 void Worker::disconnect() {
@@ -35,10 +35,10 @@ void Worker::disconnect() {
 
 void Worker::leave() {
   if (!transport_) return;
-  dialogue_.bye(*this);
+  session_.bye(*this);
   const double end = options_.clock() + max_farewell;
   double left = max_farewell;
-  while (dialogue_.leaving() && !dialogue_.loss() && left > 0.0) {
+  while (session_.leaving() && !session_.loss() && left > 0.0) {
     transport_->wait(left, nullptr);
     hear();
     left = end - options_.clock();

@@ -9,10 +9,9 @@ namespace pacinian::wire {
 namespace {
 
 template <class T>
-bool decode(const std::uint8_t* data, std::size_t size, T& out, WireError& error,
-            std::int64_t longest) {
-  if (size > static_cast<std::size_t>(longest)) {
-    error = {"is " + std::to_string(size) + " bytes: keep to " + std::to_string(longest), "$"};
+bool decode(const std::uint8_t* data, std::size_t size, T& out, WireError& error) {
+  if (size > static_cast<std::size_t>(MAX_REPLY_BYTES)) {
+    error = {"is " + std::to_string(size) + " bytes: keep to " + std::to_string(MAX_REPLY_BYTES), "$"};
     return false;
   }
   Reader in(data, size);
@@ -23,22 +22,12 @@ bool decode(const std::uint8_t* data, std::size_t size, T& out, WireError& error
 
 }  // namespace
 
-bool decode_command(const std::uint8_t* data, std::size_t size, AnyCommand& out,
-                    WireError& error) {
-  return decode(data, size, out, error, MAX_COMMAND_BYTES);
-}
-
-bool decode_control(const std::uint8_t* data, std::size_t size, AnyControl& out,
-                    WireError& error) {
-  return decode(data, size, out, error, MAX_CONTROL_BYTES);
-}
-
 bool decode_reply(const std::uint8_t* data, std::size_t size, AnyReply& out, WireError& error) {
-  return decode(data, size, out, error, MAX_REPLY_BYTES);
+  return decode(data, size, out, error);
 }
 
 bool decode_state(const std::uint8_t* data, std::size_t size, AnyState& out, WireError& error) {
-  return decode(data, size, out, error, MAX_REPLY_BYTES);
+  return decode(data, size, out, error);
 }
 
 }  // namespace pacinian::wire

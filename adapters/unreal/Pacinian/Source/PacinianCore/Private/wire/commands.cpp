@@ -8,488 +8,131 @@
 
 namespace pacinian::wire {
 
-bool Put::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "objects")
-      seen |= 1ull << 5, good = in.entries(objects, {1, 64}, {0, 256},
-          [&](Object& item) { return in.one_of(item); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("objects");
-  return true;
-}
-
-void Put::write(Writer& out) const {
+void write(Writer& out, const Put& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("objects", objects);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("objects", message.objects);
 }
 
-bool Move::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "names")
-      seen |= 1ull << 5, good = in.items(names, {0, 256},
-          [&](std::string& item) { return in.get(item, {1, 64}); });
-    else if (key == "poses")
-      seen |= 1ull << 6, good = in.get(poses, {0, 7168});
-    else if (key == "velocities")
-      seen |= 1ull << 7, good = in.get(velocities, {0, 6144});
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("names");
-  if (!(seen & 1ull << 6)) return in.missing("poses");
-  if (!(seen & 1ull << 7)) velocities.clear();
-  return rows(in, "poses", poses, 7, {names.size()}) &&
-         within(in, "poses", poses, -10.0, 10.0) &&
-         (velocities.empty() || rows(in, "velocities", velocities, 6, {names.size()})) &&
-         within(in, "velocities", velocities, -100.0, 100.0);
-}
-
-void Move::write(Writer& out) const {
+void write(Writer& out, const Move& message) {
   out.map(9);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("names", names);
-  out.field("poses", poses);
-  out.field("velocities", velocities);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("names", message.names);
+  out.field("poses", message.poses);
+  out.field("velocities", message.velocities);
 }
 
-bool Remove::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "names")
-      seen |= 1ull << 5, good = in.items(names, {0, 256},
-          [&](std::string& item) { return in.get(item, {1, 64}); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("names");
-  return true;
-}
-
-void Remove::write(Writer& out) const {
+void write(Writer& out, const Remove& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("names", names);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("names", message.names);
 }
 
-bool Clear::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  return true;
-}
-
-void Clear::write(Writer& out) const {
+void write(Writer& out, const Clear& message) {
   out.map(6);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
 }
 
-bool Envelopes::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "names")
-      seen |= 1ull << 5, good = in.items(names, {0, 256},
-          [&](std::string& item) { return in.get(item, {1, 64}); });
-    else if (key == "envelope")
-      seen |= 1ull << 6, good = in.one_of(envelope);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("names");
-  if (!(seen & 1ull << 6)) return in.missing("envelope");
-  return true;
-}
-
-void Envelopes::write(Writer& out) const {
+void write(Writer& out, const Envelopes& message) {
   out.map(8);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("names", names);
-  out.field("envelope", envelope);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("names", message.names);
+  out.field("envelope", message.envelope);
 }
 
-bool HandFrame::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "side")
-      seen |= 1ull << 0, good = in.choice(side);
-    else if (key == "name")
-      seen |= 1ull << 1, good = in.get(name, {0, 64});
-    else if (key == "joints")
-      seen |= 1ull << 2, good = in.get(joints, {0, 312});
-    else if (key == "radii")
-      seen |= 1ull << 3, good = in.get(radii, {0, 104});
-    else if (key == "velocities")
-      seen |= 1ull << 4, good = in.get(velocities, {0, 312});
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) side = HandFrameSide::right;
-  if (!(seen & 1ull << 1)) name.clear();
-  if (!(seen & 1ull << 2)) joints.clear();
-  if (!(seen & 1ull << 3)) radii.clear();
-  if (!(seen & 1ull << 4)) velocities.clear();
-  return (joints.empty() || rows(in, "joints", joints, 3, {26})) &&
-         (radii.empty() || rows(in, "radii", radii, 1, {26})) &&
-         (velocities.empty() || rows(in, "velocities", velocities, 3, {26, 1}));
-}
-
-void HandFrame::write(Writer& out) const {
+void write(Writer& out, const HandFrame& message) {
   out.map(5);
-  out.field("side", side);
-  out.field("name", name);
-  out.field("joints", joints);
-  out.field("radii", radii);
-  out.field("velocities", velocities);
+  out.field("side", message.side);
+  out.field("name", message.name);
+  out.field("joints", message.joints);
+  out.field("radii", message.radii);
+  out.field("velocities", message.velocities);
 }
 
-bool Hands::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "hands")
-      seen |= 1ull << 5, good = in.items(hands, {0, 8},
-          [&](HandFrame& item) { return in.part(item); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("hands");
-  return true;
-}
-
-void Hands::write(Writer& out) const {
+void write(Writer& out, const Hands& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("hands", hands);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("hands", message.hands);
 }
 
-bool Zone::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "position")
-      seen |= 1ull << 0, good = in.tuple(position,
-          [&](double& item) { return in.get(item, {-10.0, 10.0}); });
-    else if (key == "pressure")
-      seen |= 1ull << 1, good = in.get(pressure, {0.0, 1000000.0});
-    else if (key == "radius")
-      seen |= 1ull << 2, good = in.get(radius, {0.0, 1.0});
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("position");
-  if (!(seen & 1ull << 1)) return in.missing("pressure");
-  if (!(seen & 1ull << 2)) radius = 0.0;
-  return true;
-}
-
-void Zone::write(Writer& out) const {
+void write(Writer& out, const Zone& message) {
   out.map(3);
-  out.field("position", position);
-  out.field("pressure", pressure);
-  out.field("radius", radius);
+  out.field("position", message.position);
+  out.field("pressure", message.pressure);
+  out.field("radius", message.radius);
 }
 
-bool Quiet::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "zones")
-      seen |= 1ull << 5, good = in.items(zones, {0, 16}, [&](Zone& item) { return in.part(item); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("zones");
-  return true;
-}
-
-void Quiet::write(Writer& out) const {
+void write(Writer& out, const Quiet& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("zones", zones);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("zones", message.zones);
 }
 
-bool Field::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "points")
-      seen |= 1ull << 5, good = in.get(points, {0, 786432});
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) return in.missing("points");
-  return rows(in, "points", points, 3, {}) &&
-         within(in, "points", points, -10.0, 10.0);
-}
-
-void Field::write(Writer& out) const {
+void write(Writer& out, const Field& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("points", points);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("points", message.points);
 }
 
-bool Show::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else if (key == "ttl")
-      seen |= 1ull << 3, good = in.get(ttl, {0.0, 60.0});
-    else if (key == "id")
-      seen |= 1ull << 4, good = in.get(id, 0, 4294967295);
-    else if (key == "scene")
-      seen |= 1ull << 5, good = in.get(scene, {0, 64});
-    else if (key == "since")
-      seen |= 1ull << 6, good = in.get(since, 0, 9007199254740992);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) return in.missing("sequence");
-  if (!(seen & 1ull << 2)) return in.missing("time");
-  if (!(seen & 1ull << 3)) ttl = 1.0;
-  if (!(seen & 1ull << 4)) id = 0;
-  if (!(seen & 1ull << 5)) scene.clear();
-  if (!(seen & 1ull << 6)) since = 0;
-  return true;
-}
-
-void Show::write(Writer& out) const {
+void write(Writer& out, const Show& message) {
   out.map(8);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("ttl", ttl);
-  out.field("id", id);
-  out.field("scene", scene);
-  out.field("since", since);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
+  out.field("ttl", message.ttl);
+  out.field("id", message.id);
+  out.field("scene", message.scene);
+  out.field("since", message.since);
 }
 
 }  // namespace pacinian::wire

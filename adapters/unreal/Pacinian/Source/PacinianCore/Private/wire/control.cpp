@@ -8,357 +8,101 @@
 
 namespace pacinian::wire {
 
-bool Hello::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
-    else if (key == "protocol")
-      seen |= 1ull << 1, good = in.tuple(protocol,
-          [&](std::int64_t& item) { return in.get(item, 0, 65535); });
-    else if (key == "client")
-      seen |= 1ull << 2, good = in.get(client, {1, 64});
-    else if (key == "version")
-      seen |= 1ull << 3, good = in.get(version, {0, 200});
-    else if (key == "scene")
-      seen |= 1ull << 4, good = in.get(scene, {0, 64});
-    else if (key == "lease")
-      seen |= 1ull << 5, good = in.maybe(lease,
-          [&](double& item) { return in.get(item, {0.02, 10.0}); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) id = 0;
-  if (!(seen & 1ull << 1)) return in.missing("protocol");
-  if (!(seen & 1ull << 2)) return in.missing("client");
-  if (!(seen & 1ull << 3)) version.clear();
-  if (!(seen & 1ull << 4)) scene.clear();
-  if (!(seen & 1ull << 5)) lease.reset();
-  return true;
-}
-
-void Hello::write(Writer& out) const {
+void write(Writer& out, const Hello& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("protocol", protocol);
-  out.field("client", client);
-  out.field("version", version);
-  out.field("scene", scene);
-  out.field("lease", lease);
+  out.text(message.tag);
+  out.field("id", message.id);
+  out.field("protocol", message.protocol);
+  out.field("client", message.client);
+  out.field("version", message.version);
+  out.field("scene", message.scene);
+  out.field("lease", message.lease);
 }
 
-bool Renew::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else if (key == "sequence")
-      seen |= 1ull << 2, good = in.get(sequence, 1, 9007199254740992);
-    else if (key == "time")
-      seen |= 1ull << 3, good = in.get(time, {-1000000000000.0, 1000000000000.0});
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  if (!(seen & 1ull << 2)) return in.missing("sequence");
-  if (!(seen & 1ull << 3)) return in.missing("time");
-  return true;
-}
-
-void Renew::write(Writer& out) const {
+void write(Writer& out, const Renew& message) {
   out.map(5);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
-  out.field("sequence", sequence);
-  out.field("time", time);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
+  out.field("sequence", message.sequence);
+  out.field("time", message.time);
 }
 
-bool Arm::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else if (key == "take")
-      seen |= 1ull << 2, good = in.get(take);
-    else if (key == "resume")
-      seen |= 1ull << 3, good = in.get(resume);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  if (!(seen & 1ull << 2)) take = false;
-  if (!(seen & 1ull << 3)) resume = false;
-  return true;
-}
-
-void Arm::write(Writer& out) const {
+void write(Writer& out, const Arm& message) {
   out.map(5);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
-  out.field("take", take);
-  out.field("resume", resume);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
+  out.field("take", message.take);
+  out.field("resume", message.resume);
 }
 
-bool Disarm::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  return true;
-}
-
-void Disarm::write(Writer& out) const {
+void write(Writer& out, const Disarm& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
 }
 
-bool Stop::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) id = 0;
-  return true;
-}
-
-void Stop::write(Writer& out) const {
+void write(Writer& out, const Stop& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("id", message.id);
 }
 
-bool Reset::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  return true;
-}
-
-void Reset::write(Writer& out) const {
+void write(Writer& out, const Reset& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
 }
 
-bool Choice::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "name")
-      seen |= 1ull << 0, good = in.get(name, {1, 64});
-    else if (key == "options")
-      seen |= 1ull << 1, good = in.entries(options, {1, 64}, {0, 32},
-          [&](Scalar& item) { return in.get(item, {-1e+300, 1e+300}, {0, 200}); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("name");
-  if (!(seen & 1ull << 1)) options.clear();
-  return true;
-}
-
-void Choice::write(Writer& out) const {
+void write(Writer& out, const Choice& message) {
   out.map(2);
-  out.field("name", name);
-  out.field("options", options);
+  out.field("name", message.name);
+  out.field("options", message.options);
 }
 
-bool Select::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else if (key == "solver")
-      seen |= 1ull << 2, good = in.maybe(solver, [&](Choice& item) { return in.part(item); });
-    else if (key == "backend")
-      seen |= 1ull << 3, good = in.maybe(backend, [&](Choice& item) { return in.part(item); });
-    else if (key == "technique")
-      seen |= 1ull << 4, good = in.maybe(technique,
-          [&](Technique& item) { return in.one_of(item); });
-    else if (key == "intensity")
-      seen |= 1ull << 5, good = in.maybe(intensity,
-          [&](double& item) { return in.get(item, {0.0, 1.0}); });
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  if (!(seen & 1ull << 2)) solver.reset();
-  if (!(seen & 1ull << 3)) backend.reset();
-  if (!(seen & 1ull << 4)) technique.reset();
-  if (!(seen & 1ull << 5)) intensity.reset();
-  return true;
-}
-
-void Select::write(Writer& out) const {
+void write(Writer& out, const Select& message) {
   out.map(7);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
-  out.field("solver", solver);
-  out.field("backend", backend);
-  out.field("technique", technique);
-  out.field("intensity", intensity);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
+  out.field("solver", message.solver);
+  out.field("backend", message.backend);
+  out.field("technique", message.technique);
+  out.field("intensity", message.intensity);
 }
 
-bool Capabilities::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  return true;
-}
-
-void Capabilities::write(Writer& out) const {
+void write(Writer& out, const Capabilities& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
 }
 
-bool Status::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  return true;
-}
-
-void Status::write(Writer& out) const {
+void write(Writer& out, const Status& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
 }
 
-bool Bye::read(Reader& in, std::uint32_t left) {
-  std::uint64_t seen = 0;
-  for (std::string_view key; left > 0; --left) {
-    if (!in.key(key)) return false;
-    bool good = false;
-    if (key == "type")
-      good = in.same(tag);
-    else if (key == "session")
-      seen |= 1ull << 0, good = in.get(session, {16, 16});
-    else if (key == "id")
-      seen |= 1ull << 1, good = in.get(id, 0, 4294967295);
-    else
-      good = in.skip();
-    if (!good) return in.at(key);
-  }
-  if (!(seen & 1ull << 0)) return in.missing("session");
-  if (!(seen & 1ull << 1)) id = 0;
-  return true;
-}
-
-void Bye::write(Writer& out) const {
+void write(Writer& out, const Bye& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("session", session);
-  out.field("id", id);
+  out.text(message.tag);
+  out.field("session", message.session);
+  out.field("id", message.id);
 }
 
 }  // namespace pacinian::wire

@@ -8,274 +8,277 @@
 
 namespace pacinian::wire {
 
-bool Material::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Material& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "stiffness")
-      seen |= 1ull << 0, good = in.maybe(stiffness,
+      seen |= 1ull << 0, good = in.maybe(message.stiffness,
           [&](double& item) { return in.get(item, {0.0, 1000000000000.0, true}); });
     else if (key == "reach")
-      seen |= 1ull << 1, good = in.get(reach, {0.0, 10.0});
+      seen |= 1ull << 1, good = in.get(message.reach, {0.0, 10.0});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) stiffness.reset();
-  if (!(seen & 1ull << 1)) reach = 0.0;
+  if (!(seen & 1ull << 0)) message.stiffness.reset();
+  if (!(seen & 1ull << 1)) message.reach = 0.0;
   return true;
 }
 
-void Material::write(Writer& out) const {
+void write(Writer& out, const Material& message) {
   out.map(2);
-  out.field("stiffness", stiffness);
-  out.field("reach", reach);
+  out.field("stiffness", message.stiffness);
+  out.field("reach", message.reach);
 }
 
-bool Motion::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Motion& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "velocity")
-      seen |= 1ull << 0, good = in.tuple(velocity,
+      seen |= 1ull << 0, good = in.tuple(message.velocity,
           [&](double& item) { return in.get(item, {-100.0, 100.0}); });
     else if (key == "angular_velocity")
-      seen |= 1ull << 1, good = in.tuple(angular_velocity,
+      seen |= 1ull << 1, good = in.tuple(message.angular_velocity,
           [&](double& item) { return in.get(item, {-100.0, 100.0}); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) velocity = {0.0, 0.0, 0.0};
-  if (!(seen & 1ull << 1)) angular_velocity = {0.0, 0.0, 0.0};
+  if (!(seen & 1ull << 0)) message.velocity = {0.0, 0.0, 0.0};
+  if (!(seen & 1ull << 1)) message.angular_velocity = {0.0, 0.0, 0.0};
   return true;
 }
 
-void Motion::write(Writer& out) const {
+void write(Writer& out, const Motion& message) {
   out.map(2);
-  out.field("velocity", velocity);
-  out.field("angular_velocity", angular_velocity);
+  out.field("velocity", message.velocity);
+  out.field("angular_velocity", message.angular_velocity);
 }
 
-bool Point::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Point& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radiation_pressure")
-      seen |= 1ull << 0, good = in.maybe(radiation_pressure,
+      seen |= 1ull << 0, good = in.maybe(message.radiation_pressure,
           [&](double& item) { return in.get(item, {0.0, 1000000.0}); });
     else if (key == "force")
-      seen |= 1ull << 1, good = in.maybe(force,
+      seen |= 1ull << 1, good = in.maybe(message.force,
           [&](double& item) { return in.get(item, {0.0, 1000.0}); });
     else if (key == "envelope")
-      seen |= 1ull << 2, good = in.one_of(envelope);
+      seen |= 1ull << 2, good = in.one_of(message.envelope);
     else if (key == "technique")
-      seen |= 1ull << 3, good = in.maybe(technique,
+      seen |= 1ull << 3, good = in.maybe(message.technique,
           [&](Technique& item) { return in.one_of(item); });
     else if (key == "material")
-      seen |= 1ull << 4, good = in.part(material);
+      seen |= 1ull << 4, good = in.part(message.material);
     else if (key == "motion")
-      seen |= 1ull << 5, good = in.maybe(motion, [&](Motion& item) { return in.part(item); });
+      seen |= 1ull << 5, good = in.maybe(message.motion,
+          [&](Motion& item) { return in.part(item); });
     else if (key == "priority")
-      seen |= 1ull << 6, good = in.get(priority, -1000000, 1000000);
+      seen |= 1ull << 6, good = in.get(message.priority, -1000000, 1000000);
     else if (key == "duration")
-      seen |= 1ull << 7, good = in.maybe(duration,
+      seen |= 1ull << 7, good = in.maybe(message.duration,
           [&](double& item) { return in.get(item, {0.0, 1000000.0, true}); });
     else if (key == "position")
-      seen |= 1ull << 8, good = in.tuple(position,
+      seen |= 1ull << 8, good = in.tuple(message.position,
           [&](double& item) { return in.get(item, {-10.0, 10.0}); });
     else if (key == "area")
-      seen |= 1ull << 9, good = in.get(area, {1e-12, 100.0});
+      seen |= 1ull << 9, good = in.get(message.area, {1e-12, 100.0});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) radiation_pressure.reset();
-  if (!(seen & 1ull << 1)) force.reset();
-  if (!(seen & 1ull << 2)) envelope = Constant{};
-  if (!(seen & 1ull << 3)) technique.reset();
-  if (!(seen & 1ull << 4)) material = Material{};
-  if (!(seen & 1ull << 5)) motion.reset();
-  if (!(seen & 1ull << 6)) priority = 0;
-  if (!(seen & 1ull << 7)) duration.reset();
+  if (!(seen & 1ull << 0)) message.radiation_pressure.reset();
+  if (!(seen & 1ull << 1)) message.force.reset();
+  if (!(seen & 1ull << 2)) message.envelope = Constant{};
+  if (!(seen & 1ull << 3)) message.technique.reset();
+  if (!(seen & 1ull << 4)) message.material = Material{};
+  if (!(seen & 1ull << 5)) message.motion.reset();
+  if (!(seen & 1ull << 6)) message.priority = 0;
+  if (!(seen & 1ull << 7)) message.duration.reset();
   if (!(seen & 1ull << 8)) return in.missing("position");
-  if (!(seen & 1ull << 9)) area = 5.674501730546565e-05;
+  if (!(seen & 1ull << 9)) message.area = 5.674501730546565e-05;
   return true;
 }
 
-void Point::write(Writer& out) const {
+void write(Writer& out, const Point& message) {
   out.map(11);
   out.text("type");
-  out.text(tag);
-  out.field("radiation_pressure", radiation_pressure);
-  out.field("force", force);
-  out.field("envelope", envelope);
-  out.field("technique", technique);
-  out.field("material", material);
-  out.field("motion", motion);
-  out.field("priority", priority);
-  out.field("duration", duration);
-  out.field("position", position);
-  out.field("area", area);
+  out.text(message.tag);
+  out.field("radiation_pressure", message.radiation_pressure);
+  out.field("force", message.force);
+  out.field("envelope", message.envelope);
+  out.field("technique", message.technique);
+  out.field("material", message.material);
+  out.field("motion", message.motion);
+  out.field("priority", message.priority);
+  out.field("duration", message.duration);
+  out.field("position", message.position);
+  out.field("area", message.area);
 }
 
-bool Path::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Path& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radiation_pressure")
-      seen |= 1ull << 0, good = in.maybe(radiation_pressure,
+      seen |= 1ull << 0, good = in.maybe(message.radiation_pressure,
           [&](double& item) { return in.get(item, {0.0, 1000000.0}); });
     else if (key == "force")
-      seen |= 1ull << 1, good = in.maybe(force,
+      seen |= 1ull << 1, good = in.maybe(message.force,
           [&](double& item) { return in.get(item, {0.0, 1000.0}); });
     else if (key == "envelope")
-      seen |= 1ull << 2, good = in.one_of(envelope);
+      seen |= 1ull << 2, good = in.one_of(message.envelope);
     else if (key == "technique")
-      seen |= 1ull << 3, good = in.maybe(technique,
+      seen |= 1ull << 3, good = in.maybe(message.technique,
           [&](Technique& item) { return in.one_of(item); });
     else if (key == "material")
-      seen |= 1ull << 4, good = in.part(material);
+      seen |= 1ull << 4, good = in.part(message.material);
     else if (key == "motion")
-      seen |= 1ull << 5, good = in.maybe(motion, [&](Motion& item) { return in.part(item); });
+      seen |= 1ull << 5, good = in.maybe(message.motion,
+          [&](Motion& item) { return in.part(item); });
     else if (key == "priority")
-      seen |= 1ull << 6, good = in.get(priority, -1000000, 1000000);
+      seen |= 1ull << 6, good = in.get(message.priority, -1000000, 1000000);
     else if (key == "duration")
-      seen |= 1ull << 7, good = in.maybe(duration,
+      seen |= 1ull << 7, good = in.maybe(message.duration,
           [&](double& item) { return in.get(item, {0.0, 1000000.0, true}); });
     else if (key == "shape")
-      seen |= 1ull << 8, good = in.one_of(shape);
+      seen |= 1ull << 8, good = in.one_of(message.shape);
     else if (key == "pose")
-      seen |= 1ull << 9, good = in.part(pose);
+      seen |= 1ull << 9, good = in.part(message.pose);
     else if (key == "width")
-      seen |= 1ull << 10, good = in.get(width, {0.0, 10.0, true});
+      seen |= 1ull << 10, good = in.get(message.width, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) radiation_pressure.reset();
-  if (!(seen & 1ull << 1)) force.reset();
-  if (!(seen & 1ull << 2)) envelope = Constant{};
-  if (!(seen & 1ull << 3)) technique.reset();
-  if (!(seen & 1ull << 4)) material = Material{};
-  if (!(seen & 1ull << 5)) motion.reset();
-  if (!(seen & 1ull << 6)) priority = 0;
-  if (!(seen & 1ull << 7)) duration.reset();
+  if (!(seen & 1ull << 0)) message.radiation_pressure.reset();
+  if (!(seen & 1ull << 1)) message.force.reset();
+  if (!(seen & 1ull << 2)) message.envelope = Constant{};
+  if (!(seen & 1ull << 3)) message.technique.reset();
+  if (!(seen & 1ull << 4)) message.material = Material{};
+  if (!(seen & 1ull << 5)) message.motion.reset();
+  if (!(seen & 1ull << 6)) message.priority = 0;
+  if (!(seen & 1ull << 7)) message.duration.reset();
   if (!(seen & 1ull << 8)) return in.missing("shape");
-  if (!(seen & 1ull << 9)) pose = Pose{};
-  if (!(seen & 1ull << 10)) width = 0.0085;
+  if (!(seen & 1ull << 9)) message.pose = Pose{};
+  if (!(seen & 1ull << 10)) message.width = 0.0085;
   return true;
 }
 
-void Path::write(Writer& out) const {
+void write(Writer& out, const Path& message) {
   out.map(12);
   out.text("type");
-  out.text(tag);
-  out.field("radiation_pressure", radiation_pressure);
-  out.field("force", force);
-  out.field("envelope", envelope);
-  out.field("technique", technique);
-  out.field("material", material);
-  out.field("motion", motion);
-  out.field("priority", priority);
-  out.field("duration", duration);
-  out.field("shape", shape);
-  out.field("pose", pose);
-  out.field("width", width);
+  out.text(message.tag);
+  out.field("radiation_pressure", message.radiation_pressure);
+  out.field("force", message.force);
+  out.field("envelope", message.envelope);
+  out.field("technique", message.technique);
+  out.field("material", message.material);
+  out.field("motion", message.motion);
+  out.field("priority", message.priority);
+  out.field("duration", message.duration);
+  out.field("shape", message.shape);
+  out.field("pose", message.pose);
+  out.field("width", message.width);
 }
 
-bool Particles::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Particles& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radiation_pressure")
-      seen |= 1ull << 0, good = in.maybe(radiation_pressure,
+      seen |= 1ull << 0, good = in.maybe(message.radiation_pressure,
           [&](double& item) { return in.get(item, {0.0, 1000000.0}); });
     else if (key == "force")
-      seen |= 1ull << 1, good = in.maybe(force,
+      seen |= 1ull << 1, good = in.maybe(message.force,
           [&](double& item) { return in.get(item, {0.0, 1000.0}); });
     else if (key == "envelope")
-      seen |= 1ull << 2, good = in.one_of(envelope);
+      seen |= 1ull << 2, good = in.one_of(message.envelope);
     else if (key == "technique")
-      seen |= 1ull << 3, good = in.maybe(technique,
+      seen |= 1ull << 3, good = in.maybe(message.technique,
           [&](Technique& item) { return in.one_of(item); });
     else if (key == "material")
-      seen |= 1ull << 4, good = in.part(material);
+      seen |= 1ull << 4, good = in.part(message.material);
     else if (key == "motion")
-      seen |= 1ull << 5, good = in.maybe(motion, [&](Motion& item) { return in.part(item); });
+      seen |= 1ull << 5, good = in.maybe(message.motion,
+          [&](Motion& item) { return in.part(item); });
     else if (key == "priority")
-      seen |= 1ull << 6, good = in.get(priority, -1000000, 1000000);
+      seen |= 1ull << 6, good = in.get(message.priority, -1000000, 1000000);
     else if (key == "duration")
-      seen |= 1ull << 7, good = in.maybe(duration,
+      seen |= 1ull << 7, good = in.maybe(message.duration,
           [&](double& item) { return in.get(item, {0.0, 1000000.0, true}); });
     else if (key == "positions")
-      seen |= 1ull << 8, good = in.get(positions, {0, 120000});
+      seen |= 1ull << 8, good = in.get(message.positions, {0, 120000});
     else if (key == "pose")
-      seen |= 1ull << 9, good = in.part(pose);
+      seen |= 1ull << 9, good = in.part(message.pose);
     else if (key == "radius")
-      seen |= 1ull << 10, good = in.get(radius, {0.0, 10.0, true});
+      seen |= 1ull << 10, good = in.get(message.radius, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) radiation_pressure.reset();
-  if (!(seen & 1ull << 1)) force.reset();
-  if (!(seen & 1ull << 2)) envelope = Constant{};
-  if (!(seen & 1ull << 3)) technique.reset();
-  if (!(seen & 1ull << 4)) material = Material{};
-  if (!(seen & 1ull << 5)) motion.reset();
-  if (!(seen & 1ull << 6)) priority = 0;
-  if (!(seen & 1ull << 7)) duration.reset();
+  if (!(seen & 1ull << 0)) message.radiation_pressure.reset();
+  if (!(seen & 1ull << 1)) message.force.reset();
+  if (!(seen & 1ull << 2)) message.envelope = Constant{};
+  if (!(seen & 1ull << 3)) message.technique.reset();
+  if (!(seen & 1ull << 4)) message.material = Material{};
+  if (!(seen & 1ull << 5)) message.motion.reset();
+  if (!(seen & 1ull << 6)) message.priority = 0;
+  if (!(seen & 1ull << 7)) message.duration.reset();
   if (!(seen & 1ull << 8)) return in.missing("positions");
-  if (!(seen & 1ull << 9)) pose = Pose{};
-  if (!(seen & 1ull << 10)) radius = 0.00425;
-  return rows(in, "positions", positions, 3, {}) &&
-         within(in, "positions", positions, -10.0, 10.0);
+  if (!(seen & 1ull << 9)) message.pose = Pose{};
+  if (!(seen & 1ull << 10)) message.radius = 0.00425;
+  return rows(in, "positions", message.positions, 3, {}) &&
+         within(in, "positions", message.positions, -10.0, 10.0);
 }
 
-void Particles::write(Writer& out) const {
+void write(Writer& out, const Particles& message) {
   out.map(12);
   out.text("type");
-  out.text(tag);
-  out.field("radiation_pressure", radiation_pressure);
-  out.field("force", force);
-  out.field("envelope", envelope);
-  out.field("technique", technique);
-  out.field("material", material);
-  out.field("motion", motion);
-  out.field("priority", priority);
-  out.field("duration", duration);
-  out.field("positions", positions);
-  out.field("pose", pose);
-  out.field("radius", radius);
+  out.text(message.tag);
+  out.field("radiation_pressure", message.radiation_pressure);
+  out.field("force", message.force);
+  out.field("envelope", message.envelope);
+  out.field("technique", message.technique);
+  out.field("material", message.material);
+  out.field("motion", message.motion);
+  out.field("priority", message.priority);
+  out.field("duration", message.duration);
+  out.field("positions", message.positions);
+  out.field("pose", message.pose);
+  out.field("radius", message.radius);
 }
 
-bool Texture::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Texture& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "values")
-      seen |= 1ull << 0, good = in.get(values, {4, 800000});
+      seen |= 1ull << 0, good = in.get(message.values, {4, 800000});
     else if (key == "grid")
-      seen |= 1ull << 1, good = in.tuple(grid,
+      seen |= 1ull << 1, good = in.tuple(message.grid,
           [&](std::int64_t& item) { return in.get(item, 1, 200000); });
     else if (key == "size")
-      seen |= 1ull << 2, good = in.tuple(size,
+      seen |= 1ull << 2, good = in.tuple(message.size,
           [&](double& item) { return in.get(item, {0.0, 10.0, true}); });
     else if (key == "repeat")
-      seen |= 1ull << 3, good = in.get(repeat);
+      seen |= 1ull << 3, good = in.get(message.repeat);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -283,165 +286,169 @@ bool Texture::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 0)) return in.missing("values");
   if (!(seen & 1ull << 1)) return in.missing("grid");
   if (!(seen & 1ull << 2)) return in.missing("size");
-  if (!(seen & 1ull << 3)) repeat = true;
-  return fills(in, "values", values, grid) &&
-         within(in, "values", values, 0.0, 1.0);
+  if (!(seen & 1ull << 3)) message.repeat = true;
+  return fills(in, "values", message.values, message.grid) &&
+         within(in, "values", message.values, 0.0, 1.0);
 }
 
-void Texture::write(Writer& out) const {
+void write(Writer& out, const Texture& message) {
   out.map(4);
-  out.field("values", values);
-  out.field("grid", grid);
-  out.field("size", size);
-  out.field("repeat", repeat);
+  out.field("values", message.values);
+  out.field("grid", message.grid);
+  out.field("size", message.size);
+  out.field("repeat", message.repeat);
 }
 
-bool Surface::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Surface& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radiation_pressure")
-      seen |= 1ull << 0, good = in.maybe(radiation_pressure,
+      seen |= 1ull << 0, good = in.maybe(message.radiation_pressure,
           [&](double& item) { return in.get(item, {0.0, 1000000.0}); });
     else if (key == "force")
-      seen |= 1ull << 1, good = in.maybe(force,
+      seen |= 1ull << 1, good = in.maybe(message.force,
           [&](double& item) { return in.get(item, {0.0, 1000.0}); });
     else if (key == "envelope")
-      seen |= 1ull << 2, good = in.one_of(envelope);
+      seen |= 1ull << 2, good = in.one_of(message.envelope);
     else if (key == "technique")
-      seen |= 1ull << 3, good = in.maybe(technique,
+      seen |= 1ull << 3, good = in.maybe(message.technique,
           [&](Technique& item) { return in.one_of(item); });
     else if (key == "material")
-      seen |= 1ull << 4, good = in.part(material);
+      seen |= 1ull << 4, good = in.part(message.material);
     else if (key == "motion")
-      seen |= 1ull << 5, good = in.maybe(motion, [&](Motion& item) { return in.part(item); });
+      seen |= 1ull << 5, good = in.maybe(message.motion,
+          [&](Motion& item) { return in.part(item); });
     else if (key == "priority")
-      seen |= 1ull << 6, good = in.get(priority, -1000000, 1000000);
+      seen |= 1ull << 6, good = in.get(message.priority, -1000000, 1000000);
     else if (key == "duration")
-      seen |= 1ull << 7, good = in.maybe(duration,
+      seen |= 1ull << 7, good = in.maybe(message.duration,
           [&](double& item) { return in.get(item, {0.0, 1000000.0, true}); });
     else if (key == "shape")
-      seen |= 1ull << 8, good = in.one_of(shape);
+      seen |= 1ull << 8, good = in.one_of(message.shape);
     else if (key == "pose")
-      seen |= 1ull << 9, good = in.part(pose);
+      seen |= 1ull << 9, good = in.part(message.pose);
     else if (key == "texture")
-      seen |= 1ull << 10, good = in.maybe(texture, [&](Texture& item) { return in.part(item); });
+      seen |= 1ull << 10, good = in.maybe(message.texture,
+          [&](Texture& item) { return in.part(item); });
     else if (key == "thickness")
-      seen |= 1ull << 11, good = in.get(thickness, {0.0, 10.0, true});
+      seen |= 1ull << 11, good = in.get(message.thickness, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) radiation_pressure.reset();
-  if (!(seen & 1ull << 1)) force.reset();
-  if (!(seen & 1ull << 2)) envelope = Constant{};
-  if (!(seen & 1ull << 3)) technique.reset();
-  if (!(seen & 1ull << 4)) material = Material{};
-  if (!(seen & 1ull << 5)) motion.reset();
-  if (!(seen & 1ull << 6)) priority = 0;
-  if (!(seen & 1ull << 7)) duration.reset();
+  if (!(seen & 1ull << 0)) message.radiation_pressure.reset();
+  if (!(seen & 1ull << 1)) message.force.reset();
+  if (!(seen & 1ull << 2)) message.envelope = Constant{};
+  if (!(seen & 1ull << 3)) message.technique.reset();
+  if (!(seen & 1ull << 4)) message.material = Material{};
+  if (!(seen & 1ull << 5)) message.motion.reset();
+  if (!(seen & 1ull << 6)) message.priority = 0;
+  if (!(seen & 1ull << 7)) message.duration.reset();
   if (!(seen & 1ull << 8)) return in.missing("shape");
-  if (!(seen & 1ull << 9)) pose = Pose{};
-  if (!(seen & 1ull << 10)) texture.reset();
-  if (!(seen & 1ull << 11)) thickness = 0.02;
+  if (!(seen & 1ull << 9)) message.pose = Pose{};
+  if (!(seen & 1ull << 10)) message.texture.reset();
+  if (!(seen & 1ull << 11)) message.thickness = 0.02;
   return true;
 }
 
-void Surface::write(Writer& out) const {
+void write(Writer& out, const Surface& message) {
   out.map(13);
   out.text("type");
-  out.text(tag);
-  out.field("radiation_pressure", radiation_pressure);
-  out.field("force", force);
-  out.field("envelope", envelope);
-  out.field("technique", technique);
-  out.field("material", material);
-  out.field("motion", motion);
-  out.field("priority", priority);
-  out.field("duration", duration);
-  out.field("shape", shape);
-  out.field("pose", pose);
-  out.field("texture", texture);
-  out.field("thickness", thickness);
+  out.text(message.tag);
+  out.field("radiation_pressure", message.radiation_pressure);
+  out.field("force", message.force);
+  out.field("envelope", message.envelope);
+  out.field("technique", message.technique);
+  out.field("material", message.material);
+  out.field("motion", message.motion);
+  out.field("priority", message.priority);
+  out.field("duration", message.duration);
+  out.field("shape", message.shape);
+  out.field("pose", message.pose);
+  out.field("texture", message.texture);
+  out.field("thickness", message.thickness);
 }
 
-bool Volume::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Volume& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radiation_pressure")
-      seen |= 1ull << 0, good = in.maybe(radiation_pressure,
+      seen |= 1ull << 0, good = in.maybe(message.radiation_pressure,
           [&](double& item) { return in.get(item, {0.0, 1000000.0}); });
     else if (key == "force")
-      seen |= 1ull << 1, good = in.maybe(force,
+      seen |= 1ull << 1, good = in.maybe(message.force,
           [&](double& item) { return in.get(item, {0.0, 1000.0}); });
     else if (key == "envelope")
-      seen |= 1ull << 2, good = in.one_of(envelope);
+      seen |= 1ull << 2, good = in.one_of(message.envelope);
     else if (key == "technique")
-      seen |= 1ull << 3, good = in.maybe(technique,
+      seen |= 1ull << 3, good = in.maybe(message.technique,
           [&](Technique& item) { return in.one_of(item); });
     else if (key == "material")
-      seen |= 1ull << 4, good = in.part(material);
+      seen |= 1ull << 4, good = in.part(message.material);
     else if (key == "motion")
-      seen |= 1ull << 5, good = in.maybe(motion, [&](Motion& item) { return in.part(item); });
+      seen |= 1ull << 5, good = in.maybe(message.motion,
+          [&](Motion& item) { return in.part(item); });
     else if (key == "priority")
-      seen |= 1ull << 6, good = in.get(priority, -1000000, 1000000);
+      seen |= 1ull << 6, good = in.get(message.priority, -1000000, 1000000);
     else if (key == "duration")
-      seen |= 1ull << 7, good = in.maybe(duration,
+      seen |= 1ull << 7, good = in.maybe(message.duration,
           [&](double& item) { return in.get(item, {0.0, 1000000.0, true}); });
     else if (key == "shape")
-      seen |= 1ull << 8, good = in.one_of(shape);
+      seen |= 1ull << 8, good = in.one_of(message.shape);
     else if (key == "pose")
-      seen |= 1ull << 9, good = in.part(pose);
+      seen |= 1ull << 9, good = in.part(message.pose);
     else if (key == "texture")
-      seen |= 1ull << 10, good = in.maybe(texture, [&](Texture& item) { return in.part(item); });
+      seen |= 1ull << 10, good = in.maybe(message.texture,
+          [&](Texture& item) { return in.part(item); });
     else if (key == "thickness")
-      seen |= 1ull << 11, good = in.get(thickness, {0.0, 10.0, true});
+      seen |= 1ull << 11, good = in.get(message.thickness, {0.0, 10.0, true});
     else if (key == "felt")
-      seen |= 1ull << 12, good = in.choice(felt);
+      seen |= 1ull << 12, good = in.choice(message.felt);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) radiation_pressure.reset();
-  if (!(seen & 1ull << 1)) force.reset();
-  if (!(seen & 1ull << 2)) envelope = Constant{};
-  if (!(seen & 1ull << 3)) technique.reset();
-  if (!(seen & 1ull << 4)) material = Material{};
-  if (!(seen & 1ull << 5)) motion.reset();
-  if (!(seen & 1ull << 6)) priority = 0;
-  if (!(seen & 1ull << 7)) duration.reset();
+  if (!(seen & 1ull << 0)) message.radiation_pressure.reset();
+  if (!(seen & 1ull << 1)) message.force.reset();
+  if (!(seen & 1ull << 2)) message.envelope = Constant{};
+  if (!(seen & 1ull << 3)) message.technique.reset();
+  if (!(seen & 1ull << 4)) message.material = Material{};
+  if (!(seen & 1ull << 5)) message.motion.reset();
+  if (!(seen & 1ull << 6)) message.priority = 0;
+  if (!(seen & 1ull << 7)) message.duration.reset();
   if (!(seen & 1ull << 8)) return in.missing("shape");
-  if (!(seen & 1ull << 9)) pose = Pose{};
-  if (!(seen & 1ull << 10)) texture.reset();
-  if (!(seen & 1ull << 11)) thickness = 0.02;
-  if (!(seen & 1ull << 12)) felt = VolumeFelt::shell;
+  if (!(seen & 1ull << 9)) message.pose = Pose{};
+  if (!(seen & 1ull << 10)) message.texture.reset();
+  if (!(seen & 1ull << 11)) message.thickness = 0.02;
+  if (!(seen & 1ull << 12)) message.felt = VolumeFelt::shell;
   return true;
 }
 
-void Volume::write(Writer& out) const {
+void write(Writer& out, const Volume& message) {
   out.map(14);
   out.text("type");
-  out.text(tag);
-  out.field("radiation_pressure", radiation_pressure);
-  out.field("force", force);
-  out.field("envelope", envelope);
-  out.field("technique", technique);
-  out.field("material", material);
-  out.field("motion", motion);
-  out.field("priority", priority);
-  out.field("duration", duration);
-  out.field("shape", shape);
-  out.field("pose", pose);
-  out.field("texture", texture);
-  out.field("thickness", thickness);
-  out.field("felt", felt);
+  out.text(message.tag);
+  out.field("radiation_pressure", message.radiation_pressure);
+  out.field("force", message.force);
+  out.field("envelope", message.envelope);
+  out.field("technique", message.technique);
+  out.field("material", message.material);
+  out.field("motion", message.motion);
+  out.field("priority", message.priority);
+  out.field("duration", message.duration);
+  out.field("shape", message.shape);
+  out.field("pose", message.pose);
+  out.field("texture", message.texture);
+  out.field("thickness", message.thickness);
+  out.field("felt", message.felt);
 }
 
 }  // namespace pacinian::wire

@@ -3,23 +3,6 @@
 
 namespace pacinian::wire {
 
-bool Reader::get(Scalar& out, Range real, Lengths characters) {
-  switch (next()) {
-    case Kind::boolean:
-      return get(alternative<bool>(out));
-    case Kind::integer:
-      return get(alternative<std::int64_t>(out));
-    case Kind::real:
-      return get(alternative<double>(out), real);
-    case Kind::text:
-      return get(alternative<std::string>(out), characters);
-    default:
-      break;
-  }
-  Head head;
-  return take(head) && wrong("must be a bool, int, float or text");
-}
-
 bool Reader::get(Anything& out) {
   Head head;
   const std::uint8_t* const start = next_;

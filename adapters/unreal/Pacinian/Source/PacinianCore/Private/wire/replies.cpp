@@ -8,37 +8,37 @@
 
 namespace pacinian::wire {
 
-bool Welcome::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Welcome& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "session")
-      seen |= 1ull << 1, good = in.get(session, {16, 16});
+      seen |= 1ull << 1, good = in.get(message.session, {16, 16});
     else if (key == "protocol")
-      seen |= 1ull << 2, good = in.tuple(protocol,
+      seen |= 1ull << 2, good = in.tuple(message.protocol,
           [&](std::int64_t& item) { return in.get(item); });
     else if (key == "server")
-      seen |= 1ull << 3, good = in.get(server, {0, 200});
+      seen |= 1ull << 3, good = in.get(message.server, {0, 200});
     else if (key == "time")
-      seen |= 1ull << 4, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 4, good = in.get(message.time, {-1000000000000.0, 1000000000000.0});
     else if (key == "scene")
-      seen |= 1ull << 5, good = in.get(scene, {1, 64});
+      seen |= 1ull << 5, good = in.get(message.scene, {1, 64});
     else if (key == "lease")
-      seen |= 1ull << 6, good = in.get(lease);
+      seen |= 1ull << 6, good = in.get(message.lease);
     else if (key == "link")
-      seen |= 1ull << 7, good = in.get(link);
+      seen |= 1ull << 7, good = in.get(message.link);
     else if (key == "rate")
-      seen |= 1ull << 8, good = in.get(rate);
+      seen |= 1ull << 8, good = in.get(message.rate);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("session");
   if (!(seen & 1ull << 2)) return in.missing("protocol");
   if (!(seen & 1ull << 3)) return in.missing("server");
@@ -50,111 +50,78 @@ bool Welcome::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Welcome::write(Writer& out) const {
-  out.map(10);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("session", session);
-  out.field("protocol", protocol);
-  out.field("server", server);
-  out.field("time", time);
-  out.field("scene", scene);
-  out.field("lease", lease);
-  out.field("link", link);
-  out.field("rate", rate);
-}
-
-bool Ok::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Ok& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   return true;
 }
 
-void Ok::write(Writer& out) const {
-  out.map(2);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-}
-
-bool Error::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Error& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "code")
-      seen |= 1ull << 1, good = in.choice(code);
+      seen |= 1ull << 1, good = in.choice(message.code);
     else if (key == "message")
-      seen |= 1ull << 2, good = in.get(message, {0, 1000});
+      seen |= 1ull << 2, good = in.get(message.message, {0, 1000});
     else if (key == "path")
-      seen |= 1ull << 3, good = in.get(path, {0, 200});
+      seen |= 1ull << 3, good = in.get(message.path, {0, 200});
     else if (key == "advice")
-      seen |= 1ull << 4, good = in.get(advice, {0, 1000});
+      seen |= 1ull << 4, good = in.get(message.advice, {0, 1000});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("code");
   if (!(seen & 1ull << 2)) return in.missing("message");
-  if (!(seen & 1ull << 3)) path.clear();
-  if (!(seen & 1ull << 4)) advice.clear();
+  if (!(seen & 1ull << 3)) message.path.clear();
+  if (!(seen & 1ull << 4)) message.advice.clear();
   return true;
 }
 
-void Error::write(Writer& out) const {
-  out.map(6);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("code", code);
-  out.field("message", message);
-  out.field("path", path);
-  out.field("advice", advice);
-}
-
-bool Renewed::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Renewed& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence);
+      seen |= 1ull << 1, good = in.get(message.sequence);
     else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 2, good = in.get(message.time, {-1000000000000.0, 1000000000000.0});
     else if (key == "server_time")
-      seen |= 1ull << 3, good = in.get(server_time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 3, good = in.get(message.server_time, {-1000000000000.0, 1000000000000.0});
     else if (key == "until")
-      seen |= 1ull << 4, good = in.get(until, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 4, good = in.get(message.until, {-1000000000000.0, 1000000000000.0});
     else if (key == "owner")
-      seen |= 1ull << 5, good = in.get(owner);
+      seen |= 1ull << 5, good = in.get(message.owner);
     else if (key == "armed")
-      seen |= 1ull << 6, good = in.get(armed);
+      seen |= 1ull << 6, good = in.get(message.armed);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("sequence");
   if (!(seen & 1ull << 2)) return in.missing("time");
   if (!(seen & 1ull << 3)) return in.missing("server_time");
@@ -164,71 +131,51 @@ bool Renewed::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Renewed::write(Writer& out) const {
-  out.map(8);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("server_time", server_time);
-  out.field("until", until);
-  out.field("owner", owner);
-  out.field("armed", armed);
-}
-
-bool Plugin::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Plugin& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "name")
-      seen |= 1ull << 0, good = in.get(name, {1, 64});
+      seen |= 1ull << 0, good = in.get(message.name, {1, 64});
     else if (key == "summary")
-      seen |= 1ull << 1, good = in.get(summary, {0, 200});
+      seen |= 1ull << 1, good = in.get(message.summary, {0, 200});
     else if (key == "options")
-      seen |= 1ull << 2, good = in.entries(options, {}, {},
+      seen |= 1ull << 2, good = in.entries(message.options, {}, {},
           [&](Anything& item) { return in.get(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
   if (!(seen & 1ull << 0)) return in.missing("name");
-  if (!(seen & 1ull << 1)) summary.clear();
-  if (!(seen & 1ull << 2)) options.clear();
+  if (!(seen & 1ull << 1)) message.summary.clear();
+  if (!(seen & 1ull << 2)) message.options.clear();
   return true;
 }
 
-void Plugin::write(Writer& out) const {
-  out.map(3);
-  out.field("name", name);
-  out.field("summary", summary);
-  out.field("options", options);
-}
-
-bool Sound::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Sound& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "pressure")
-      seen |= 1ull << 0, good = in.get(pressure);
+      seen |= 1ull << 0, good = in.get(message.pressure);
     else if (key == "directivity")
-      seen |= 1ull << 1, good = in.get(directivity, {0, 200});
+      seen |= 1ull << 1, good = in.get(message.directivity, {0, 200});
     else if (key == "response")
-      seen |= 1ull << 2, good = in.get(response);
+      seen |= 1ull << 2, good = in.get(message.response);
     else if (key == "sizes")
-      seen |= 1ull << 3, good = in.get(sizes);
+      seen |= 1ull << 3, good = in.get(message.sizes);
     else if (key == "speed_of_sound")
-      seen |= 1ull << 4, good = in.get(speed_of_sound);
+      seen |= 1ull << 4, good = in.get(message.speed_of_sound);
     else if (key == "density")
-      seen |= 1ull << 5, good = in.get(density);
+      seen |= 1ull << 5, good = in.get(message.density);
     else if (key == "power")
-      seen |= 1ull << 6, good = in.get(power);
+      seen |= 1ull << 6, good = in.get(message.power);
     else if (key == "absorption")
-      seen |= 1ull << 7, good = in.get(absorption);
+      seen |= 1ull << 7, good = in.get(message.absorption);
     else if (key == "temperature")
-      seen |= 1ull << 8, good = in.maybe(temperature,
+      seen |= 1ull << 8, good = in.maybe(message.temperature,
           [&](double& item) { return in.get(item, {-80.0, 100.0}); });
     else
       good = in.skip();
@@ -236,74 +183,64 @@ bool Sound::read(Reader& in, std::uint32_t left) {
   }
   if (!(seen & 1ull << 0)) return in.missing("pressure");
   if (!(seen & 1ull << 1)) return in.missing("directivity");
-  if (!(seen & 1ull << 2)) response.clear();
-  if (!(seen & 1ull << 3)) sizes.clear();
+  if (!(seen & 1ull << 2)) message.response.clear();
+  if (!(seen & 1ull << 3)) message.sizes.clear();
   if (!(seen & 1ull << 4)) return in.missing("speed_of_sound");
   if (!(seen & 1ull << 5)) return in.missing("density");
   if (!(seen & 1ull << 6)) return in.missing("power");
   if (!(seen & 1ull << 7)) return in.missing("absorption");
-  if (!(seen & 1ull << 8)) temperature.reset();
+  if (!(seen & 1ull << 8)) message.temperature.reset();
   return true;
 }
 
-void Sound::write(Writer& out) const {
-  out.map(9);
-  out.field("pressure", pressure);
-  out.field("directivity", directivity);
-  out.field("response", response);
-  out.field("sizes", sizes);
-  out.field("speed_of_sound", speed_of_sound);
-  out.field("density", density);
-  out.field("power", power);
-  out.field("absorption", absorption);
-  out.field("temperature", temperature);
-}
-
-bool Abilities::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Abilities& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "solvers")
-      seen |= 1ull << 1, good = in.items(solvers, {}, [&](Plugin& item) { return in.part(item); });
+      seen |= 1ull << 1, good = in.items(message.solvers, {},
+          [&](Plugin& item) { return in.part(item); });
     else if (key == "backends")
-      seen |= 1ull << 2, good = in.items(backends, {}, [&](Plugin& item) { return in.part(item); });
+      seen |= 1ull << 2, good = in.items(message.backends, {},
+          [&](Plugin& item) { return in.part(item); });
     else if (key == "techniques")
-      seen |= 1ull << 3, good = in.items(techniques, {},
+      seen |= 1ull << 3, good = in.items(message.techniques, {},
           [&](std::string& item) { return in.get(item); });
     else if (key == "presets")
-      seen |= 1ull << 4, good = in.items(presets, {},
+      seen |= 1ull << 4, good = in.items(message.presets, {},
           [&](std::string& item) { return in.get(item); });
     else if (key == "positions")
-      seen |= 1ull << 5, good = in.get(positions);
+      seen |= 1ull << 5, good = in.get(message.positions);
     else if (key == "normals")
-      seen |= 1ull << 6, good = in.get(normals);
+      seen |= 1ull << 6, good = in.get(message.normals);
     else if (key == "frequency")
-      seen |= 1ull << 7, good = in.get(frequency);
+      seen |= 1ull << 7, good = in.get(message.frequency);
     else if (key == "wavelength")
-      seen |= 1ull << 8, good = in.get(wavelength);
+      seen |= 1ull << 8, good = in.get(message.wavelength);
     else if (key == "phases")
-      seen |= 1ull << 9, good = in.get(phases);
+      seen |= 1ull << 9, good = in.get(message.phases);
     else if (key == "amplitudes")
-      seen |= 1ull << 10, good = in.get(amplitudes);
+      seen |= 1ull << 10, good = in.get(message.amplitudes);
     else if (key == "device_rate")
-      seen |= 1ull << 11, good = in.get(device_rate);
+      seen |= 1ull << 11, good = in.get(message.device_rate);
     else if (key == "rate")
-      seen |= 1ull << 12, good = in.get(rate);
+      seen |= 1ull << 12, good = in.get(message.rate);
     else if (key == "limits")
-      seen |= 1ull << 13, good = in.entries(limits, {}, {},
+      seen |= 1ull << 13, good = in.entries(message.limits, {}, {},
           [&](double& item) { return in.get(item); });
     else if (key == "sound")
-      seen |= 1ull << 14, good = in.maybe(sound, [&](Sound& item) { return in.part(item); });
+      seen |= 1ull << 14, good = in.maybe(message.sound,
+          [&](Sound& item) { return in.part(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("solvers");
   if (!(seen & 1ull << 2)) return in.missing("backends");
   if (!(seen & 1ull << 3)) return in.missing("techniques");
@@ -317,108 +254,66 @@ bool Abilities::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 11)) return in.missing("device_rate");
   if (!(seen & 1ull << 12)) return in.missing("rate");
   if (!(seen & 1ull << 13)) return in.missing("limits");
-  if (!(seen & 1ull << 14)) sound.reset();
+  if (!(seen & 1ull << 14)) message.sound.reset();
   return true;
 }
 
-void Abilities::write(Writer& out) const {
-  out.map(16);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("solvers", solvers);
-  out.field("backends", backends);
-  out.field("techniques", techniques);
-  out.field("presets", presets);
-  out.field("positions", positions);
-  out.field("normals", normals);
-  out.field("frequency", frequency);
-  out.field("wavelength", wavelength);
-  out.field("phases", phases);
-  out.field("amplitudes", amplitudes);
-  out.field("device_rate", device_rate);
-  out.field("rate", rate);
-  out.field("limits", limits);
-  out.field("sound", sound);
-}
-
-bool Pressures::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Pressures& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "pressures")
-      seen |= 1ull << 1, good = in.get(pressures);
+      seen |= 1ull << 1, good = in.get(message.pressures);
     else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 2, good = in.get(message.time, {-1000000000000.0, 1000000000000.0});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("pressures");
   if (!(seen & 1ull << 2)) return in.missing("time");
   return true;
 }
 
-void Pressures::write(Writer& out) const {
-  out.map(4);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("pressures", pressures);
-  out.field("time", time);
-}
-
-bool Shown::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Shown& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "scene")
-      seen |= 1ull << 1, good = in.get(scene, {0, 64});
+      seen |= 1ull << 1, good = in.get(message.scene, {0, 64});
     else if (key == "version")
-      seen |= 1ull << 2, good = in.get(version);
+      seen |= 1ull << 2, good = in.get(message.version);
     else if (key == "names")
-      seen |= 1ull << 3, good = in.items(names, {0, 1024},
+      seen |= 1ull << 3, good = in.items(message.names, {0, 1024},
           [&](std::string& item) { return in.get(item, {1, 64}); });
     else if (key == "poses")
-      seen |= 1ull << 4, good = in.get(poses, {0, 28672});
+      seen |= 1ull << 4, good = in.get(message.poses, {0, 28672});
     else if (key == "objects")
-      seen |= 1ull << 5, good = in.entries(objects, {1, 64}, {0, 1024},
+      seen |= 1ull << 5, good = in.entries(message.objects, {1, 64}, {0, 1024},
           [&](Object& item) { return in.one_of(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("scene");
   if (!(seen & 1ull << 2)) return in.missing("version");
   if (!(seen & 1ull << 3)) return in.missing("names");
   if (!(seen & 1ull << 4)) return in.missing("poses");
   if (!(seen & 1ull << 5)) return in.missing("objects");
-  return rows(in, "poses", poses, 7, {names.size()}) &&
-         within(in, "poses", poses, -10.0, 10.0);
-}
-
-void Shown::write(Writer& out) const {
-  out.map(7);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("scene", scene);
-  out.field("version", version);
-  out.field("names", names);
-  out.field("poses", poses);
-  out.field("objects", objects);
+  return rows(in, "poses", message.poses, 7, {message.names.size()}) &&
+         within(in, "poses", message.poses, -10.0, 10.0);
 }
 
 }  // namespace pacinian::wire

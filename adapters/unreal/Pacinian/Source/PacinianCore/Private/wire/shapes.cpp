@@ -8,15 +8,15 @@
 
 namespace pacinian::wire {
 
-bool Line::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Line& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "length")
-      seen |= 1ull << 0, good = in.get(length, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.length, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -25,22 +25,22 @@ bool Line::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Line::write(Writer& out) const {
+void write(Writer& out, const Line& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("length", length);
+  out.text(message.tag);
+  out.field("length", message.length);
 }
 
-bool Circle::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Circle& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radius")
-      seen |= 1ull << 0, good = in.get(radius, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.radius, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -49,119 +49,119 @@ bool Circle::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Circle::write(Writer& out) const {
+void write(Writer& out, const Circle& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("radius", radius);
+  out.text(message.tag);
+  out.field("radius", message.radius);
 }
 
-bool Lissajous::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Lissajous& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "width")
-      seen |= 1ull << 0, good = in.get(width, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.width, {0.0, 10.0, true});
     else if (key == "height")
-      seen |= 1ull << 1, good = in.get(height, {0.0, 10.0, true});
+      seen |= 1ull << 1, good = in.get(message.height, {0.0, 10.0, true});
     else if (key == "a")
-      seen |= 1ull << 2, good = in.get(a, 1, 100);
+      seen |= 1ull << 2, good = in.get(message.a, 1, 100);
     else if (key == "b")
-      seen |= 1ull << 3, good = in.get(b, 1, 100);
+      seen |= 1ull << 3, good = in.get(message.b, 1, 100);
     else if (key == "phase")
-      seen |= 1ull << 4, good = in.get(phase, {-1000000.0, 1000000.0});
+      seen |= 1ull << 4, good = in.get(message.phase, {-1000000.0, 1000000.0});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
   if (!(seen & 1ull << 0)) return in.missing("width");
   if (!(seen & 1ull << 1)) return in.missing("height");
-  if (!(seen & 1ull << 2)) a = 1;
-  if (!(seen & 1ull << 3)) b = 2;
-  if (!(seen & 1ull << 4)) phase = 0.0;
+  if (!(seen & 1ull << 2)) message.a = 1;
+  if (!(seen & 1ull << 3)) message.b = 2;
+  if (!(seen & 1ull << 4)) message.phase = 0.0;
   return true;
 }
 
-void Lissajous::write(Writer& out) const {
+void write(Writer& out, const Lissajous& message) {
   out.map(6);
   out.text("type");
-  out.text(tag);
-  out.field("width", width);
-  out.field("height", height);
-  out.field("a", a);
-  out.field("b", b);
-  out.field("phase", phase);
+  out.text(message.tag);
+  out.field("width", message.width);
+  out.field("height", message.height);
+  out.field("a", message.a);
+  out.field("b", message.b);
+  out.field("phase", message.phase);
 }
 
-bool Polyline::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Polyline& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "points")
-      seen |= 1ull << 0, good = in.get(points, {24, 600000});
+      seen |= 1ull << 0, good = in.get(message.points, {24, 600000});
     else if (key == "closed")
-      seen |= 1ull << 1, good = in.get(closed);
+      seen |= 1ull << 1, good = in.get(message.closed);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
   if (!(seen & 1ull << 0)) return in.missing("points");
-  if (!(seen & 1ull << 1)) closed = false;
-  return rows(in, "points", points, 3, {}) &&
-         within(in, "points", points, -10.0, 10.0);
+  if (!(seen & 1ull << 1)) message.closed = false;
+  return rows(in, "points", message.points, 3, {}) &&
+         within(in, "points", message.points, -10.0, 10.0);
 }
 
-void Polyline::write(Writer& out) const {
+void write(Writer& out, const Polyline& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("points", points);
-  out.field("closed", closed);
+  out.text(message.tag);
+  out.field("points", message.points);
+  out.field("closed", message.closed);
 }
 
-bool Pose::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Pose& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "position")
-      seen |= 1ull << 0, good = in.tuple(position,
+      seen |= 1ull << 0, good = in.tuple(message.position,
           [&](double& item) { return in.get(item, {-10.0, 10.0}); });
     else if (key == "rotation")
-      seen |= 1ull << 1, good = in.tuple(rotation,
+      seen |= 1ull << 1, good = in.tuple(message.rotation,
           [&](double& item) { return in.get(item, {-1.01, 1.01}); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) position = {0.0, 0.0, 0.0};
-  if (!(seen & 1ull << 1)) rotation = {0.0, 0.0, 0.0, 1.0};
+  if (!(seen & 1ull << 0)) message.position = {0.0, 0.0, 0.0};
+  if (!(seen & 1ull << 1)) message.rotation = {0.0, 0.0, 0.0, 1.0};
   return true;
 }
 
-void Pose::write(Writer& out) const {
+void write(Writer& out, const Pose& message) {
   out.map(2);
-  out.field("position", position);
-  out.field("rotation", rotation);
+  out.field("position", message.position);
+  out.field("rotation", message.rotation);
 }
 
-bool Rectangle::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Rectangle& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "width")
-      seen |= 1ull << 0, good = in.get(width, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.width, {0.0, 10.0, true});
     else if (key == "height")
-      seen |= 1ull << 1, good = in.get(height, {0.0, 10.0, true});
+      seen |= 1ull << 1, good = in.get(message.height, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -171,23 +171,23 @@ bool Rectangle::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Rectangle::write(Writer& out) const {
+void write(Writer& out, const Rectangle& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("width", width);
-  out.field("height", height);
+  out.text(message.tag);
+  out.field("width", message.width);
+  out.field("height", message.height);
 }
 
-bool Disc::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Disc& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radius")
-      seen |= 1ull << 0, good = in.get(radius, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.radius, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -196,22 +196,22 @@ bool Disc::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Disc::write(Writer& out) const {
+void write(Writer& out, const Disc& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("radius", radius);
+  out.text(message.tag);
+  out.field("radius", message.radius);
 }
 
-bool Sphere::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Sphere& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radius")
-      seen |= 1ull << 0, good = in.get(radius, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.radius, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -220,31 +220,31 @@ bool Sphere::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Sphere::write(Writer& out) const {
+void write(Writer& out, const Sphere& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("radius", radius);
+  out.text(message.tag);
+  out.field("radius", message.radius);
 }
 
-bool HeightMap::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, HeightMap& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "heights")
-      seen |= 1ull << 0, good = in.get(heights, {4, 800000});
+      seen |= 1ull << 0, good = in.get(message.heights, {4, 800000});
     else if (key == "grid")
-      seen |= 1ull << 1, good = in.tuple(grid,
+      seen |= 1ull << 1, good = in.tuple(message.grid,
           [&](std::int64_t& item) { return in.get(item, 1, 200000); });
     else if (key == "width")
-      seen |= 1ull << 2, good = in.get(width, {0.0, 10.0, true});
+      seen |= 1ull << 2, good = in.get(message.width, {0.0, 10.0, true});
     else if (key == "height")
-      seen |= 1ull << 3, good = in.get(height, {0.0, 10.0, true});
+      seen |= 1ull << 3, good = in.get(message.height, {0.0, 10.0, true});
     else if (key == "depth")
-      seen |= 1ull << 4, good = in.get(depth, {0.0, 10.0, true});
+      seen |= 1ull << 4, good = in.get(message.depth, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -253,65 +253,65 @@ bool HeightMap::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 1)) return in.missing("grid");
   if (!(seen & 1ull << 2)) return in.missing("width");
   if (!(seen & 1ull << 3)) return in.missing("height");
-  if (!(seen & 1ull << 4)) depth = 1.0;
-  return fills(in, "heights", heights, grid) &&
-         within(in, "heights", heights, -1000000.0, 1000000.0);
+  if (!(seen & 1ull << 4)) message.depth = 1.0;
+  return fills(in, "heights", message.heights, message.grid) &&
+         within(in, "heights", message.heights, -1000000.0, 1000000.0);
 }
 
-void HeightMap::write(Writer& out) const {
+void write(Writer& out, const HeightMap& message) {
   out.map(6);
   out.text("type");
-  out.text(tag);
-  out.field("heights", heights);
-  out.field("grid", grid);
-  out.field("width", width);
-  out.field("height", height);
-  out.field("depth", depth);
+  out.text(message.tag);
+  out.field("heights", message.heights);
+  out.field("grid", message.grid);
+  out.field("width", message.width);
+  out.field("height", message.height);
+  out.field("depth", message.depth);
 }
 
-bool Mesh::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Mesh& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "vertices")
-      seen |= 1ull << 0, good = in.get(vertices, {36, 600000});
+      seen |= 1ull << 0, good = in.get(message.vertices, {36, 600000});
     else if (key == "faces")
-      seen |= 1ull << 1, good = in.get(faces, {12, 600000});
+      seen |= 1ull << 1, good = in.get(message.faces, {12, 600000});
     else if (key == "scale")
-      seen |= 1ull << 2, good = in.get(scale, {0.0, 10.0, true});
+      seen |= 1ull << 2, good = in.get(message.scale, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
   if (!(seen & 1ull << 0)) return in.missing("vertices");
   if (!(seen & 1ull << 1)) return in.missing("faces");
-  if (!(seen & 1ull << 2)) scale = 1.0;
-  return rows(in, "vertices", vertices, 3, {}) &&
-         within(in, "vertices", vertices, -1000000.0, 1000000.0) &&
-         in_bounds(in, "faces", faces, vertices);
+  if (!(seen & 1ull << 2)) message.scale = 1.0;
+  return rows(in, "vertices", message.vertices, 3, {}) &&
+         within(in, "vertices", message.vertices, -1000000.0, 1000000.0) &&
+         in_bounds(in, "faces", message.faces, message.vertices);
 }
 
-void Mesh::write(Writer& out) const {
+void write(Writer& out, const Mesh& message) {
   out.map(4);
   out.text("type");
-  out.text(tag);
-  out.field("vertices", vertices);
-  out.field("faces", faces);
-  out.field("scale", scale);
+  out.text(message.tag);
+  out.field("vertices", message.vertices);
+  out.field("faces", message.faces);
+  out.field("scale", message.scale);
 }
 
-bool Box::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Box& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "size")
-      seen |= 1ull << 0, good = in.tuple(size,
+      seen |= 1ull << 0, good = in.tuple(message.size,
           [&](double& item) { return in.get(item, {0.0, 10.0, true}); });
     else
       good = in.skip();
@@ -321,24 +321,24 @@ bool Box::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Box::write(Writer& out) const {
+void write(Writer& out, const Box& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("size", size);
+  out.text(message.tag);
+  out.field("size", message.size);
 }
 
-bool Capsule::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Capsule& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "radius")
-      seen |= 1ull << 0, good = in.get(radius, {0.0, 10.0, true});
+      seen |= 1ull << 0, good = in.get(message.radius, {0.0, 10.0, true});
     else if (key == "length")
-      seen |= 1ull << 1, good = in.get(length, {0.0, 10.0, true});
+      seen |= 1ull << 1, good = in.get(message.length, {0.0, 10.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -348,30 +348,30 @@ bool Capsule::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Capsule::write(Writer& out) const {
+void write(Writer& out, const Capsule& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("radius", radius);
-  out.field("length", length);
+  out.text(message.tag);
+  out.field("radius", message.radius);
+  out.field("length", message.length);
 }
 
-bool Voxels::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Voxels& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "values")
-      seen |= 1ull << 0, good = in.get(values, {4, 800000});
+      seen |= 1ull << 0, good = in.get(message.values, {4, 800000});
     else if (key == "grid")
-      seen |= 1ull << 1, good = in.tuple(grid,
+      seen |= 1ull << 1, good = in.tuple(message.grid,
           [&](std::int64_t& item) { return in.get(item, 1, 200000); });
     else if (key == "pitch")
-      seen |= 1ull << 2, good = in.get(pitch, {0.0, 10.0, true});
+      seen |= 1ull << 2, good = in.get(message.pitch, {0.0, 10.0, true});
     else if (key == "level")
-      seen |= 1ull << 3, good = in.get(level, {0.0, 1.0, true});
+      seen |= 1ull << 3, good = in.get(message.level, {0.0, 1.0, true});
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -379,58 +379,58 @@ bool Voxels::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 0)) return in.missing("values");
   if (!(seen & 1ull << 1)) return in.missing("grid");
   if (!(seen & 1ull << 2)) return in.missing("pitch");
-  if (!(seen & 1ull << 3)) level = 0.5;
-  return fills(in, "values", values, grid) &&
-         within(in, "values", values, 0.0, 1.0);
+  if (!(seen & 1ull << 3)) message.level = 0.5;
+  return fills(in, "values", message.values, message.grid) &&
+         within(in, "values", message.values, 0.0, 1.0);
 }
 
-void Voxels::write(Writer& out) const {
+void write(Writer& out, const Voxels& message) {
   out.map(5);
   out.text("type");
-  out.text(tag);
-  out.field("values", values);
-  out.field("grid", grid);
-  out.field("pitch", pitch);
-  out.field("level", level);
+  out.text(message.tag);
+  out.field("values", message.values);
+  out.field("grid", message.grid);
+  out.field("pitch", message.pitch);
+  out.field("level", message.level);
 }
 
-bool Placed::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Placed& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "shape")
-      seen |= 1ull << 0, good = in.one_of(shape);
+      seen |= 1ull << 0, good = in.one_of(message.shape);
     else if (key == "pose")
-      seen |= 1ull << 1, good = in.part(pose);
+      seen |= 1ull << 1, good = in.part(message.pose);
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
   if (!(seen & 1ull << 0)) return in.missing("shape");
-  if (!(seen & 1ull << 1)) pose = Pose{};
+  if (!(seen & 1ull << 1)) message.pose = Pose{};
   return true;
 }
 
-void Placed::write(Writer& out) const {
+void write(Writer& out, const Placed& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("shape", shape);
-  out.field("pose", pose);
+  out.text(message.tag);
+  out.field("shape", message.shape);
+  out.field("pose", message.pose);
 }
 
-bool Union::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Union& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "parts")
-      seen |= 1ull << 0, good = in.items(parts, {1, 16},
+      seen |= 1ull << 0, good = in.items(message.parts, {1, 16},
           [&](Piece& item) { return in.one_of(item); });
     else
       good = in.skip();
@@ -440,22 +440,22 @@ bool Union::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Union::write(Writer& out) const {
+void write(Writer& out, const Union& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("parts", parts);
+  out.text(message.tag);
+  out.field("parts", message.parts);
 }
 
-bool Intersection::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Intersection& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "parts")
-      seen |= 1ull << 0, good = in.items(parts, {1, 16},
+      seen |= 1ull << 0, good = in.items(message.parts, {1, 16},
           [&](Piece& item) { return in.one_of(item); });
     else
       good = in.skip();
@@ -465,24 +465,24 @@ bool Intersection::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Intersection::write(Writer& out) const {
+void write(Writer& out, const Intersection& message) {
   out.map(2);
   out.text("type");
-  out.text(tag);
-  out.field("parts", parts);
+  out.text(message.tag);
+  out.field("parts", message.parts);
 }
 
-bool Difference::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, Difference& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "of")
-      seen |= 1ull << 0, good = in.one_of(of);
+      seen |= 1ull << 0, good = in.one_of(message.of);
     else if (key == "less")
-      seen |= 1ull << 1, good = in.items(less, {1, 16},
+      seen |= 1ull << 1, good = in.items(message.less, {1, 16},
           [&](Piece& item) { return in.one_of(item); });
     else
       good = in.skip();
@@ -493,12 +493,12 @@ bool Difference::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void Difference::write(Writer& out) const {
+void write(Writer& out, const Difference& message) {
   out.map(3);
   out.text("type");
-  out.text(tag);
-  out.field("of", of);
-  out.field("less", less);
+  out.text(message.tag);
+  out.field("of", message.of);
+  out.field("less", message.less);
 }
 
 }  // namespace pacinian::wire

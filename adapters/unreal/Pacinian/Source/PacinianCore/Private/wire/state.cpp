@@ -8,29 +8,29 @@
 
 namespace pacinian::wire {
 
-bool ClientState::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, ClientState& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "name")
-      seen |= 1ull << 0, good = in.get(name, {1, 64});
+      seen |= 1ull << 0, good = in.get(message.name, {1, 64});
     else if (key == "scene")
-      seen |= 1ull << 1, good = in.get(scene, {1, 64});
+      seen |= 1ull << 1, good = in.get(message.scene, {1, 64});
     else if (key == "owner")
-      seen |= 1ull << 2, good = in.get(owner);
+      seen |= 1ull << 2, good = in.get(message.owner);
     else if (key == "objects")
-      seen |= 1ull << 3, good = in.get(objects);
+      seen |= 1ull << 3, good = in.get(message.objects);
     else if (key == "commands")
-      seen |= 1ull << 4, good = in.get(commands);
+      seen |= 1ull << 4, good = in.get(message.commands);
     else if (key == "errors")
-      seen |= 1ull << 5, good = in.get(errors);
+      seen |= 1ull << 5, good = in.get(message.errors);
     else if (key == "dropped")
-      seen |= 1ull << 6, good = in.get(dropped);
+      seen |= 1ull << 6, good = in.get(message.dropped);
     else if (key == "age")
-      seen |= 1ull << 7, good = in.get(age);
+      seen |= 1ull << 7, good = in.get(message.age);
     else if (key == "renewed")
-      seen |= 1ull << 8, good = in.get(renewed);
+      seen |= 1ull << 8, good = in.get(message.renewed);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -47,34 +47,22 @@ bool ClientState::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void ClientState::write(Writer& out) const {
-  out.map(9);
-  out.field("name", name);
-  out.field("scene", scene);
-  out.field("owner", owner);
-  out.field("objects", objects);
-  out.field("commands", commands);
-  out.field("errors", errors);
-  out.field("dropped", dropped);
-  out.field("age", age);
-  out.field("renewed", renewed);
-}
-
-bool TouchState::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, TouchState& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "object")
-      seen |= 1ull << 0, good = in.get(object);
+      seen |= 1ull << 0, good = in.get(message.object);
     else if (key == "hand")
-      seen |= 1ull << 1, good = in.get(hand);
+      seen |= 1ull << 1, good = in.get(message.hand);
     else if (key == "position")
-      seen |= 1ull << 2, good = in.tuple(position, [&](double& item) { return in.get(item); });
+      seen |= 1ull << 2, good = in.tuple(message.position,
+          [&](double& item) { return in.get(item); });
     else if (key == "pressure")
-      seen |= 1ull << 3, good = in.get(pressure);
+      seen |= 1ull << 3, good = in.get(message.pressure);
     else if (key == "strength")
-      seen |= 1ull << 4, good = in.get(strength);
+      seen |= 1ull << 4, good = in.get(message.strength);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -87,110 +75,102 @@ bool TouchState::read(Reader& in, std::uint32_t left) {
   return true;
 }
 
-void TouchState::write(Writer& out) const {
-  out.map(5);
-  out.field("object", object);
-  out.field("hand", hand);
-  out.field("position", position);
-  out.field("pressure", pressure);
-  out.field("strength", strength);
-}
-
-bool State::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, State& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "id")
-      seen |= 1ull << 0, good = in.get(id, 0, 4294967295);
+      seen |= 1ull << 0, good = in.get(message.id, 0, 4294967295);
     else if (key == "sequence")
-      seen |= 1ull << 1, good = in.get(sequence);
+      seen |= 1ull << 1, good = in.get(message.sequence);
     else if (key == "time")
-      seen |= 1ull << 2, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 2, good = in.get(message.time, {-1000000000000.0, 1000000000000.0});
     else if (key == "output")
-      seen |= 1ull << 3, good = in.choice(output);
+      seen |= 1ull << 3, good = in.choice(message.output);
     else if (key == "armed")
-      seen |= 1ull << 4, good = in.get(armed);
+      seen |= 1ull << 4, good = in.get(message.armed);
     else if (key == "owner")
-      seen |= 1ull << 5, good = in.get(owner, {0, 200});
+      seen |= 1ull << 5, good = in.get(message.owner, {0, 200});
     else if (key == "scene")
-      seen |= 1ull << 6, good = in.get(scene, {0, 200});
+      seen |= 1ull << 6, good = in.get(message.scene, {0, 200});
     else if (key == "solver")
-      seen |= 1ull << 7, good = in.get(solver, {0, 200});
+      seen |= 1ull << 7, good = in.get(message.solver, {0, 200});
     else if (key == "backend")
-      seen |= 1ull << 8, good = in.get(backend, {0, 200});
+      seen |= 1ull << 8, good = in.get(message.backend, {0, 200});
     else if (key == "technique")
-      seen |= 1ull << 9, good = in.get(technique, {0, 200});
+      seen |= 1ull << 9, good = in.get(message.technique, {0, 200});
     else if (key == "intensity")
-      seen |= 1ull << 10, good = in.get(intensity);
+      seen |= 1ull << 10, good = in.get(message.intensity);
     else if (key == "points")
-      seen |= 1ull << 11, good = in.get(points);
+      seen |= 1ull << 11, good = in.get(message.points);
     else if (key == "normals")
-      seen |= 1ull << 12, good = in.get(normals);
+      seen |= 1ull << 12, good = in.get(message.normals);
     else if (key == "asked")
-      seen |= 1ull << 13, good = in.get(asked);
+      seen |= 1ull << 13, good = in.get(message.asked);
     else if (key == "achieved")
-      seen |= 1ull << 14, good = in.get(achieved);
+      seen |= 1ull << 14, good = in.get(message.achieved);
     else if (key == "index")
-      seen |= 1ull << 15, good = in.get(index);
+      seen |= 1ull << 15, good = in.get(message.index);
     else if (key == "objects")
-      seen |= 1ull << 16, good = in.items(objects, {},
+      seen |= 1ull << 16, good = in.items(message.objects, {},
           [&](std::string& item) { return in.get(item); });
     else if (key == "hands")
-      seen |= 1ull << 17, good = in.get(hands);
+      seen |= 1ull << 17, good = in.get(message.hands);
     else if (key == "error")
-      seen |= 1ull << 18, good = in.get(error);
+      seen |= 1ull << 18, good = in.get(message.error);
     else if (key == "felt")
-      seen |= 1ull << 19, good = in.get(felt);
+      seen |= 1ull << 19, good = in.get(message.felt);
     else if (key == "status")
-      seen |= 1ull << 20, good = in.get(status, {0, 200});
+      seen |= 1ull << 20, good = in.get(message.status, {0, 200});
     else if (key == "ticks")
-      seen |= 1ull << 21, good = in.get(ticks);
+      seen |= 1ull << 21, good = in.get(message.ticks);
     else if (key == "late")
-      seen |= 1ull << 22, good = in.get(late);
+      seen |= 1ull << 22, good = in.get(message.late);
     else if (key == "rate")
-      seen |= 1ull << 23, good = in.get(rate);
+      seen |= 1ull << 23, good = in.get(message.rate);
     else if (key == "tick_ms")
-      seen |= 1ull << 24, good = in.tuple(tick_ms, [&](double& item) { return in.get(item); });
+      seen |= 1ull << 24, good = in.tuple(message.tick_ms,
+          [&](double& item) { return in.get(item); });
     else if (key == "frames")
-      seen |= 1ull << 25, good = in.get(frames);
+      seen |= 1ull << 25, good = in.get(message.frames);
     else if (key == "longest_gap")
-      seen |= 1ull << 26, good = in.get(longest_gap);
+      seen |= 1ull << 26, good = in.get(message.longest_gap);
     else if (key == "skipped")
-      seen |= 1ull << 27, good = in.entries(skipped, {}, {},
+      seen |= 1ull << 27, good = in.entries(message.skipped, {}, {},
           [&](std::int64_t& item) { return in.get(item); });
     else if (key == "faults")
-      seen |= 1ull << 28, good = in.items(faults, {},
+      seen |= 1ull << 28, good = in.items(message.faults, {},
           [&](std::string& item) { return in.get(item); });
     else if (key == "fault_count")
-      seen |= 1ull << 29, good = in.get(fault_count);
+      seen |= 1ull << 29, good = in.get(message.fault_count);
     else if (key == "restarts")
-      seen |= 1ull << 30, good = in.entries(restarts, {}, {},
+      seen |= 1ull << 30, good = in.entries(message.restarts, {}, {},
           [&](std::int64_t& item) { return in.get(item); });
     else if (key == "inputs")
-      seen |= 1ull << 31, good = in.get(inputs);
+      seen |= 1ull << 31, good = in.get(message.inputs);
     else if (key == "clients")
-      seen |= 1ull << 32, good = in.items(clients, {},
+      seen |= 1ull << 32, good = in.items(message.clients, {},
           [&](ClientState& item) { return in.part(item); });
     else if (key == "tick_counts")
-      seen |= 1ull << 33, good = in.get(tick_counts);
+      seen |= 1ull << 33, good = in.get(message.tick_counts);
     else if (key == "cause")
-      seen |= 1ull << 34, good = in.get(cause, {0, 200});
+      seen |= 1ull << 34, good = in.get(message.cause, {0, 200});
     else if (key == "why")
-      seen |= 1ull << 35, good = in.get(why, {0, 1000});
+      seen |= 1ull << 35, good = in.get(message.why, {0, 1000});
     else if (key == "touches")
-      seen |= 1ull << 36, good = in.items(touches, {},
+      seen |= 1ull << 36, good = in.items(message.touches, {},
           [&](TouchState& item) { return in.part(item); });
     else if (key == "presentation")
-      seen |= 1ull << 37, good = in.maybe(presentation,
+      seen |= 1ull << 37, good = in.maybe(message.presentation,
           [&](Technique& item) { return in.one_of(item); });
     else
       good = in.skip();
     if (!good) return in.at(key);
   }
-  if (!(seen & 1ull << 0)) id = 0;
+  if (!(seen & 1ull << 0)) message.id = 0;
   if (!(seen & 1ull << 1)) return in.missing("sequence");
   if (!(seen & 1ull << 2)) return in.missing("time");
   if (!(seen & 1ull << 3)) return in.missing("output");
@@ -201,105 +181,61 @@ bool State::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 8)) return in.missing("backend");
   if (!(seen & 1ull << 9)) return in.missing("technique");
   if (!(seen & 1ull << 10)) return in.missing("intensity");
-  if (!(seen & 1ull << 11)) points.clear();
-  if (!(seen & 1ull << 12)) normals.clear();
-  if (!(seen & 1ull << 13)) asked.clear();
-  if (!(seen & 1ull << 14)) achieved.clear();
-  if (!(seen & 1ull << 15)) index.clear();
-  if (!(seen & 1ull << 16)) objects.clear();
-  if (!(seen & 1ull << 17)) hands.clear();
-  if (!(seen & 1ull << 18)) error = 0.0;
-  if (!(seen & 1ull << 19)) felt.clear();
-  if (!(seen & 1ull << 20)) status.clear();
-  if (!(seen & 1ull << 21)) ticks = 0;
-  if (!(seen & 1ull << 22)) late = 0;
-  if (!(seen & 1ull << 23)) rate = 0.0;
-  if (!(seen & 1ull << 24)) tick_ms = {0.0, 0.0, 0.0};
-  if (!(seen & 1ull << 25)) frames = 0;
-  if (!(seen & 1ull << 26)) longest_gap = 0.0;
-  if (!(seen & 1ull << 27)) skipped.clear();
-  if (!(seen & 1ull << 28)) faults.clear();
-  if (!(seen & 1ull << 29)) fault_count = 0;
-  if (!(seen & 1ull << 30)) restarts.clear();
-  if (!(seen & 1ull << 31)) inputs.clear();
-  if (!(seen & 1ull << 32)) clients.clear();
-  if (!(seen & 1ull << 33)) tick_counts.clear();
-  if (!(seen & 1ull << 34)) cause.clear();
-  if (!(seen & 1ull << 35)) why.clear();
-  if (!(seen & 1ull << 36)) touches.clear();
-  if (!(seen & 1ull << 37)) presentation.reset();
+  if (!(seen & 1ull << 11)) message.points.clear();
+  if (!(seen & 1ull << 12)) message.normals.clear();
+  if (!(seen & 1ull << 13)) message.asked.clear();
+  if (!(seen & 1ull << 14)) message.achieved.clear();
+  if (!(seen & 1ull << 15)) message.index.clear();
+  if (!(seen & 1ull << 16)) message.objects.clear();
+  if (!(seen & 1ull << 17)) message.hands.clear();
+  if (!(seen & 1ull << 18)) message.error = 0.0;
+  if (!(seen & 1ull << 19)) message.felt.clear();
+  if (!(seen & 1ull << 20)) message.status.clear();
+  if (!(seen & 1ull << 21)) message.ticks = 0;
+  if (!(seen & 1ull << 22)) message.late = 0;
+  if (!(seen & 1ull << 23)) message.rate = 0.0;
+  if (!(seen & 1ull << 24)) message.tick_ms = {0.0, 0.0, 0.0};
+  if (!(seen & 1ull << 25)) message.frames = 0;
+  if (!(seen & 1ull << 26)) message.longest_gap = 0.0;
+  if (!(seen & 1ull << 27)) message.skipped.clear();
+  if (!(seen & 1ull << 28)) message.faults.clear();
+  if (!(seen & 1ull << 29)) message.fault_count = 0;
+  if (!(seen & 1ull << 30)) message.restarts.clear();
+  if (!(seen & 1ull << 31)) message.inputs.clear();
+  if (!(seen & 1ull << 32)) message.clients.clear();
+  if (!(seen & 1ull << 33)) message.tick_counts.clear();
+  if (!(seen & 1ull << 34)) message.cause.clear();
+  if (!(seen & 1ull << 35)) message.why.clear();
+  if (!(seen & 1ull << 36)) message.touches.clear();
+  if (!(seen & 1ull << 37)) message.presentation.reset();
   return true;
 }
 
-void State::write(Writer& out) const {
-  out.map(39);
-  out.text("type");
-  out.text(tag);
-  out.field("id", id);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("output", output);
-  out.field("armed", armed);
-  out.field("owner", owner);
-  out.field("scene", scene);
-  out.field("solver", solver);
-  out.field("backend", backend);
-  out.field("technique", technique);
-  out.field("intensity", intensity);
-  out.field("points", points);
-  out.field("normals", normals);
-  out.field("asked", asked);
-  out.field("achieved", achieved);
-  out.field("index", index);
-  out.field("objects", objects);
-  out.field("hands", hands);
-  out.field("error", error);
-  out.field("felt", felt);
-  out.field("status", status);
-  out.field("ticks", ticks);
-  out.field("late", late);
-  out.field("rate", rate);
-  out.field("tick_ms", tick_ms);
-  out.field("frames", frames);
-  out.field("longest_gap", longest_gap);
-  out.field("skipped", skipped);
-  out.field("faults", faults);
-  out.field("fault_count", fault_count);
-  out.field("restarts", restarts);
-  out.field("inputs", inputs);
-  out.field("clients", clients);
-  out.field("tick_counts", tick_counts);
-  out.field("cause", cause);
-  out.field("why", why);
-  out.field("touches", touches);
-  out.field("presentation", presentation);
-}
-
-bool FrameState::read(Reader& in, std::uint32_t left) {
+bool read(Reader& in, std::uint32_t left, FrameState& message) {
   std::uint64_t seen = 0;
   for (std::string_view key; left > 0; --left) {
     if (!in.key(key)) return false;
     bool good = false;
     if (key == "type")
-      good = in.same(tag);
+      good = in.same(message.tag);
     else if (key == "sequence")
-      seen |= 1ull << 0, good = in.get(sequence);
+      seen |= 1ull << 0, good = in.get(message.sequence);
     else if (key == "time")
-      seen |= 1ull << 1, good = in.get(time, {-1000000000000.0, 1000000000000.0});
+      seen |= 1ull << 1, good = in.get(message.time, {-1000000000000.0, 1000000000000.0});
     else if (key == "phases")
-      seen |= 1ull << 2, good = in.get(phases);
+      seen |= 1ull << 2, good = in.get(message.phases);
     else if (key == "amplitudes")
-      seen |= 1ull << 3, good = in.get(amplitudes);
+      seen |= 1ull << 3, good = in.get(message.amplitudes);
     else if (key == "phase")
-      seen |= 1ull << 4, good = in.get(phase);
+      seen |= 1ull << 4, good = in.get(message.phase);
     else if (key == "amplitude")
-      seen |= 1ull << 5, good = in.get(amplitude);
+      seen |= 1ull << 5, good = in.get(message.amplitude);
     else if (key == "scene_time")
-      seen |= 1ull << 6, good = in.get(scene_time);
+      seen |= 1ull << 6, good = in.get(message.scene_time);
     else if (key == "part")
-      seen |= 1ull << 7, good = in.get(part);
+      seen |= 1ull << 7, good = in.get(message.part);
     else if (key == "parts")
-      seen |= 1ull << 8, good = in.get(parts);
+      seen |= 1ull << 8, good = in.get(message.parts);
     else
       good = in.skip();
     if (!good) return in.at(key);
@@ -310,25 +246,10 @@ bool FrameState::read(Reader& in, std::uint32_t left) {
   if (!(seen & 1ull << 3)) return in.missing("amplitudes");
   if (!(seen & 1ull << 4)) return in.missing("phase");
   if (!(seen & 1ull << 5)) return in.missing("amplitude");
-  if (!(seen & 1ull << 6)) scene_time = 0.0;
-  if (!(seen & 1ull << 7)) part = 0;
-  if (!(seen & 1ull << 8)) parts = 0;
+  if (!(seen & 1ull << 6)) message.scene_time = 0.0;
+  if (!(seen & 1ull << 7)) message.part = 0;
+  if (!(seen & 1ull << 8)) message.parts = 0;
   return true;
-}
-
-void FrameState::write(Writer& out) const {
-  out.map(10);
-  out.text("type");
-  out.text(tag);
-  out.field("sequence", sequence);
-  out.field("time", time);
-  out.field("phases", phases);
-  out.field("amplitudes", amplitudes);
-  out.field("phase", phase);
-  out.field("amplitude", amplitude);
-  out.field("scene_time", scene_time);
-  out.field("part", part);
-  out.field("parts", parts);
 }
 
 }  // namespace pacinian::wire

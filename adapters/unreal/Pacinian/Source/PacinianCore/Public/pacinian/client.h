@@ -59,7 +59,7 @@ class Client {
   PACINIANCORE_API const wire::State* state() const;             ///< the newest; null before the first
   /// What is felt of an object's surface or volume, by its name, in the newest state.
   PACINIANCORE_API RegionFelt felt(std::string_view name) const;
-  /// Why the output is silent, and what to do; empty while it sounds, and before the first state.
+  /// Why the output is silent, and what to do; empty while it sounds. As of the newest state.
   PACINIANCORE_API Silence silence() const;
   /// Hands that feel an object of this client's scene.
   PACINIANCORE_API const std::vector<wire::TouchState>& touches() const;
@@ -103,8 +103,8 @@ class Client {
   PACINIANCORE_API bool field(const std::vector<std::array<float, 3>>& points, FieldCallback told);
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> in_;
+  struct Impl;
+  std::unique_ptr<Impl> in_;
 };
 
 }  // namespace pacinian

@@ -40,8 +40,8 @@ class ServerProcess {
   PACINIANCORE_API const std::string& problem() const;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> in_;
+  struct Impl;
+  std::unique_ptr<Impl> in_;
 };
 
 }  // namespace pacinian

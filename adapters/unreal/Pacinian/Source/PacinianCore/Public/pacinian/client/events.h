@@ -25,6 +25,8 @@ struct Refusal {
   std::string message;  ///< for people
   std::string path;     ///< of the field that is wrong, as `$.objects[...].shape`
   std::string advice;   ///< what to do
+
+  PACINIANCORE_API std::string text() const;  ///< in one line, for people, without what is empty
 };
 
 /// Round trips of the last renewals [s]; 0 before the first.

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pacinian/api.h"
+#include "pacinian/wire/modulation.h"
 #include "pacinian/wire/objects.h"
-#include "pacinian/wire/time.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -45,9 +45,6 @@ struct Put : Command {
 
   /// the objects by name; 0 to 256
   Map<Object> objects;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Move existing objects.
@@ -61,9 +58,6 @@ struct Move : Command {
   /// linear [m/s] and angular [rad/s] velocity of each, (K, 6) float32; empty if they are not
   /// known; 0 to 6,144 bytes
   Bytes velocities;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Remove objects.
@@ -72,18 +66,12 @@ struct Remove : Command {
 
   /// names of the objects; unknown names are no error; 0 to 256
   std::vector<std::string> names;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Remove all objects, hands and quiet zones of this client.
 struct Clear : Command {
   static constexpr std::string_view tag = "clear";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Change the envelope of existing objects.
@@ -94,9 +82,6 @@ struct Envelopes : Command {
   std::vector<std::string> names;
   /// new envelope of all of them
   Envelope envelope;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A hand at the command's time.
@@ -113,9 +98,6 @@ struct HandFrame {
   /// joint velocities, (26, 3), or one for all joints, (1, 3), float32 [m/s]; empty if they are not
   /// known; 0 to 312 bytes
   Bytes velocities;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Replace the hands that this client tracks. From the first such command on, only hands feel the
@@ -125,9 +107,6 @@ struct Hands : Command {
 
   /// all hands that are tracked now; empty if there are none; 0 to 8
   std::vector<HandFrame> hands;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A ball that must stay quiet.
@@ -138,9 +117,6 @@ struct Zone {
   double pressure = 0.0;
   /// radius of the ball; 0 to 1 [m]; 0 for a point
   double radius = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Replace the quiet zones of this client. The zones of the server's configuration stay.
@@ -149,9 +125,6 @@ struct Quiet : Command {
 
   /// all quiet zones; 0 to 16
   std::vector<Zone> zones;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Request the sound pressure that is emitted now at given points.
@@ -160,9 +133,6 @@ struct Field : Command {
 
   /// positions, (K, 3) float32 [m]; 0 to 786,432 bytes
   Bytes points;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Request the objects of the active or last active scene, whichever client put them; since
@@ -175,11 +145,21 @@ struct Show : Command {
   /// `version` from the last answer; the server leaves out objects that it has sent already; 0 to
   /// 9,007,199,254,740,992
   std::int64_t since = 0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using AnyCommand = std::variant<Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field, Show>;
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API void write(Writer& out, const Put& message);
+PACINIANCORE_API void write(Writer& out, const Move& message);
+PACINIANCORE_API void write(Writer& out, const Remove& message);
+PACINIANCORE_API void write(Writer& out, const Clear& message);
+PACINIANCORE_API void write(Writer& out, const Envelopes& message);
+PACINIANCORE_API void write(Writer& out, const HandFrame& message);
+PACINIANCORE_API void write(Writer& out, const Hands& message);
+PACINIANCORE_API void write(Writer& out, const Zone& message);
+PACINIANCORE_API void write(Writer& out, const Quiet& message);
+PACINIANCORE_API void write(Writer& out, const Field& message);
+PACINIANCORE_API void write(Writer& out, const Show& message);
 
 }  // namespace pacinian::wire

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pacinian/api.h"
-#include "pacinian/wire/time.h"
+#include "pacinian/wire/modulation.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -37,9 +37,6 @@ struct Hello {
   /// time within which the client must renew [s]; by default the server's, which is also the
   /// maximum; 0.02 to 10 [s]
   std::optional<double> lease;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Fields of all other requests.
@@ -58,9 +55,6 @@ struct Renew : Request {
   std::int64_t sequence = 0;
   /// reading of the client's steady clock, from which the lease counts; -1e+12 to 1e+12 [s]
   double time = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Own the output and make this client's scene active.
@@ -72,18 +66,12 @@ struct Arm : Request {
   /// after a lease that ran out, the next renewal lets the output sound again, if this client still
   /// owns it and there was no stop and no fault; since protocol 1.1
   bool resume = false;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Fade to silence and release the output. For the owner.
 struct Disarm : Request {
   static constexpr std::string_view tag = "disarm";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.
@@ -92,18 +80,12 @@ struct Stop {
 
   /// repeated in the reply; 0: no reply; 0 to 4,294,967,295
   std::int64_t id = 0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Allow the output to be armed again after an emergency stop or a fault.
 struct Reset : Request {
   static constexpr std::string_view tag = "reset";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A solver or a backend.
@@ -112,9 +94,6 @@ struct Choice {
   std::string name;
   /// values of options that clients may set; 0 to 32
   Map<Scalar> options;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Change the solver, the backend, the technique or the intensity while the server runs. Settings
@@ -131,39 +110,40 @@ struct Select : Request {
   std::optional<Technique> technique;
   /// factor on all radiation pressures; 0 to 1
   std::optional<double> intensity;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Request the properties of the server: its array, solvers, backends and limits.
 struct Capabilities : Request {
   static constexpr std::string_view tag = "capabilities";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Request the state, as it is published.
 struct Status : Request {
   static constexpr std::string_view tag = "status";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// End the session and remove its objects. The output falls silent if this client owns it.
 struct Bye : Request {
   static constexpr std::string_view tag = "bye";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using AnyControl = std::variant<Hello, Renew, Arm, Disarm, Stop, Reset, Select, Capabilities,
     Status, Bye>;
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API void write(Writer& out, const Hello& message);
+PACINIANCORE_API void write(Writer& out, const Renew& message);
+PACINIANCORE_API void write(Writer& out, const Arm& message);
+PACINIANCORE_API void write(Writer& out, const Disarm& message);
+PACINIANCORE_API void write(Writer& out, const Stop& message);
+PACINIANCORE_API void write(Writer& out, const Reset& message);
+PACINIANCORE_API void write(Writer& out, const Choice& message);
+PACINIANCORE_API void write(Writer& out, const Select& message);
+PACINIANCORE_API void write(Writer& out, const Capabilities& message);
+PACINIANCORE_API void write(Writer& out, const Status& message);
+PACINIANCORE_API void write(Writer& out, const Bye& message);
 
 }  // namespace pacinian::wire

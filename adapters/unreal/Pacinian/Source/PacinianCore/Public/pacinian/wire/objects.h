@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pacinian/api.h"
+#include "pacinian/wire/modulation.h"
 #include "pacinian/wire/shapes.h"
-#include "pacinian/wire/time.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -32,9 +32,6 @@ struct Material {
   std::optional<double> stiffness;
   /// distance outside of the object at which it begins to press; 0 to 10 [m]
   double reach = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Motion of an object from the command's time on.
@@ -43,9 +40,6 @@ struct Motion {
   std::array<double, 3> velocity{0.0, 0.0, 0.0};
   /// angular velocity about the world's axes; -100 to 100 [m/s] or [rad/s]
   std::array<double, 3> angular_velocity{0.0, 0.0, 0.0};
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Fields of all objects.
@@ -76,9 +70,6 @@ struct Point : Felt {
   std::array<double, 3> position{};
   /// area on which it presses; by default a disc of 8.5 mm; 1e-12 to 100 [m^2]
   double area = 5.674501730546565e-05;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A curve that presses on the skin along it.
@@ -92,9 +83,6 @@ struct Path : Felt {
   /// width of the curve; it presses on skin within half of this distance; more than 0, at most 10
   /// [m]
   double width = 0.0085;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Many points, each of which presses by itself.
@@ -107,9 +95,6 @@ struct Particles : Felt {
   Pose pose;
   /// distance within which a point presses on the skin; more than 0, at most 10 [m]
   double radius = 0.00425;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A factor on the pressure, over x and y of the object's own frame.
@@ -122,9 +107,6 @@ struct Texture {
   std::array<double, 2> size{};
   /// whether the texture repeats beyond its extent; otherwise its edge values continue
   bool repeat = true;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A surface that presses evenly, or according to its texture.
@@ -139,9 +121,6 @@ struct Surface : Felt {
   std::optional<Texture> texture;
   /// depth below the surface down to which a hand feels it; more than 0, at most 10 [m]
   double thickness = 0.02;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A volume that presses evenly, or according to its texture.
@@ -158,11 +137,26 @@ struct Volume : Felt {
   double thickness = 0.02;
   /// whether only the shell can be felt, or also the interior
   VolumeFelt felt = VolumeFelt::shell;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Object = std::variant<Point, Path, Particles, Surface, Volume>;
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Material& message);
+PACINIANCORE_API void write(Writer& out, const Material& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Motion& message);
+PACINIANCORE_API void write(Writer& out, const Motion& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Point& message);
+PACINIANCORE_API void write(Writer& out, const Point& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Path& message);
+PACINIANCORE_API void write(Writer& out, const Path& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Particles& message);
+PACINIANCORE_API void write(Writer& out, const Particles& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Texture& message);
+PACINIANCORE_API void write(Writer& out, const Texture& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Surface& message);
+PACINIANCORE_API void write(Writer& out, const Surface& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Volume& message);
+PACINIANCORE_API void write(Writer& out, const Volume& message);
 
 }  // namespace pacinian::wire

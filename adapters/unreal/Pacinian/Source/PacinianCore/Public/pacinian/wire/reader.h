@@ -20,8 +20,6 @@ enum class Kind : std::uint8_t {
 
 /// MessagePack from bytes that may be anything. Each function is false where they are not what it
 /// reads. Whole numbers are of 64 bits, signed.
-///
-/// msgpack-c's unpacker would allocate what a length says before the bytes are there: not used here.
 class Reader {
  public:
   static constexpr std::size_t most_entries = 1024;  ///< of a map without a bound of its own
@@ -39,7 +37,6 @@ class Reader {
                             std::int64_t high = std::numeric_limits<std::int64_t>::max());
   PACINIANCORE_API bool get(std::string& out, Lengths characters = {});
   PACINIANCORE_API bool get(Bytes& out, Lengths lengths = {});
-  PACINIANCORE_API bool get(Scalar& out, Range real, Lengths characters);
   PACINIANCORE_API bool get(Anything& out);
   PACINIANCORE_API bool word(std::string_view& out);  ///< text, where it is
   PACINIANCORE_API bool array(std::uint32_t& count, Lengths lengths = {});
@@ -118,7 +115,7 @@ class Reader {
   template <class T>
   bool part(T& out) {
     std::uint32_t left = 0;
-    return map(left) && out.read(*this, left);
+    return map(left) && read(*this, left, out);
   }
 
   /// One of a few words.
@@ -175,7 +172,7 @@ class Reader {
     if constexpr (!std::is_enum_v<T>) {
       if (known || tag != T::tag) return;
       known = true;
-      good = alternative<T>(out).read(*this, left);
+      good = read(*this, left, alternative<T>(out));
     }
   }
 

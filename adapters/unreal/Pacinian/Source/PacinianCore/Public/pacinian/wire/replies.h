@@ -52,18 +52,12 @@ struct Welcome : Reply {
   double link = 0.0;
   /// ticks per second [Hz]
   double rate = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// The request was carried out.
 struct Ok : Reply {
   static constexpr std::string_view tag = "ok";
 
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// The request was refused or has failed.
@@ -78,9 +72,6 @@ struct Error : Reply {
   std::string path;
   /// remedy, for people; 0 to 1,000 characters
   std::string advice;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Answer to `renew`, with its `id`. With `id` 0 it only probes whether the client is still
@@ -100,9 +91,6 @@ struct Renewed : Reply {
   bool owner = false;
   /// whether the output may sound
   bool armed = false;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A solver or backend that can be selected.
@@ -113,9 +101,6 @@ struct Plugin {
   std::string summary;
   /// options that clients may set, with their defaults if these are plain values
   Map<Anything> options;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Parameters of the field: the sum over transducers of g s P0 D(cos theta) r^-n exp(-(absorption +
@@ -141,9 +126,6 @@ struct Sound {
   /// temperature of the air, configured or assumed [degC]; nil if only a speed of sound is
   /// configured; -80 to 100
   std::optional<double> temperature;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Answer to `capabilities`.
@@ -178,9 +160,6 @@ struct Abilities : Reply {
   Map<double> limits;
   /// parameters of the field; since protocol 1.1
   std::optional<Sound> sound;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Answer to `field`.
@@ -191,9 +170,6 @@ struct Pressures : Reply {
   Bytes pressures;
   /// time of the emitted frame, by the server's clock [s]; -1e+12 to 1e+12 [s]
   double time = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Answer to `show`.
@@ -212,9 +188,17 @@ struct Shown : Reply {
   /// objects that are new since the version asked for, by name, as they were put. If there are
   /// many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out; 0 to 1,024
   Map<Object> objects;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Welcome& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Ok& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Error& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Renewed& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Plugin& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Sound& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Abilities& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Pressures& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Shown& message);
 
 }  // namespace pacinian::wire

@@ -29,9 +29,6 @@ struct Line {
 
   /// length of the line; more than 0, at most 10 [m]
   double length = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A circle in the xy-plane about the origin.
@@ -40,9 +37,6 @@ struct Circle {
 
   /// radius of the circle; more than 0, at most 10 [m]
   double radius = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
@@ -59,9 +53,6 @@ struct Lissajous {
   std::int64_t b = 2;
   /// lead of x over y; -1e+06 to 1e+06 [deg]
   double phase = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// Straight segments between points.
@@ -72,9 +63,6 @@ struct Polyline {
   Bytes points;
   /// whether the last joins the first
   bool closed = false;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Route = std::variant<RouteWord, Line, Circle, Lissajous, Polyline>;
@@ -87,9 +75,6 @@ struct Pose {
   std::array<double, 3> position{0.0, 0.0, 0.0};
   /// unit quaternion x, y, z, w; -1.01 to 1.01
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A rectangle in the xy-plane about the origin, facing +z.
@@ -100,9 +85,6 @@ struct Rectangle {
   double width = 0.0;
   /// extent in y; more than 0, at most 10 [m]
   double height = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A disc in the xy-plane about the origin, facing +z.
@@ -111,9 +93,6 @@ struct Disc {
 
   /// radius of the disc; more than 0, at most 10 [m]
   double radius = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A sphere about the origin, as a surface or as a volume.
@@ -122,9 +101,6 @@ struct Sphere {
 
   /// radius of the sphere; more than 0, at most 10 [m]
   double radius = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A surface over a rectangle in the xy-plane about the origin, facing +z.
@@ -142,9 +118,6 @@ struct HeightMap {
   double height = 0.0;
   /// height of a value of 1; more than 0, at most 10 [m]
   double depth = 1.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A triangle mesh. A volume must be closed. A surface faces the side from which triangles run
@@ -158,9 +131,6 @@ struct Mesh {
   Bytes faces;
   /// metres per unit of the vertices; more than 0, at most 10 [m]
   double scale = 1.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Shell = std::variant<Rectangle, Disc, Sphere, HeightMap, Mesh>;
@@ -171,9 +141,6 @@ struct Box {
 
   /// full extent in x, y and z; more than 0, at most 10 [m]
   std::array<double, 3> size{};
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A capsule along z about the origin.
@@ -184,9 +151,6 @@ struct Capsule {
   double radius = 0.0;
   /// distance between cap centres; more than 0, at most 10 [m]
   double length = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A volume given by the fill level of each voxel of a grid about the origin.
@@ -201,9 +165,6 @@ struct Voxels {
   double pitch = 0.0;
   /// fill level at the shell; more than 0, at most 1
   double level = 0.5;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Primitive = std::variant<Sphere, Box, Capsule, Mesh, Voxels>;
@@ -216,9 +177,6 @@ struct Placed {
   Primitive shape;
   /// pose of that frame
   Pose pose;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Piece = std::variant<Sphere, Box, Capsule, Mesh, Voxels, Placed>;
@@ -229,9 +187,6 @@ struct Union {
 
   /// solids, one level deep; 1 to 16
   std::vector<Piece> parts;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// The intersection of the parts.
@@ -240,9 +195,6 @@ struct Intersection {
 
   /// solids, one level deep; 1 to 16
   std::vector<Piece> parts;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// One solid without others.
@@ -253,12 +205,45 @@ struct Difference {
   Piece of;
   /// solids that are cut away; 1 to 16
   std::vector<Piece> less;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using Solid = std::variant<Sphere, Box, Capsule, Mesh, Voxels, Placed, Union, Intersection,
     Difference>;
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Line& message);
+PACINIANCORE_API void write(Writer& out, const Line& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Circle& message);
+PACINIANCORE_API void write(Writer& out, const Circle& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Lissajous& message);
+PACINIANCORE_API void write(Writer& out, const Lissajous& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Polyline& message);
+PACINIANCORE_API void write(Writer& out, const Polyline& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Pose& message);
+PACINIANCORE_API void write(Writer& out, const Pose& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Rectangle& message);
+PACINIANCORE_API void write(Writer& out, const Rectangle& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Disc& message);
+PACINIANCORE_API void write(Writer& out, const Disc& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Sphere& message);
+PACINIANCORE_API void write(Writer& out, const Sphere& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, HeightMap& message);
+PACINIANCORE_API void write(Writer& out, const HeightMap& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Mesh& message);
+PACINIANCORE_API void write(Writer& out, const Mesh& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Box& message);
+PACINIANCORE_API void write(Writer& out, const Box& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Capsule& message);
+PACINIANCORE_API void write(Writer& out, const Capsule& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Voxels& message);
+PACINIANCORE_API void write(Writer& out, const Voxels& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Placed& message);
+PACINIANCORE_API void write(Writer& out, const Placed& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Union& message);
+PACINIANCORE_API void write(Writer& out, const Union& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Intersection& message);
+PACINIANCORE_API void write(Writer& out, const Intersection& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Difference& message);
+PACINIANCORE_API void write(Writer& out, const Difference& message);
 
 }  // namespace pacinian::wire

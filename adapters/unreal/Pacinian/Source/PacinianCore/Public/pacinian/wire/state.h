@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pacinian/api.h"
+#include "pacinian/wire/modulation.h"
 #include "pacinian/wire/replies.h"
-#include "pacinian/wire/time.h"
 #include "pacinian/wire/types.h"
 
 namespace pacinian::wire {
@@ -45,9 +45,6 @@ struct ClientState {
   double age = 0.0;
   /// time since its last renewal [s]
   double renewed = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// A hand that feels an object.
@@ -62,9 +59,6 @@ struct TouchState {
   double pressure = 0.0;
   /// that pressure over the object's own, 0..1. All are at full envelope
   double strength = 0.0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 /// The emitted output and the health of the server. Published, and sent as the answer to `status`.
@@ -156,9 +150,6 @@ struct State {
   std::vector<TouchState> touches;
   /// the technique in use with its parameters; since protocol 1.1
   std::optional<Technique> presentation;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
@@ -187,11 +178,14 @@ struct FrameState {
   std::int64_t part = 0;
   /// number of frames in the cycle, which sound in turn; 0 if it is not known; since protocol 1.1
   std::int64_t parts = 0;
-
-  PACINIANCORE_API bool read(Reader& in, std::uint32_t left);
-  PACINIANCORE_API void write(Writer& out) const;
 };
 
 using AnyState = std::variant<State, FrameState>;
+
+// Of what a client hears and of what it sends: see Reader and Writer.
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, ClientState& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, TouchState& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, State& message);
+PACINIANCORE_API bool read(Reader& in, std::uint32_t left, FrameState& message);
 
 }  // namespace pacinian::wire

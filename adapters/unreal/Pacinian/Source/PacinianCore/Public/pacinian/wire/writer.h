@@ -73,7 +73,7 @@ class Writer {
     if constexpr (std::is_enum_v<T>)
       text(words(value)[static_cast<std::size_t>(value)]);
     else
-      value.write(*this);
+      write(*this, value);
   }
 
   template <class T>

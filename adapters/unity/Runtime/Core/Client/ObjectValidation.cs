@@ -1,0 +1,51 @@
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>What the server would refuse is found here: one bad object would take others of its message with it.</summary>
+    public static class ObjectValidation
+    {
+        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of one object: the rest is for other fields
+        private const int LongestName = 64; // characters
+
+        /// <summary>What is wrong with an object; "" if nothing is. Limits of the server's own settings are not known here.</summary>
+        public static string Problem(Felt item)
+        {
+            Writer writer = new Writer(4096);
+            item.Write(writer);
+            Refusal why;
+            return Find("object", item, writer, new Reader(), out why)
+                ? why.Message + (why.Path == "$.objects[object]" ? "" : " (" + why.Path.Substring("$.objects[object].".Length) + ")")
+                : "";
+        }
+
+        /// <summary>Whether something is wrong with an object, and what. written: its bytes. reader: to read them.</summary>
+        internal static bool Find(string name, Felt item, Writer written, Reader reader, out Refusal why)
+        {
+            string path = "$.objects[" + name + "]";
+            why = new Refusal { Code = "argument", Path = path, Message = "", Advice = "" };
+            Felt read = null;
+            reader.Start(written.Data, 0, written.Count);
+            if (string.IsNullOrEmpty(name) || name.Length > LongestName)
+            {
+                why.Message = "must have a name of 1 to " + LongestName + " characters";
+            }
+            else if (item.RadiationPressure.HasValue == item.Force.HasValue)
+            {
+                why.Message = "must have a radiation pressure or a force, and not both";
+            }
+            else if (written.Count > Largest)
+            {
+                why.Code = "limit";
+                why.Message = "is " + written.Count + " bytes: keep to " + Largest;
+                why.Advice = "use fewer points, faces or values";
+            }
+            else if (!Unions.Read(reader, ref read))
+            {
+                why.Message = reader.Problem;
+                why.Path = path + reader.Path.Substring(1);
+            }
+            return why.Message.Length > 0;
+        }
+    }
+}

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "pacinian/client/events.h"
+#include "pacinian/wire/commands.h"
+#include "pacinian/wire/control.h"
+#include "pacinian/wire/replies.h"
+
+namespace pacinian::client {
+
+/// Something that happened, on its way to the game's thread.
+struct Event {
+  enum class Kind : std::uint8_t { connected, lost, ended, refused, field };
+  Kind kind = Kind::connected;
+  Refusal refusal;            ///< of `lost` only the message
+  std::uint64_t session = 0;  ///< that has begun
+  FieldCallback told = {};
+  wire::Bytes pressures = {};
+};
+
+/// How a session stands.
+struct SessionStatus {
+  Status status = Status::stopped;
+  bool armed = false, owner = false;
+  double lease = 0.0, offset = 0.0;  ///< [s]
+  Trips trips;
+  std::string problem, scene, server;
+  std::shared_ptr<const wire::Abilities> abilities;
+};
+
+/// A request of the game's.
+struct Request {
+  enum class Kind : std::uint8_t { arm, disarm, reset, select, field };
+  Kind kind = Kind::arm;
+  bool take = false, resume = false;
+  wire::Select choice = {};
+  wire::Field field = {};
+  FieldCallback told = {};
+};
+
+}  // namespace pacinian::client

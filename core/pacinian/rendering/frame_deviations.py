@@ -1,0 +1,77 @@
+"""What a frame leaves out or changes, by object and reason."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from pacinian.rendering.cached_solution import CachedSolution
+from pacinian.rendering.deviations import (
+    AVERAGED,
+    FEWER_FRAMES,
+    INTERPOLATED,
+    NOTHING,
+    OUT_OF_TIME,
+    SKIN_LIMITED,
+    SLEW_LIMITED,
+    WEAKENED,
+    mark,
+)
+from pacinian.scene.sampling.sample_counts import label_object
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.outcome import Outcome
+
+
+class FrameDeviations:
+    """Describes frames. While nothing changes, successive frames have the same description."""
+
+    def __init__(self) -> None:
+        self._last: tuple[tuple[object, ...], Reasons] = (), NOTHING
+
+    def describe(
+        self, before: Outcome, played: Outcome, *, between: bool, held_back: bool
+    ) -> Reasons:
+        """Return what a frame leaves out or changes that plays `played` after `before`.
+
+        between: whether frames lie between those for two results. held_back: whether the slew-rate limit changed it.
+        """
+        counts, weakened, reasons = played.sample_counts, set[CachedSolution](), set[str]()
+        if between and before.solved.samples is not played.solved.samples:
+            reasons.add(INTERPOLATED)
+        for one in set(played.solved.rows):
+            if one.ran_out_of_time:
+                reasons.add(OUT_OF_TIME)
+            if one.averaged:
+                reasons.add(AVERAGED)
+            if one.limited:
+                reasons.add(SKIN_LIMITED)
+            if one.weakened:
+                weakened.add(one)
+        if held_back:
+            reasons.add(SLEW_LIMITED)
+        if played.solved.hurried:
+            reasons.add(FEWER_FRAMES)
+        if counts.clean and not reasons and not weakened:
+            return NOTHING
+        key = counts, id(before), id(played), reasons, weakened
+        if self._last[0] != key:
+            made: Reasons = counts.deviations
+            for label, count in _count_weakened(weakened).items():
+                made = mark(made, [label], WEAKENED, count)
+            for reason in sorted(reasons):
+                made = mark(made, sorted(before.labels | played.labels), reason)
+            self._last = key, made
+        return self._last[1]
+
+
+def _count_weakened(solved: Iterable[CachedSolution]) -> Counter[str]:
+    """Return the number of weakened samples by object; of solutions for the same samples, the one with most counts."""
+    most: dict[int, Counter[str]] = {}
+    for one in solved:
+        found = Counter({label_object(one.samples.items[i], i): count for i, count in one.weakened})
+        most[id(one.samples)] = most.get(id(one.samples), Counter()) | found
+    return sum(most.values(), Counter[str]())

@@ -1,0 +1,83 @@
+"""What to warn about before a scene is rendered, by the name of the object."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.acoustics.propagation import matrix
+from pacinian.errors import PointOnTransducer
+from pacinian.scene.objects import Point, Surface, Volume
+from pacinian.scene.sampling.sample_counts import label_object
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.sampler import Sampler
+    from pacinian.scene.scene import Scene, Workspace
+    from pacinian.session import Session
+
+MAX_OBJECTS = 1000  # most objects that are checked, at some 20 us each
+MAX_NAMED = 3  # most objects in one warning
+
+
+def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float) -> Iterator[str]:
+    """Yield a sentence about the objects of a scene that cannot be rendered as they ask, for each reason.
+
+    gain: largest amplitude of a transducer, 0..1. Raises ArgumentError if a texture's file cannot be read.
+    """
+    outside, weak = list[str](), list[str]()
+    for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
+        if not isinstance(item, (Point, Surface, Volume)):  # others have no single place
+            continue
+        label = repr(label_object(item, i))
+        away = _measure_outside(item, scene.workspace)
+        if away > item.bounding_radius:
+            outside.append(f"{label} ({away:.3g} m outside)")
+        elif item.force is None and (most := _focus(item, session, gain)) < item.pressure:
+            weak.append(
+                f"{label} ({item.pressure:.3g} Pa, where the array makes at most {most:.2g} Pa)"
+            )
+    if outside:
+        yield (
+            f"outside the workspace, and so not rendered: {_name(outside)}. Move what should be felt, or widen the "
+            "workspace"
+        )
+    if weak:
+        yield (
+            f"stronger than the array can be at that place: {_name(weak)}. Move nearer to the array, ask for less, or "
+            "add units"
+        )
+    for i, period, resolved in sampler.find_fine_textures(scene):
+        yield (
+            f"the texture of {label_object(scene.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
+            f"the array resolves {1e3 * resolved:.1f} mm there: its ridges will blur. Use a longer period, a "
+            "wider array, or a place nearer to it"
+        )
+
+
+def _name(labels: list[str]) -> str:
+    """List the first of the labels, and say how many more there are."""
+    more = len(labels) - MAX_NAMED
+    return ", ".join(labels[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _measure_outside(item: Object, workspace: Workspace | None) -> float:
+    """Return the distance of an object's place from the workspace [m]; 0 inside."""
+    if workspace is None:
+        return 0.0
+    place = np.asarray(item.pose.position)
+    return float(np.linalg.norm(place - np.clip(place, workspace.lower, workspace.upper)))
+
+
+def _focus(item: Object, session: Session, gain: float) -> float:
+    """Return the radiation pressure of the strongest focus at an object's place [Pa]."""
+    try:
+        row = matrix(session.array, np.array([item.pose.position]), session.medium)
+    except PointOnTransducer:
+        return np.inf
+    return float(radiation_pressure(gain * np.abs(row).sum(), session.medium))

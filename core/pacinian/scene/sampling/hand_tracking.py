@@ -1,0 +1,95 @@
+"""Predict hands between updates, blend in each update without a jump, and hold, then fade, a hand that is lost."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.scene.sampling.pose_prediction import BLEND, JUMP
+from pacinian.scene.sampling.posed_skin import PosedSkin
+
+if TYPE_CHECKING:
+    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.hands.skin import Skin
+    from pacinian.types import Floats
+
+HOLD, FADE = 0.05, 0.1  # a lost hand stays for HOLD, and then fades within FADE [s]
+
+
+class HandTrack:
+    """Predicts one hand between updates. A lost or late hand is held in place, and then fades.
+
+    skin: replaces the default skin of this kind of hand.
+    """
+
+    def __init__(self, skin: Skin | None = None) -> None:
+        self._skin = skin
+        self._given: Hand | None = None
+        self._last: Hand | None = None  # the last update that was not lost
+        self._seen = -np.inf
+        self._offset: Floats | None = None
+        self._since = 0.0
+        self._touchable: PosedSkin | None = None
+
+    def at(self, hand: Hand, t: float, ahead: float = 0.0) -> tuple[Hand | None, float]:
+        """Return the hand at time t [s], or None if it is gone, and the factor on its pressures, 0..1.
+
+        ahead: how far t lies in the future, in which nobody can have seen the hand yet [s].
+        """
+        if hand is not self._given and not (self._given is not None and hand.same(self._given)):
+            before, self._given = self._given, hand
+            if not hand.lost:
+                self._take(hand, t)
+            elif before is not None and before is self._last and before.time is None:
+                self._seen = t  # a hand without a time counts as seen until it is lost
+        last = self._last
+        if last is None:
+            return None, 0.0
+        self._seen, self._since = min(self._seen, t), min(self._since, t)  # time may jump back
+        late = 0.0 if hand.time is None and not hand.lost else t - ahead - self._seen - HOLD
+        share = min(1.0, 1.0 - late / FADE)
+        if share <= 0.0:
+            self._last = None
+            return None, 0.0
+        return self._blend_hand(last, t), share
+
+    def pose_skin(self, hand: Hand) -> PosedSkin:
+        """Return the posed skin of a hand from `at`; the previous one if the hand has not moved."""
+        if self._touchable is None or self._touchable.hand is not hand:
+            kind = self._touchable
+            same = kind is not None and kind.hand.faces is hand.faces
+            self._touchable = PosedSkin(hand, kind.skin if kind and same else self._skin)
+        return self._touchable
+
+    def can_move(self, t: float) -> bool:
+        """Return whether the hand may move or fade after time t [s] without an update."""
+        if self._last is None:
+            return False
+        given = self._given
+        timed = given is not None and (given.lost or given.time is not None)
+        return timed or (self._offset is not None and t < self._since + BLEND)
+
+    def _take(self, hand: Hand, t: float) -> None:
+        """Accept a new update of a hand that is not lost."""
+        was = None if self._last is None else self._blend_hand(self._last, t)
+        self._seen = t if hand.time is None else hand.time
+        self._last, self._offset = hand, None
+        if was is None or was.carriers.shape != hand.carriers.shape:
+            return
+        d = was.carriers - self._extrapolate(hand, t).carriers
+        if float((d * d).sum(axis=1).max()) <= JUMP * JUMP and d.any():
+            self._offset, self._since = d, t
+
+    def _extrapolate(self, hand: Hand, t: float) -> Hand:
+        if hand.time is None or hand.velocities is None:
+            return hand
+        return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD))
+
+    def _blend_hand(self, hand: Hand, t: float) -> Hand:
+        now = self._extrapolate(hand, t)
+        f = 1.0 - (t - self._since) / BLEND
+        if self._offset is None or f <= 0.0:
+            self._offset = None
+            return now
+        return now.translate(f * self._offset)

@@ -1,0 +1,93 @@
+"""Why the output is silent: the rules, from a state and what the renderer has found about the contact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.wire.silence_cause import UNTOUCHED, Silence
+
+if TYPE_CHECKING:
+    from pacinian.wire.state import State
+
+NOT_ARMED = "not armed: call arm()"
+STOPPED = "stopped by an emergency stop: call reset(), then arm()"
+LATE = (
+    "the renderer is late: sound returns when it catches up; `pacinian status` shows the tick times"
+)
+TURNED_DOWN = "the intensity is 0: call select(intensity=1.0)"
+NO_OBJECTS = "the scene has no objects: call put()"
+NOT_SEEN = "no hand is seen: the tracker must see one, and the game must send it with hands() in each frame"
+UNREACHED = "the array cannot reach the touched skin: turn the palm to the array, or come nearer"
+NOT_PRESSING = (
+    "no object presses: check that their pressure is above 0 and that they lie in the workspace"
+)
+PAUSE = "nothing presses at this moment: an envelope is at 0, or the sound has just begun"
+UNREACHED_REASONS = (
+    "samples hardly reached",
+    "samples too far from the array",
+    "samples on a transducer",
+)  # reasons in `State.skipped` for which the array cannot press what a hand touches
+
+
+def find_cause(state: State, *, resumes: bool = False) -> Silence | None:
+    """Return why the output is silent; None if it sounds.
+
+    state: with `cause` and `why` of the contact, as the renderer found them. resumes: whether the owner's next renewal
+    lets the output sound again.
+    """
+    if state.output == "sounding":
+        return None
+    if state.output == "faulted":
+        return _explain_fault(state)
+    if state.output == "stopped":
+        return Silence("stopped", STOPPED)
+    if state.output == "stale":
+        return Silence("late", LATE)
+    if not state.armed:
+        return _explain_unarmed(state, resumes)
+    if state.status.startswith("silent: "):  # such as while quiet zones are prepared
+        return Silence("not ready", state.status.removeprefix("silent: "))
+    if state.intensity <= 0.0:
+        return Silence("no pressure", TURNED_DOWN)
+    if not any(client.objects for client in state.clients if client.scene == state.scene):
+        return Silence("no objects", NO_OBJECTS)
+    return _explain_samples(state) if state.asked else _explain_contact(state)
+
+
+def _explain_fault(state: State) -> Silence:
+    if not state.backend and not state.faults:
+        return Silence("fault", "no device is open: it may still be starting; see the server's log")
+    fault = state.faults[-1] if state.faults else "see the server's log"
+    return Silence("fault", f"fault: {fault}. Remove its cause, then call reset() and arm()")
+
+
+def _explain_unarmed(state: State, resumes: bool) -> Silence:
+    if not state.owner:
+        return Silence("not armed", NOT_ARMED)
+    if resumes:
+        advice = "the output sounds again as soon as it calls renew()"
+        return Silence("lease lost", f'"{state.owner}" stands still: {advice}')
+    advice = "it must call arm() again, and then renew() in each of its frames"
+    return Silence("lease lost", f'"{state.owner}" lost its lease or was disarmed: {advice}')
+
+
+def _explain_samples(state: State) -> Silence:
+    """Explain silence although there are samples."""
+    asked, achieved = np.frombuffer(state.asked, "<f4"), np.frombuffer(state.achieved, "<f4")
+    if not asked.any():
+        return Silence("pause", PAUSE)
+    unreached = any(state.skipped.get(reason) for reason in UNREACHED_REASONS)
+    if unreached and not achieved.any():
+        return Silence("out of the array's reach", UNREACHED)
+    return Silence("pause", PAUSE)
+
+
+def _explain_contact(state: State) -> Silence:
+    """Explain why there are no samples."""
+    if state.hands:
+        return Silence(state.cause or "nothing in reach", state.why or UNTOUCHED)
+    if state.skipped.get("hands lost"):
+        return Silence("hand not seen", NOT_SEEN)
+    return Silence("no pressure", NOT_PRESSING)

@@ -1,0 +1,341 @@
+"""The render loop of the server: takes changes at each tick, and orders between ticks; reports its status."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Any
+
+from msgspec.msgpack import Decoder
+from msgspec.structs import replace
+
+from pacinian.errors import describe_error, shorten
+from pacinian.rendering.clock import Clock, SystemClock, pace
+from pacinian.rendering.realtime_section import realtime_section
+from pacinian.rendering.renderer import Renderer
+from pacinian.scene.modulation.technique import SIMULTANEOUS
+from pacinian.scene.sampling.ramps import RAMP_TIME
+from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.scene import Scene
+from pacinian.serving.ipc import messages
+from pacinian.serving.ipc.scheduling import start_background_thread
+from pacinian.serving.ipc.shared_memory import RegisterReader
+from pacinian.serving.render import status
+from pacinian.serving.render.change_decoding import decode_changes
+from pacinian.serving.render.contact import explain_contact
+from pacinian.serving.render.frame_output import Input, OutputSwitcher
+from pacinian.serving.render.quiet_zones import ZonePlacement
+from pacinian.serving.render.scene_replica import SceneReplica
+from pacinian.solving.problem import Limits
+from pacinian.solving.quiet_zone import Zone
+from pacinian.wire.convert_modulation import technique_to_scene
+from pacinian.wire.silence_cause import UNTOUCHED, Silence
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.modulation.technique import Technique
+    from pacinian.serving.ipc.messages import RequestedSettings
+    from pacinian.serving.ipc.shared_memory import SharedRegister
+    from pacinian.serving.ipc.wake_pipe import WakePipe
+    from pacinian.serving.render.background_loader import BackgroundLoader
+    from pacinian.serving.render.solver_switcher import SolverSwitcher
+    from pacinian.serving.settings import Settings
+    from pacinian.wire.modulation import Technique as WireTechnique
+    from pacinian.wire.replies import Plugin
+
+FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
+EARLY = 0.02  # lead time of the fade before a permit expires [s]
+EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
+REST = 0.05  # longest time between two reports while the loop rests [s]
+MAX_RESULTS = 64  # number of results of orders kept
+NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
+
+
+class RenderLoop:
+    """Does the server's work between ticks of the renderer: takes changes and orders, reports, dims and silences.
+
+    files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
+    then `run_ticks` or single ticks of the renderer, then `close`. Raises ArgumentError.
+    """
+
+    def __init__(
+        self,
+        files: dict[str, SharedRegister],
+        settings: Settings,
+        array: Array,
+        medium: Air,
+        solvers: SolverSwitcher,
+        loader: BackgroundLoader,
+        clock: Clock | None = None,
+    ) -> None:
+        self.run = int.from_bytes(os.urandom(6), "little")
+        self.results: dict[str, str] = {}
+        self.solvers: tuple[Plugin, ...] = ()
+        """The solvers that can be selected."""
+        self._files, self._settings, self._choosing = files, settings, solvers
+        self.clock = clock or SystemClock()
+        self._permit = RegisterReader(files["permit"], messages.Permit.unpack, messages.Permit())
+        self._orders = RegisterReader(
+            files["orders"],
+            Decoder(messages.RequestedSettings).decode,
+            messages.RequestedSettings(),
+        )
+        self._device = RegisterReader(
+            files["device"], Decoder(messages.DeviceStatus).decode, NO_DEVICE
+        )
+        self._changes = RegisterReader(
+            files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0)
+        )
+        zones = settings.safety.zones
+        self.felt = SceneReplica(
+            settings.workspace,
+            loader,
+            tuple(Zone(z.position, pressure=z.pressure, radius=z.radius) for z in zones),
+        )
+        self._device.look()
+        self._outputs = OutputSwitcher(
+            files["frame"], self._device, self._permit, settings.rate, self._tag
+        )
+        sampling = settings.sampling
+        self.renderer = Renderer(
+            array,
+            Scene(workspace=settings.workspace),
+            medium=medium,
+            solver=solvers.chosen,
+            backend=self._outputs.first(),
+            rate=settings.rate,
+            sampler=Sampler(sampling.budget, sampling.spacing, ramp=RAMP_TIME),
+            cycle=settings.cycle,
+            peak=settings.safety.pressure,
+            clock=self.clock,
+            start_thread=start_background_thread,
+        )
+        limits = Limits(gain=settings.gain, power=settings.power)
+        self._quiet = True
+        self._quieting = ZonePlacement(array, self.renderer.session.medium, limits, len(zones))
+        self._done = messages.RequestedSettings()
+        # The default technique, by name and value.
+        self._kind: tuple[str, Technique] = "", SIMULTANEOUS
+        self._presentation: WireTechnique | None = None
+        self._intensity = 1.0
+        self._reset = 0
+        self._explained, self._contact = -math.inf, Silence("nothing in reach", UNTOUCHED)
+        self._reported, self._report_interval = -math.inf, 1.0 / settings.state_rate  # [s]
+        self._switched = False  # another device has not got a frame yet
+
+    def open(self) -> None:
+        """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
+        self.renderer.open()
+        self.felt.start = self.renderer.start
+        self._changes.skip()
+        self._files["taken"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
+        self._try(self._orders.look)
+        self._reset = self._orders.value.reset
+        self._obey(self._orders.value)
+        self.renderer.scene = self._scene
+        self._report(self.clock.now())
+
+    def run_ticks(self, wake: WakePipe) -> None:
+        """Tick for ever, or rest while there is nothing to do. wake: ends the rest.
+
+        Late ticks are skipped, so that frames are current and the newest hands are used at once.
+        """
+        renderer = self.renderer
+        with realtime_section():
+            while True:
+                for due, lost in pace(self.clock, renderer.period, behind=0.0):
+                    renderer.tick(due, lost)
+                    self.run_between()
+                    if self.rests:
+                        break
+                while self.rests:
+                    due = self._reported + max(REST, self._report_interval)
+                    wake.wait(due - self.clock.now(), lambda: self._has_news)
+                    self.run_between()
+
+    @property
+    def rests(self) -> bool:
+        """Whether another tick would change nothing: there is silence, no permit, and nothing new or pending."""
+        if not self.renderer.silent or self._choosing.making:
+            return False
+        if self.renderer.halted is not None:
+            return True  # until a reset
+        return not (
+            self._permit.waiting
+            or self._permit.value.armed
+            or self._changes.waiting
+            or self._switched
+            or self.renderer.shown is not self.felt.hushed
+            or self.felt.loading
+            or self._quieting.preparing
+        )
+
+    @property
+    def _has_news(self) -> bool:
+        """Whether another process has written a value that ends the rest, or that `run_between` reads."""
+        return self._orders.waiting or self._device.waiting or not self.rests
+
+    def close(self) -> None:
+        """Silence the output."""
+        self.renderer.close()
+
+    def run_between(self, report: object = None) -> None:
+        """Do the work between two ticks: orders, a new device, a new solver, a report. Never raises an Exception."""
+        for step in self._follow, self._listen, self._choose, self._mend:
+            self._try(step)
+        now = self.clock.now()
+        if now >= self._reported + self._report_interval:
+            self._reported = now
+            self._try(lambda: self._report(now))
+
+    def _try(self, step: Callable[[], object]) -> str:
+        """Call `step`; report and return its error, if any, so that the loop goes on."""
+        try:
+            step()
+        except Exception as error:
+            problem = describe_error(error)
+            self.felt.refuse("", problem)
+            return problem
+        return ""
+
+    def _follow(self) -> None:
+        if self._device.look():
+            before = self.renderer.backend
+            self._note(self._outputs.follow(self.renderer))
+            self._switched = self._switched or self.renderer.backend is not before
+
+    def _listen(self) -> None:
+        if self._orders.look():
+            self._obey(self._orders.value)
+
+    def _scene(self, t: float) -> Scene:
+        """Return the scene of a tick."""
+        self._switched = False
+        epoch = self._permit.value.epoch
+        if self._permit.look() and self._permit.value.epoch != epoch:
+            self.renderer.restart()  # nothing that an earlier permit has begun may sound under this one
+        self._try(self._take)
+        self._quiet = self._is_quiet()
+        permit = self._permit.value
+        over = self.clock.now() > permit.until - EARLY
+        other = permit.scene != self.felt.number
+        hushed = permit.armed != 1 or permit.stopped or over or other or not self._quiet
+        return self.felt.hushed if hushed else self.felt.scene
+
+    def _take(self) -> None:
+        """Apply the new changes."""
+        last = self._changes.value[0]
+        if not self._changes.look():
+            self.felt.apply()
+            return
+        new, damaged = self._changes.value
+        again = () if new.run == last.run else (messages.ResetScene(),)
+        self.felt.apply((*again, *new.changes))
+        if damaged:
+            self.felt.refuse("", f"{damaged} changes were damaged")
+        self._files["taken"].write(
+            messages.pack(messages.ChangesAck(new.number, self.run, new.run))
+        )
+
+    def _is_quiet(self) -> bool:
+        """Whether the current quiet zones can be enforced. There is silence until they are prepared."""
+        if not self._quieting.keeps(self.felt.zones):
+            return False
+        self.renderer.limits = self._quieting.limits
+        return True
+
+    def _choose(self) -> None:
+        self._note(self._choosing.poll())
+        solver, session = self._choosing.chosen, self.renderer.session
+        if session.solver is not solver:
+            session.solver = solver
+
+    def _obey(self, orders: RequestedSettings) -> None:
+        """Carry out the new orders. An order that fails does not stop the others."""
+        done, self._done = self._done, orders
+        (solver, choice), (technique, asked), (intensity, level) = (
+            orders.solver, orders.technique, orders.intensity
+        )  # fmt: skip
+        if solver != done.solver[0] and choice is not None:
+            problem = self._try(lambda: self._choosing.order(solver, choice))
+            if problem:
+                self._note({f"solver {solver}": problem})
+        if technique != done.technique[0]:
+            self._note({f"technique {technique}": self._try(lambda: self._present(asked))})
+        if intensity != done.intensity[0]:
+            self._note({f"intensity {intensity}": self._try(lambda: self._dim(level))})
+
+    def _present(self, technique: WireTechnique | None) -> None:
+        """Set the default technique. Raises ArgumentError, WireError."""
+        name = "" if technique is None else str(technique.__struct_config__.tag)
+        kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
+        self.felt.present(kind, self._intensity)
+        self._kind, self._presentation = (name, kind), technique
+
+    def _dim(self, intensity: float) -> None:
+        """Set the factor on all pressures."""
+        self.felt.present(self._kind[1], intensity)
+        self._intensity = intensity
+
+    def _mend(self) -> None:
+        """After a reset, restart the renderer once the device has no fault."""
+        reset = self._orders.value.reset
+        if reset == self._reset or self._device.value.fault:
+            return
+        self._reset = reset
+        self.renderer.reset()
+        self._note({f"reset {self._reset}": ""})
+
+    def _note(self, results: dict[str, str]) -> None:
+        self.results.update(results)
+        for old in list(self.results)[:-MAX_RESULTS]:
+            del self.results[old]
+
+    def _tag(self) -> Input:
+        """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
+        part, parts = self.renderer.player.place_in_cycle
+        newest = self.felt.input(self.renderer.shown)
+        return newest._replace(start=self.renderer.start, part=part, parts=parts)
+
+    def _report(self, now: float) -> None:
+        """Report the status; if its state cannot be encoded, report without it, as a heartbeat."""
+        halted = self.renderer.halted
+        report = messages.RendererStatus(
+            self.run,
+            now,
+            {},
+            self.results,
+            "" if halted is None else shorten(f"{halted.stage}: {halted.message}"),
+            self.felt.refused,
+            self.solvers,
+        )
+        try:
+            self._tell(replace(report, state=self._state(now)))
+        except Exception as error:
+            self.felt.refuse("", describe_error(error))
+            self._tell(report)
+
+    def _tell(self, report: messages.RendererStatus) -> None:
+        self._files["report"].write(messages.pack(report))
+
+    def _state(self, now: float) -> dict[str, Any]:
+        renderer = self.renderer
+        state = status.make_status(renderer, now - renderer.start)
+        state["technique"], state["intensity"] = self._kind[0], self._intensity
+        state["presentation"] = self._presentation
+        if not self._quiet:
+            state["status"] = self._quieting.note
+        if state["hands"] and "asked" not in state:
+            state["cause"], state["why"] = self._explain(now)
+        return state
+
+    def _explain(self, now: float) -> Silence:
+        """Return why there are no samples although a hand is seen. Distances are computed now and then."""
+        if now >= self._explained + EXPLAIN_PERIOD:
+            self._explained, shown = now, self.renderer.shown
+            hands = status.find_hands(self.renderer, now - self.renderer.start)
+            self._contact = explain_contact(hands, shown.objects)
+        return self._contact

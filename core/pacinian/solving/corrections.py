@@ -1,0 +1,25 @@
+"""Correct the amplitudes that are asked for in regions, where the regularisation leaves pressure missing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pacinian.types import Complexes, Floats
+
+MAX_CORRECTIONS = 2  # most solves that correct what the first solve for regions has left missing
+WORTHWHILE = 0.98  # largest ratio of the errors after and before a correction at which it is kept
+MAX_CORRECTION = 2.0  # largest ratio between a corrected amplitude and its target, either way
+
+
+def correct_amplitudes(asked: Floats, t: Floats, p: Complexes) -> Floats:
+    """Return what to ask for instead of `asked` if that gave the pressures p, while t is wanted, (M,) [Pa].
+
+    The regularisation leaves pressure missing in one place, and too much in another. So ask for more or less there:
+    asked_m t_m / |p_m|, within [t_m / 2, 2 t_m].
+    """
+    made = np.maximum(np.abs(p), t / MAX_CORRECTION**2)
+    share = np.divide(t, made, out=np.ones_like(t), where=made > 0.0)
+    return np.asarray(np.clip(asked * share, t / MAX_CORRECTION, MAX_CORRECTION * t))

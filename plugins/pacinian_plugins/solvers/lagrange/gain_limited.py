@@ -1,0 +1,375 @@
+"""Meets the targets under the gain limit alone. Phases, multipliers and gains are found together.
+
+People feel amplitude, not phase. So p = t exp(j phi) with phi free, and at the optimum of the dual (see
+`convex.dual`), y = r exp(j phi) with r real. The stages run in this order until the error is small enough:
+
+1. The regularised pseudo-inverse, for phases from Gerchberg-Saxton: y = mu (G + mu I)^-1 p.
+2. Newton steps on Re(conj(u_m) (B h(B^H y) + y)_m) = t_m, where u = p / |p| of the pressures made. These are
+   M real equations, so each step solves an M x M real system (`solve_dual`). Two or three steps suffice
+   while only some of the transducers are at their limit.
+3. If stage 2 stalls: full drive. Weighted Gerchberg-Saxton steps find other phases that allow more pressure
+   (`equalise`), and stage 2 runs again.
+4. If the array cannot meet the targets: Newton steps on the gains, towards the nearest pressures
+   (`solve_primal`).
+5. If the caller allows the time: stages 3 and 4 from other phases.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.native.solving import gather
+from pacinian.solving.linalg import lapack
+from pacinian_plugins.native.lagrange import (
+    certify,
+    deliver,
+    equalise,
+    evaluate,
+    solve_dual,
+    solve_primal,
+)
+from pacinian_plugins.solvers.lagrange.newton_time import has_time
+from pacinian_plugins.solvers.lagrange.reference import Refined, refine_certified, solve_newton
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pacinian as pc
+    from pacinian.types import Complexes, Floats, Gains, Singles
+    from pacinian_plugins.native.lagrange import Workspace
+
+STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
+MET = 1e-4  # relative error that always suffices
+NEARLY = 1e-3  # relative error that suffices once the steps have converged
+STEPS, EQUAL, LAST = 16, 24, 80  # maximum number of steps in stages 2, 3 and 4
+ROUGH, FINISHED = 3e-4, 1e-5  # least relative saving of a step in stage 4: when probing, at the end
+# samples up to which other starts are tried; full-drive probes for each; their phase increment [turns]
+FEW_SAMPLES, LOOKS, GOLDEN = 16, 3, 0.6180339887
+MAX_PHASE_ERROR = (
+    0.2  # relative error from which continuing with the current phases is not worthwhile
+)
+# regularisation relative to trace(G) / M, in descending order; Newton steps with each
+SOFT, STEPS_EACH = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), 3
+LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
+TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two starting points
+QUICK = 5_000_000  # M M N of the steps between two checks of the clock
+# search for the strongest: steps of `equalise`; resolution and least share of full drive
+MOST_EQUAL, SCALE_RESOLUTION, MIN_SCALE = 80, 0.004, 0.5
+IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
+BEYOND = 0.999  # multiple of the targets at full drive below which they cannot be met
+
+
+class PhaseFreeResult(NamedTuple):
+    """Outcome of the steps. The gains are in `workspace.h`, in units of the limit."""
+
+    error: float  # ||targets - made|| / ||p||, where free phases are those made
+    steps: int
+    late: bool
+    held: int  # transducers at their limit
+    bound: float  # [Pa^2] for unit limits
+    objective: float
+    share: float = 0.0  # share of full drive that the strongest solution uses
+
+
+class Candidate(NamedTuple):
+    """Gains h, (3, N), that are kept while others are tried, and their error."""
+
+    error: float
+    h: Singles
+
+    @classmethod
+    def of(cls, error: float, workspace: Workspace) -> Candidate:
+        """Copy the current gains."""
+        return cls(error, workspace.h.copy())
+
+
+@dataclass(eq=False)
+class PhaseFreeSolve:
+    """One problem and its progress. workspace: has the targets, and the multipliers to start from.
+
+    starts: additional starting phases to try if the given ones do not suffice. late: whether the time ran out before
+    the first start had finished; additional starts do not count.
+    """
+
+    B: Complexes
+    G: Complexes
+    mu: float
+    workspace: Workspace
+    budget: pc.Budget
+    unit: float
+    out: Gains
+    starts: int = 0
+    steps: int = 0
+    late: bool = False
+
+    def run(self) -> PhaseFreeResult:
+        """Write the gains, starting from the multipliers in the workspace."""
+        error, converged = self._newton()
+        if error > (NEARLY if converged else MET) and not self.budget.spent:
+            error = self._harder(error)
+            late = self.late or self.budget.spent
+            if error > MET and not late and self._others:
+                error = self._elsewhere(error)
+            self._prove()
+            self.late = late
+        else:
+            self.late |= self.budget.spent
+        return self._make_result(error)
+
+    def _prove(self) -> None:
+        """Write the current gains, and the bound that the current multipliers prove."""
+        certify(self.mu, self.workspace)
+        deliver(self.workspace.h, self.unit, self.out)
+
+    def _make_result(self, error: float) -> PhaseFreeResult:
+        """Return the current result with its bound and objective."""
+        w = self.workspace
+        return PhaseFreeResult(error, self.steps, self.late, w.held, w.bound, w.objective)
+
+    def strongest(self) -> PhaseFreeResult:
+        """Write gains for the largest multiple of the targets, whose phases are all free.
+
+        Full drive gives the best phases and an estimate of the multiple. A bisection over shares of this estimate,
+        with Newton steps for each, then finds the multiple.
+        """
+        w, p = self.workspace, self.workspace.p.copy()
+        top = self._full()
+        start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
+        best: PhaseFreeResult | None = None
+        y, h = start, w.h
+        while top > 0.0 and strong - weak > SCALE_RESOLUTION and not (best and self.budget.spent):
+            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SCALE_RESOLUTION)
+            if share < MIN_SCALE:
+                break
+            w.p[:], w.y[:] = (share * top) * p, start
+            error, _ = self._newton()
+            if error > IN_PROPORTION:
+                strong = share
+                continue
+            weak, best = share, self._make_result(error)._replace(share=share)
+            y, h = w.y.copy(), w.h.copy()
+        self.late |= self.budget.spent
+        if best is None:  # no share keeps the proportions: use the last attempt, or full drive
+            self._prove()
+            return self._make_result(error)
+        w.h[:], w.y[:] = h, y
+        deliver(w.h, self.unit, self.out)
+        return best._replace(steps=self.steps, late=self.late)
+
+    def _full(self) -> float:
+        """Drive fully from the phases, current or other, that give the weakest sample the most pressure.
+
+        Returns the multiple of the targets that is nearest to the pressures made.
+        """
+        w, size = self.workspace, np.abs(self.workspace.p)
+        top = self._equalise(MOST_EQUAL)
+        y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
+        looks = self._looks(lambda made: float((made / size).min()), self._others)
+        found, k = max(looks, default=(0.0, 0))
+        if found <= most:
+            w.y[:] = y
+            return top
+        w.y[:] = self._phases(k)
+        return self._equalise(MOST_EQUAL)
+
+    def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
+        """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
+        w, endless = self.workspace, self.budget.endless
+        # without time for a step, only evaluate the current multipliers
+        steps = steps if endless or self._affords() else 0
+        chunk = steps if endless else max(1, min(steps, QUICK // self._work))
+        w.restart_dual()
+        for _ in range(0, max(1, steps), chunk):
+            taken = solve_dual(
+                self.B,
+                self.G,
+                mu or self.mu,
+                min(chunk, steps),
+                STOP_RESIDUAL,
+                w,
+                self.unit,
+                self.out,
+            )
+            self.steps += abs(taken)
+            if taken >= 0 or w.stalled > 1 or self.budget.spent:
+                return w.error, taken >= 0
+        return w.error, False
+
+    @property
+    def _work(self) -> int:
+        """M M N, which a Newton step takes time in proportion to."""
+        return len(self.B) * self.B.size
+
+    def _affords(self) -> bool:
+        """Return whether a Newton step would finish in time; if not, mark the result as late."""
+        fits = has_time(self.budget, self._work)
+        self.late |= not fits
+        return fits
+
+    def _harder(self, error: float) -> float:
+        """Continue after Newton steps have stalled at `error`; keep the best gains, with their residual as y."""
+        w = self.workspace
+        first = second = Candidate.of(error, w)
+        if w.free.all():
+            if (
+                error > MAX_PHASE_ERROR or self._work > LARGE
+            ):  # the array cannot resolve the samples
+                first = self._solve_softened(first)
+            if not self.budget.spent:
+                error = self._full_drive()
+                if error <= MET:
+                    return error
+                second = Candidate.of(error, w)
+        if first.error != second.error and self._work <= TWICE:  # probe both starting points
+            first, second = self._probe(first), self._probe(second)
+        best = first if first.error <= second.error else second
+        w.h[:] = best.h
+        error = self._nearest(FINISHED) if self._work <= LARGE else best.error
+        self._residual()
+        return error
+
+    def _probe(self, start: Candidate) -> Candidate:
+        """Take rough steps on the gains from those of `start`."""
+        self.workspace.h[:] = start.h
+        return Candidate.of(self._nearest(ROUGH), self.workspace)
+
+    @property
+    def _others(self) -> int:
+        """Number of additional starts: 0 for many samples or fixed phases."""
+        M = len(self.B)
+        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.workspace.free.all() else 0
+
+    def _elsewhere(self, error: float) -> float:
+        """Try other starting phases; keep the best gains and return their error. error: of the current gains.
+
+        Each start is probed at full drive. Only those nearest to the targets are continued.
+        """
+        w, best = self.workspace, Candidate.of(error, self.workspace)
+        asked = np.abs(w.p)
+        looks = sorted(
+            self._looks(lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._others)
+        )
+        for _, k in looks[: self.starts]:
+            if self.budget.spent or best.error <= MET:
+                break
+            w.y[:] = self._phases(k)
+            self._equalise(EQUAL)
+            found = self._nearest(ROUGH)
+            if found < best.error:
+                best = Candidate.of(found, w)
+        w.h[:] = best.h
+        reached = self._nearest(FINISHED) if best.error < error else best.error
+        self._residual()
+        return reached
+
+    def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
+        """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
+        looks = list[tuple[float, int]]()
+        for k in range(count):
+            if self.budget.spent:
+                break
+            self.workspace.y[:] = self._phases(k)
+            self._step_equal(EQUAL)
+            looks.append((worth(np.hypot(*self.workspace.made)), k))
+        return looks
+
+    def _phases(self, k: int) -> Complexes:
+        """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""
+        m = np.arange(len(self.B))
+        turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
+        return np.asarray(np.abs(self.workspace.p) * np.exp(2j * np.pi * turns), np.complex128)
+
+    def _solve_softened(self, best: Candidate) -> Candidate:
+        """Take Newton steps with increased regularisation, and reduce it while the error falls; return the best gains.
+
+        best: the current gains.
+        """
+        if not self._affords():
+            return best
+        w, G, last = self.workspace, self.G, 1.0
+        power = float(np.trace(G).real) / len(G)
+        diagonal = np.arange(len(G))
+        for share in SOFT:
+            soft = share * power
+            if share == SOFT[0]:
+                shifted = np.array(G)
+                shifted[diagonal, diagonal] += soft
+                _, y, singular = lapack.zposv(shifted, w.p)
+                if singular:
+                    raise np.linalg.LinAlgError("the Gram matrix is not positive definite")
+                w.y[:] = soft * y.reshape(-1)
+            else:
+                w.y[:] *= soft / last
+            last = soft
+            error, _ = self._newton(STEPS_EACH, soft)
+            if error < best.error:
+                best = Candidate.of(error, w)
+            elif share != SOFT[0] or self.budget.spent:
+                break
+        return best
+
+    def _full_drive(self) -> float:
+        """Restart the Newton steps from the phases of full drive; return the error."""
+        if self._equalise(EQUAL) < BEYOND:
+            self.workspace.y[:] *= 10.0  # hold more transducers at the limit
+        return self._newton()[0]
+
+    def _equalise(self, steps: int) -> float:
+        """Take steps of `equalise`, then scale the multipliers so that half of the transducers are at their limit.
+
+        Returns the multiple of the targets that is nearest to what full drive makes.
+        """
+        w = self.workspace
+        self._step_equal(steps)
+        reached = w.h[2][w.h[2] > 0.0]
+        w.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
+        return w.multiple
+
+    def _step_equal(self, steps: int) -> None:
+        """Take steps of `equalise`, in small batches if there is a deadline."""
+        w = self.workspace
+        chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
+        for _ in range(0, steps, chunk):
+            taken = equalise(self.B, chunk, w)
+            self.steps += abs(taken)
+            if taken >= 0 or self.budget.spent:
+                break
+
+    def _nearest(self, finished: float) -> float:
+        """Take Newton steps on the gains, from the current ones; return the error."""
+        w = self.workspace
+        w.restart_primal()
+        gather(self.B, w.h, w.made, w.tile)
+        most = LAST if self._affords() else 0
+        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * self._work))
+        for _ in range(0, max(1, most), chunk):
+            steps = solve_primal(self.B, self.mu, min(chunk, most), STOP_RESIDUAL, finished, w)
+            self.steps += abs(steps)
+            if steps >= 0 or self.budget.spent:
+                break
+        return w.error
+
+    def _residual(self) -> None:
+        """Set the multipliers to the residual of the gains, which proves optimality at the nearest pressures."""
+        w = self.workspace
+        gather(self.B, w.h, w.made, w.tile)
+        q = w.made[0] + 1j * w.made[1]
+        t = np.where(w.free, np.abs(w.p) * np.exp(1j * np.angle(q)), w.p)
+        w.y[:] = t - q
+        y = np.zeros((2, w.tile.shape[1]), np.float32)
+        y[:, : len(q)] = w.y.real, w.y.imag
+        h, made = np.empty_like(w.h), np.empty_like(w.made)  # only the cost is needed
+        w.cost = evaluate(self.B, y, self.mu, h, made, w.tile)
+
+    def refine(self, B: Complexes) -> Refined:
+        """Return the solution in double precision, for B in double precision; its multipliers are in the workspace."""
+        w = self.workspace
+        h = w.h[0].astype(np.complex128) + 1j * w.h[1]
+        rough = refine_certified(B, w.p, w.free, self.mu, w.y, h / np.maximum(np.abs(h), 1.0))
+        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, STEPS, self.budget)
+        best = fine if fine.objective < rough.objective else rough
+        w.y[:] = best.y
+        return best

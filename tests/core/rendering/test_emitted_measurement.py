@@ -1,0 +1,130 @@
+"""What is felt between the samples, as the loop sees it: against every place, and against a field of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.rendering.emitted_measurement import Probe
+from pacinian.solving.felt_regions import FeltSums
+from pacinian.testing import ManualClock
+
+AIR, ARRAY = pc.Air(), pc.autd()
+MIDDLE = ARRAY.centre + np.array([0.0, 0.0, 0.2])
+
+
+def solved(*items: Any, **how: Any) -> tuple[pc.Session, pc.Samples, pc.Solution]:
+    sampler = pc.Sampler(1000)
+    sampler.prepare(ARRAY, AIR)
+    samples = sampler.sample(pc.Scene(items))
+    session = pc.Session(ARRAY, AIR)
+    amplitudes = pc.sound_pressure(samples.radiation_pressure, AIR)
+    solution = session.solve(samples.positions, amplitudes, **{"regions": samples.regions} | how)
+    return session, samples, solution
+
+
+def disc(x: float, pressure: float, name: str = "") -> pc.Surface:
+    pose = pc.Pose((MIDDLE[0] + x, MIDDLE[1], MIDDLE[2]))
+    return pc.Surface(shape=pc.Disc(0.012), pose=pose, radiation_pressure=pressure, name=name)
+
+
+def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, looks: int) -> Any:
+    probe, sums = Probe(session), dict[str, FeltSums]()
+    for _ in range(looks):
+        for name, found in probe.look(
+            samples, solution.targets, session.propagator.facing, solution.gains[None]
+        ).items():
+            sums[name] = sums.get(name, FeltSums()).plus(found)
+    return {name: all_.felt for name, all_ in sums.items()}
+
+
+@pytest.mark.parametrize("strength", [1.0, 0.3])
+def test_many_looks_find_what_all_places_say(strength: float) -> None:
+    session, samples, solution = solved(disc(-0.02, 1.0, "one"), disc(0.02, 2.0, "two"))
+    solution.gains[:] *= np.float32(strength)  # as if the device had made them weaker
+    every = session.measure_felt(solution).felt
+    found = looked(session, samples, solution, 100)
+    assert found.keys() == {"one", "two"}
+    for name, some in found.items():
+        first = samples.items[samples.objects[0]].name
+        all_ = every[0 if name == first else 1]
+        assert some.force == pytest.approx(strength**2, abs=0.03)
+        assert some.force == pytest.approx(all_.force, abs=0.01)
+        assert some.rms == pytest.approx(all_.rms, abs=0.01)
+        assert some.holes == (1.0 if strength < 0.7 else 0.0)
+        assert 0.5 * all_.spill < some.spill < 1.5 * all_.spill  # the largest seen, at other places
+
+
+def test_unevenness_between_good_samples_is_found() -> None:
+    """Foci a wavelength apart, each exactly as asked."""
+    session, samples, _ = solved(disc(0.0, 2.0, "disc"))
+    kept = np.zeros(len(samples), dtype=np.bool_)
+    for m in range(len(samples)):
+        q = samples.positions[kept]
+        kept[m] = not len(q) or np.linalg.norm(q - samples.positions[m], axis=1).min() > 0.008
+    few = samples.only(kept)
+    amplitudes = pc.sound_pressure(few.radiation_pressure, AIR)
+    solution = session.solve(few.positions, amplitudes)
+    asked = session.solve(few.positions, amplitudes, regions=few.regions)
+    of = {"targets": asked.targets}
+    found = looked(session, few, pc.Solution(**{**vars(solution), **of}), 50)["disc"]
+    assert solution.error < 1e-2
+    assert found.rms > 0.2
+    assert not found.even
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
+    session = pc.Session(ARRAY, AIR)
+    q = MIDDLE + np.array([[0.0, 0.0, 0.0], [0.002, 0.0, 0.0]])[:count]
+    solution = session.solve(q, np.full(count, 500.0), regions=np.zeros(count, dtype=int))
+    sampler = pc.Sampler()
+    sampler.prepare(ARRAY, AIR)
+    samples = sampler.sample(pc.Scene((disc(0.0, 1.0),))).only(np.arange(count))
+    samples.positions[:] = q
+    found = looked(session, samples, solution, 10)["surface"]
+    assert found.force == pytest.approx(1.0, abs=0.05)
+
+
+def test_points_have_none_and_the_report_has_each_object() -> None:
+    point = pc.Point(position=(MIDDLE[0] + 0.03, MIDDLE[1], MIDDLE[2]), radiation_pressure=3.0)
+    session, samples, solution = solved(point)
+    assert Probe(session).look(samples, solution.targets, None, solution.gains[None]) == {}
+    scene = pc.Scene((point, disc(-0.01, 1.0, "disc")))
+    with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
+        summary = renderer.run(2.0).summary()
+    assert list(summary["felt"]) == ["disc"]
+    felt = summary["felt"]["disc"]
+    assert felt["force"] == pytest.approx(1.0, abs=0.05)
+    assert felt["rms"] < 0.1
+    assert felt["holes"] == 0.0
+    assert renderer.report.compute_felt(5)["disc"].force == pytest.approx(1.0, abs=0.05)
+    assert "felt of disc" in renderer.report._repr_html_()
+
+
+def test_what_is_heard_is_that_of_a_new_probe_whatever_changed_since_the_last_call() -> None:
+    """Arrays are changed in place, too, as the loop's buffers are."""
+    session, samples, solution = solved(disc(0.0, 1.0))
+    probe, rng = Probe(session), np.random.default_rng(3)
+    points, gains = samples.positions.copy(), np.tile(solution.gains, (2, 1))
+    normals = np.tile([0.0, 0.0, -1.0], (len(points), 1))
+
+    def turn() -> None:
+        normals[:] = rng.normal(size=normals.shape)
+        normals[:] /= np.linalg.norm(normals, axis=1)[:, None]
+
+    def move() -> None:
+        points[0, 0] += 1e-3
+
+    def dim() -> None:
+        gains[1] *= np.float32(0.5)
+
+    for faced in (False, True, False, True):
+        for change in (turn, move, dim, lambda: None):
+            change()
+            facing = pc.SkinFacing(normals.copy()) if faced else None
+            expected = Probe(session).hear(points, facing, gains)
+            np.testing.assert_array_equal(probe.hear(points, facing, gains), expected)

@@ -1,0 +1,84 @@
+"""What a renderer warns about before the first tick: objects that it cannot render as they ask."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+import pacinian as pc
+from pacinian.testing import ManualClock
+
+ARRAY = pc.autd()
+AIR = pc.Air()
+ROOM = pc.Workspace(lower=(-0.1, -0.1, 0.1), upper=(0.1, 0.1, 0.3))
+
+
+def ball(position: tuple[float, float, float], pressure: float = 1.0, radius: float = 0.01) -> Any:
+    pose = pc.Pose(position)
+    return pc.Volume(shape=pc.Sphere(radius), pose=pose, radiation_pressure=pressure, name="ball")
+
+
+def warn(*objects: Any, workspace: Any = None, **how: Any) -> tuple[str, ...]:
+    scene = pc.Scene(objects, workspace)
+    with pc.Renderer(ARRAY, scene, medium=AIR, clock=ManualClock(), **how) as renderer:
+        return renderer.report.warnings
+
+
+@pytest.mark.parametrize("z", [0.0, 0.095, 0.305, 3.0, -0.2])
+@pytest.mark.parametrize("radius", [0.001, 0.01])
+def test_an_object_outside_the_workspace_is_named(z: float, radius: float) -> None:
+    found = warn(ball((0.0, 0.0, z), 1e-6, radius), workspace=ROOM)
+    away = max(0.1 - z, z - 0.3)
+    assert len(found) == (away > radius)
+    for text in found:
+        assert text.startswith("outside the workspace")
+        assert f"'ball' ({away:.3g} m outside)" in text
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.2), (0.0, 0.0, 3.0), (0.5, 0.0, 0.1)])
+@pytest.mark.parametrize("share", [0.9, 1.1])
+@pytest.mark.parametrize("gain", [1.0, 0.5])
+def test_an_object_that_asks_for_more_than_one_focus_is_named(
+    place: Any, share: float, gain: float
+) -> None:
+    """Checked against the strongest focus that `pc.solve` makes there."""
+    limits = pc.Limits(gain=gain)
+    focus = pc.solve(ARRAY, place, 1.0, scale="max", medium=AIR, limits=limits)
+    most = float(pc.radiation_pressure(np.abs(focus.sound_pressure[0]), AIR))
+    found = warn(ball(place, share * most), limits=limits)
+    assert len(found) == (share > 1.0)
+    for text in found:
+        assert (
+            f"'ball' ({share * most:.3g} Pa, where the array makes at most {most:.2g} Pa)" in text
+        )
+        assert "nearer" in text
+
+
+def test_behind_the_array_nothing_can_be_made() -> None:
+    array = pc.autd(transducer=pc.Transducer(directivity=pc.Piston(0.0045, 730.0)))
+    scene = pc.Scene((ball((0.0, 0.0, -0.1)),))
+    with pc.Renderer(array, scene, medium=AIR, clock=ManualClock()) as renderer:
+        (text,) = renderer.report.warnings
+    assert "at most 0 Pa" in text
+
+
+def test_a_force_on_a_transducer_and_an_empty_scene_warn_about_nothing() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert warn() == ()
+        assert warn(pc.Point(position=(0.0, 0.0, 0.2), force=1.0)) == ()
+        assert warn(ball(tuple(map(float, ARRAY.positions[0])))) == ()
+
+
+def test_many_objects_are_one_sentence_that_names_a_few() -> None:
+    (text,) = warn(*(replace(ball((0.0, 0.0, 5.0)), name="") for _ in range(30)))
+    assert text.count("'volume ") == 3
+    assert "and 27 more" in text
+
+
+def test_particles_have_no_single_place() -> None:
+    assert warn(pc.Particles(positions=((0.0, 0.0, 0.2),), radiation_pressure=1.0)) == ()

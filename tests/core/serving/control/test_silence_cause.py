@@ -1,0 +1,107 @@
+"""Why an output is silent, from states: each cause by itself, and that the first that applies is told."""
+
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from pacinian.serving.control.silence_cause import find_cause
+from pacinian.wire.silence_cause import CAUSES, Cause
+from pacinian.wire.state import ClientState, State
+
+HAND = bytes(26 * 3 * 4)
+
+
+def client(**fields: Any) -> ClientState:
+    given = {
+        "name": "game", "scene": "hall", "owner": True, "objects": 1, "commands": 9, "errors": 0,
+        "dropped": 0, "age": 0.001, "renewed": 0.01,
+    }  # fmt: skip
+    return ClientState(**{**given, **fields})
+
+
+def state(**fields: Any) -> State:
+    """A state of an armed output that is silent, of a scene with one object."""
+    given = {
+        "sequence": 1, "time": 1.0, "output": "silent", "armed": True, "owner": "game", "scene": "hall",
+        "solver": "auto", "backend": "simulated", "technique": "", "intensity": 1.0, "status": "silent",
+        "clients": (client(),),
+    }  # fmt: skip
+    return State(**{**given, **fields})
+
+
+ONE = np.ones(1, "<f4").tobytes()
+ZERO = np.zeros(1, "<f4").tobytes()
+CASES: list[tuple[Cause, State, str]] = [
+    ("fault", state(output="faulted", faults=("device: gone",)), "device: gone.*reset.*arm"),
+    ("fault", state(output="faulted", backend=""), "no device"),
+    ("fault", state(output="faulted"), "log"),
+    ("stopped", state(output="stopped", armed=False), r"emergency stop.*reset\(\).*arm\(\)"),
+    ("late", state(output="stale"), "late"),
+    ("not armed", state(armed=False, owner="", scene=""), r"not armed: call arm\(\)"),
+    ("lease lost", state(armed=False), r'"game" lost its lease.*arm\(\).*renew\(\)'),
+    ("not ready", state(status="silent: the quiet zones are being prepared"), "quiet zones"),
+    ("no pressure", state(intensity=0.0), "intensity is 0"),
+    ("no objects", state(clients=(client(objects=0),)), r"put\(\)"),
+    ("no objects", state(clients=(client(), client(scene="x"))[1:]), r"put\(\)"),
+    ("hand not seen", state(skipped={"hands lost": 9}), "no hand is seen"),
+    ("no pressure", state(), "no object presses"),
+    ("nothing in reach", state(hands=HAND, skipped={"objects away from hands": 3}), "touches no"),
+    ("out of the array's reach",
+     state(hands=HAND, asked=ONE, achieved=ZERO, skipped={"samples hardly reached": 1}), "palm"),
+    ("pause", state(hands=HAND, asked=ONE, achieved=ONE), "envelope"),
+    ("pause", state(asked=ZERO, achieved=ZERO), "envelope"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("cause", "told", "says"), CASES)
+def test_each_cause_is_told_with_what_to_do(cause: Cause, told: State, says: str) -> None:
+    found = find_cause(told)
+    assert found is not None
+    assert found.cause == cause
+    with pytest.raises(AssertionError, match=says):
+        raise AssertionError(str(found))
+
+
+def test_all_causes_are_tried_here() -> None:
+    """The renderer finds whether a touch is too faint; a client itself, whether it is connected."""
+    assert {case[0] for case in CASES} | {"too faint"} == set(CAUSES)
+    assert {*CAUSES, "not connected"} == set(get_args(Cause))
+
+
+def test_what_sounds_has_no_cause() -> None:
+    assert find_cause(state(output="sounding")) is None
+
+
+def test_the_first_cause_that_applies_is_told() -> None:
+    """A cause hides those that are told only of an output that could sound otherwise."""
+    worst = state(
+        output="faulted",
+        armed=False,
+        intensity=0.0,
+        faults=("x",),
+        hands=HAND,
+        cause="too faint",
+        why="0.1 Pa",
+    )
+    order = [worst]
+    for change in (
+        {"output": "stopped"}, {"output": "silent"}, {"armed": True}, {"intensity": 1.0}, {"output": "sounding"},
+    ):  # fmt: skip
+        order.append(replace(order[-1], **change))
+    causes = [found and found.cause for found in map(find_cause, order)]
+    assert causes == ["fault", "stopped", "lease lost", "no pressure", "too faint", None]
+
+
+def test_a_pause_that_ends_by_itself_needs_no_arm() -> None:
+    found = find_cause(state(armed=False), resumes=True)
+    assert found is not None
+    assert found.cause == "lease lost"
+    assert "sounds again as soon as it calls renew()" in found.text
+    assert "arm()" not in found.text
+
+
+def test_a_client_reads_what_the_server_has_found() -> None:
+    assert str(state(cause="pause", why="an envelope is at 0").silence) == "an envelope is at 0"
+    assert state(output="sounding").silence is None

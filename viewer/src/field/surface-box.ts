@@ -1,0 +1,53 @@
+/** Which box of the field is wanted, for the surface of equal pressure. */
+
+import type { Over, ToServer, Triple } from "../feed/messages";
+import { nextId } from "./request-ids";
+
+const STAYS = 0.02; // [m] that what is looked at may move before the box does
+
+export class SurfaceBox {
+  on = false;
+  /** Share of the colour scale's top at which the surface is. */
+  share = 0.3;
+  over: Over = "mean";
+  private side = 0.1; // [m]
+  private points = 40;
+  private centre: Triple = [0, 0, 0.2];
+
+  constructor(private readonly send: (message: ToServer) => void) {}
+
+  show(on: boolean): void {
+    this.on = on;
+    this.ask();
+  }
+
+  resize(side: number): void {
+    this.side = side;
+    this.ask();
+  }
+
+  /** What is looked at has moved [m]. */
+  follow(centre: Triple): void {
+    const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
+    if (away < STAYS) return;
+    this.centre = [...centre];
+    if (this.on) this.ask();
+  }
+
+  /** Ask for it; again after each new connection. */
+  ask(): void {
+    if (!this.on) {
+      this.send({ type: "hide", what: "volume" });
+      return;
+    }
+    const { centre, side, points } = this;
+    this.send({
+      type: "volume",
+      id: nextId(),
+      over: this.over,
+      origin: [centre[0] - side / 2, centre[1] - side / 2, centre[2] - side / 2],
+      spacing: side / (points - 1),
+      shape: [points, points, points],
+    });
+  }
+}

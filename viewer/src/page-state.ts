@@ -1,0 +1,109 @@
+/** `window.pacinian`: what is shown, to be read, for tests and for the curious. Nothing can be changed by it. */
+
+import { Vector3 } from "three";
+
+import type { SurfaceBox } from "./field/surface-box";
+import type { SlicePlane } from "./field/slice-plane";
+import type { Over, Quantity, Triple } from "./feed/messages";
+import { floats } from "./feed/numbers";
+import type { Link, Store } from "./feed/store";
+import type { Space } from "./space/space";
+
+export interface Shown {
+  readonly link: Link;
+  readonly output: string;
+  readonly transducers: number;
+  readonly drive: { mean: number; most: number };
+  readonly hands: number;
+  readonly objects: Record<string, { type: string; position: number[]; drawn: boolean }>;
+  readonly samples: { position: number[]; asked: number; achieved: number }[];
+  readonly slice: { of: Quantity; over: Over; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
+  readonly wanted: { axis: string; position: number; on: boolean; over: Over; follows: boolean; faces: boolean };
+  readonly surface: { triangles: number; level: number };
+  readonly scale: number;
+  /** Whether what is felt is painted on the hands. */
+  readonly painted: boolean;
+  /** How many of each there were. */
+  readonly frames: number;
+  readonly slices: number;
+  /** Where a point in space [m] is on the page [px]. */
+  project(point: Triple): [number, number];
+  /** Where the slice's arrow is on the page [px]. */
+  grip(): [number, number];
+}
+
+declare global {
+  interface Window {
+    pacinian?: Shown;
+  }
+}
+
+/** The object that stands for it. */
+export function shown(store: Store, space: Space, slicePlane: SlicePlane, surfaceBox: SurfaceBox): Shown {
+  const page = (point: Vector3): [number, number] => {
+    const { x, y } = space.view.project(point);
+    return [x, y];
+  };
+  return Object.freeze({
+    get link() {
+      return store.link;
+    },
+    get output() {
+      return store.newest.state?.output ?? "";
+    },
+    get transducers() {
+      return space.transducers.count;
+    },
+    get drive() {
+      return { ...space.transducers.drive };
+    },
+    get hands() {
+      return space.hands.count;
+    },
+    get objects() {
+      return Object.fromEntries(
+        [...space.objects.all].map(([name, { thing, position, drawn }]) => [
+          name,
+          { type: thing.type, position: position.toArray(), drawn },
+        ]),
+      );
+    },
+    get samples() {
+      const { state } = store.newest;
+      if (!state) return [];
+      const [points, asked, achieved] = [state.points, state.asked, state.achieved].map(floats);
+      return [...(asked ?? [])].map((pressure, k) => ({
+        position: [...(points ?? []).slice(3 * k, 3 * k + 3)],
+        asked: pressure,
+        achieved: achieved?.[k] ?? NaN,
+      }));
+    },
+    get slice() {
+      const { plane, values, of, over } = space.slice;
+      if (!plane) return null;
+      const { centre, size, shape } = plane;
+      return { of, over, centre, size, shape, pressure: [...values] };
+    },
+    get wanted() {
+      const { axis, position, on, over, follows, faces } = slicePlane;
+      return { axis, position, on, over, follows, faces };
+    },
+    get surface() {
+      return { triangles: surfaceBox.on ? space.surface.triangles : 0, level: space.level };
+    },
+    get painted() {
+      return space.hands.painted;
+    },
+    get scale() {
+      return space.scale.most;
+    },
+    get frames() {
+      return space.view.frames;
+    },
+    get slices() {
+      return space.slice.count;
+    },
+    project: (point: Triple) => page(new Vector3(...point)),
+    grip: () => page(space.slice.gripped),
+  });
+}

@@ -1,0 +1,26 @@
+/** The value under the mouse. */
+
+import type { HoverValue } from "../space/pointer";
+import { element, say } from "./dom";
+import { digits, millimetres } from "./format";
+
+const BESIDE = 14; // [px]
+
+export function showHoverValue(told: HoverValue | null): void {
+  const note = element("told");
+  note.hidden = !told;
+  if (!told) return;
+  const { x, y, at } = told;
+  const place = [at.x, at.y, at.z].map(millimetres).join(", ");
+  say(note, `${words(told)} at (${place}) mm`);
+  const { left, top, right } = element("space").getBoundingClientRect();
+  const over = x + BESIDE + note.offsetWidth > right;
+  const across = x - left + (over ? -BESIDE - note.offsetWidth : BESIDE);
+  note.style.transform = `translate(${across}px, ${y - top + BESIDE}px)`;
+}
+
+function words({ value, of }: HoverValue): string {
+  if (of === "pressure") return `${digits(value)} Pa`;
+  if (Number.isNaN(value)) return "nothing asked";
+  return `${digits(Math.abs(value))} Pa too ${value < 0 ? "little" : "much"}`;
+}

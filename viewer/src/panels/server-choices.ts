@@ -1,0 +1,155 @@
+/** Switches of the running server: what is chosen is asked for, and shown once the server has it. */
+
+import type { Arrayed, Plugin, Selection, State, Technique, ToServer } from "../feed/messages";
+import type { Store } from "../feed/store";
+import { choices, element, input, say, select } from "./dom";
+
+const PATIENCE = 15_000; // [ms] for a choice to be followed, after which the server's own is shown
+const STROKE = 0.002; // [m] to either side, of lateral modulation
+const FREQUENCIES: Record<string, number> = { am: 200, stm: 100, lm: 100 };
+const NAMES: Record<string, string> = {
+  simultaneous: "all at once",
+  am: "amplitude modulation",
+  stm: "spatio-temporal modulation",
+  lm: "lateral modulation",
+};
+
+export class ServerChoices {
+  /** What was asked for and has not been followed yet, and until when that is waited for [ms]. */
+  private readonly waiting = new Map<string, { value: string; until: number }>();
+  private intensity: number | undefined;
+  /** Whether the viewer has armed. */
+  private mine = false;
+
+  constructor(
+    private readonly store: Store,
+    private readonly send: (message: ToServer) => void,
+  ) {
+    for (const kind of ["solver", "backend"] as const) {
+      const list = select(kind);
+      list.addEventListener("change", () => this.ask(kind, list.value, { [kind]: { name: list.value } }));
+    }
+    select("technique").addEventListener("change", () => {
+      const type = select("technique").value;
+      input("frequency").value = String(FREQUENCIES[type] ?? 100);
+      this.technique();
+    });
+    input("frequency").addEventListener("change", () => this.technique());
+    input("intensity").addEventListener("input", () => this.strength());
+    store.on("array", (array) => this.offer(array));
+    store.onBeat("state", (state) => this.show(state));
+    store.on("refused", ({ action }) => {
+      if (action === "select") this.waiting.clear();
+    });
+    store.on("link", (link) => {
+      this.waiting.clear();
+      if (link !== "live") this.allow(undefined);
+    });
+    store.on("session", (session) => {
+      this.mine = session.armed;
+    });
+    this.allow(undefined);
+  }
+
+  /** What cannot be chosen now is disabled, and says why. */
+  private allow(state: State | undefined): void {
+    const why = this.store.newest.hello?.recording
+      ? "This is a recording: nothing can be changed."
+      : this.store.link !== "live" || !state
+        ? "There is no server."
+        : state.owner && !this.mine
+          ? `“${state.owner}” owns the output: take over to change these.`
+          : "";
+    const now = state && this.store.link === "live" ? why : why || " ";
+    for (const id of ["solver", "backend", "technique"]) select(id).disabled = Boolean(now);
+    for (const id of ["frequency", "intensity"]) input(id).disabled = Boolean(now);
+    say(element("drive-why"), why);
+    element("drive-why").hidden = !why;
+  }
+
+  private ask(kind: string, value: string, selection: Selection): void {
+    this.waiting.set(kind, { value, until: performance.now() + PATIENCE });
+    select(kind).setAttribute("aria-busy", "true");
+    this.send({ type: "select", ...selection });
+  }
+
+  private technique(): void {
+    const type = select("technique").value;
+    this.ask("technique", type, { technique: technique(type, Number(input("frequency").value)) });
+    this.rates(type);
+  }
+
+  /** At most once a frame. */
+  private strength(): void {
+    const asked = this.intensity !== undefined;
+    this.intensity = Number(input("intensity").value) / 100;
+    say(element("intensity-value"), `${input("intensity").value} %`);
+    if (asked) return;
+    requestAnimationFrame(() => {
+      const intensity = this.intensity;
+      this.intensity = undefined;
+      if (intensity === undefined) return;
+      this.waiting.set("intensity", { value: String(intensity), until: performance.now() + 1000 });
+      this.send({ type: "select", intensity });
+    });
+  }
+
+  private offer({ solvers, backends, techniques }: Arrayed): void {
+    choices(select("solver"), named(solvers));
+    choices(select("backend"), named(backends));
+    choices(select("technique"), techniques);
+    for (const option of select("technique").options) option.text = NAMES[option.value] ?? option.value;
+    const state = this.store.newest.state;
+    if (state) this.show(state);
+  }
+
+  private show(state: State): void {
+    for (const kind of ["solver", "backend", "technique"] as const) {
+      const list = select(kind);
+      if (this.pending(kind, state[kind])) continue;
+      list.removeAttribute("aria-busy");
+      const told = state[kind] || kind === "backend"; // without a device, none is selected
+      if (document.activeElement !== list && told) list.value = state[kind];
+    }
+    if (!this.pending("intensity", String(state.intensity)) && this.intensity === undefined) {
+      const value = String(Math.round(100 * state.intensity));
+      if (input("intensity").value !== value) input("intensity").value = value;
+      say(element("intensity-value"), `${value} %`);
+    }
+    const rate = state.presentation?.frequency;
+    if (rate && !this.waiting.has("technique") && document.activeElement !== input("frequency")) {
+      if (Number(input("frequency").value) !== rate) input("frequency").value = String(rate);
+    }
+    this.rates(select("technique").value);
+    this.allow(state);
+    const chosen = this.store.newest.array?.solvers.find(({ name }) => name === select("solver").value);
+    say(element("solver-summary"), (chosen?.summary ?? "").replaceAll("`", ""));
+  }
+
+  /** Whether something was asked for that the server does not have yet. */
+  private pending(kind: string, now: string): boolean {
+    const asked = this.waiting.get(kind);
+    if (asked && (asked.value === now || performance.now() > asked.until)) this.waiting.delete(kind);
+    return this.waiting.has(kind);
+  }
+
+  private rates(type: string): void {
+    element("technique-rate").hidden = !(type in FREQUENCIES);
+  }
+}
+
+function named(plugins: Plugin[]): string[] {
+  return plugins.map((plugin) => plugin.name);
+}
+
+function technique(type: string, frequency: number): Technique {
+  switch (type) {
+    case "am":
+    case "stm":
+      return { type, frequency };
+    case "lm":
+      return { type, frequency, amplitude: STROKE };
+    default:
+      return { type: "simultaneous" };
+  }
+}

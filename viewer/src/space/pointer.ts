@@ -1,0 +1,154 @@
+/** The mouse over the slice: it tells values, and drags the slice along its normal. */
+
+import { Raycaster, Vector2, Vector3 } from "three";
+
+import type { Quantity } from "../feed/messages";
+import type { SlicePlane } from "../field/slice-plane";
+import { hit, number, value } from "./planes";
+import type { Space } from "./space";
+
+const NEAR = 22; // [px] from the arrow
+const HEADLONG = 0.97; // cosine: looked at along the normal, the mouse goes up and down instead
+
+/** What is told of a place on the slice. */
+export interface HoverValue {
+  x: number;
+  y: number;
+  /** Of what is shown [Pa]; NaN where there is none. */
+  value: number;
+  of: Quantity;
+  at: Vector3;
+}
+
+export class Pointer {
+  private readonly caster = new Raycaster();
+  private readonly mouse = new Vector2();
+  private readonly normal = new Vector3();
+  private over: PointerEvent | undefined;
+  private drag: { to: (event: PointerEvent) => number; from: number; start: number } | undefined;
+
+  /** tell: of the place under the mouse, or null. */
+  constructor(
+    private readonly space: Space,
+    private readonly slicePlane: SlicePlane,
+    private readonly tell: (told: HoverValue | null) => void,
+  ) {
+    const { canvas, element } = space.view;
+    element.addEventListener("pointerdown", (event) => this.down(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerup", () => this.up());
+    canvas.addEventListener("pointercancel", () => this.up());
+    canvas.addEventListener("pointerleave", () => this.leave());
+  }
+
+  private down(event: PointerEvent): void {
+    const { canvas, controls } = this.space.view;
+    if (event.target !== canvas || event.button !== 0 || event.shiftKey || event.ctrlKey) return;
+    canvas.focus({ preventScroll: true });
+    this.aim(event);
+    if (!this.slicePlane.on || !this.grips(event)) return;
+    controls.enabled = false;
+    canvas.setPointerCapture(event.pointerId);
+    const headlong = Math.abs(this.slope()) > HEADLONG;
+    const to = headlong ? this.upwards.bind(this) : this.along.bind(this);
+    this.drag = { to, from: to(event), start: this.slicePlane.position };
+    this.over = undefined;
+    this.tell(null);
+  }
+
+  private move(event: PointerEvent): void {
+    this.aim(event);
+    const { drag } = this;
+    if (drag) {
+      this.slicePlane.move(drag.start + drag.to(event) - drag.from, true);
+      return;
+    }
+    if (event.buttons) return;
+    const over = this.slicePlane.on && this.grips(event);
+    this.hover(over);
+    this.over = event;
+    this.look(event);
+  }
+
+  /** The values have changed, not the place. */
+  tellAgain(): void {
+    if (!this.over) return;
+    this.aim(this.over);
+    this.look(this.over);
+  }
+
+  private up(): void {
+    if (!this.drag) return;
+    this.drag = undefined;
+    this.space.view.controls.enabled = true;
+    this.slicePlane.move(this.slicePlane.position);
+  }
+
+  private leave(): void {
+    if (this.drag) return;
+    this.over = undefined;
+    this.tell(null);
+    this.hover(false);
+  }
+
+  private hover(over: boolean): void {
+    const { slice, view } = this.space;
+    if (over === slice.hovered) return;
+    slice.hovered = over;
+    view.canvas.style.cursor = over ? "grab" : "";
+    view.urge();
+  }
+
+  /** Tell of the place under the mouse. */
+  private look(event: PointerEvent): void {
+    const { plane, values } = this.space.slice;
+    const found = plane && this.slicePlane.on ? hit(plane, this.caster.ray) : null;
+    if (!plane || !found) {
+      this.tell(null);
+      return;
+    }
+    const { of } = this.space.slice;
+    this.tell({ x: event.clientX, y: event.clientY, value: value(plane, values, found.s, found.t), of, at: found.at });
+  }
+
+  private grips(event: PointerEvent): boolean {
+    const grip = this.space.view.project(this.space.slice.gripped);
+    if (Math.hypot(grip.x - event.clientX, grip.y - event.clientY) < NEAR) return true;
+    return hit(this.slicePlane.plane, this.caster.ray) !== null;
+  }
+
+  private aim(event: PointerEvent): void {
+    const { view } = this.space;
+    const { left, top } = view.canvas.getBoundingClientRect();
+    this.mouse.set(
+      (2 * (event.clientX - left)) / view.size.x - 1,
+      1 - (2 * (event.clientY - top)) / view.size.y,
+    );
+    this.caster.setFromCamera(this.mouse, view.camera);
+  }
+
+  /** Where along the slice's normal the mouse is: nearest to the ray through it [m]. */
+  private along(): number {
+    const { ray } = this.caster;
+    const away = this.base().sub(ray.origin);
+    const slope = this.slope();
+    const further = slope * ray.direction.dot(away) - this.normal.dot(away);
+    return this.slicePlane.position + further / Math.max(1 - slope * slope, 1 - HEADLONG ** 2);
+  }
+
+  /** As `along`, where the slice is looked at along its normal: up is to the front. */
+  private upwards(event: PointerEvent): number {
+    const { view } = this.space;
+    return -event.clientY * view.pixel * this.base().distanceTo(view.camera.position);
+  }
+
+  private base(): Vector3 {
+    return new Vector3(...this.slicePlane.plane.centre);
+  }
+
+  /** Cosine of the angle between the mouse's ray and the normal. */
+  private slope(): number {
+    this.normal.set(0, 0, 0).setComponent(number(this.slicePlane.axis), 1);
+    return this.caster.ray.direction.dot(this.normal);
+  }
+}
