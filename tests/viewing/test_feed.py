@@ -69,7 +69,9 @@ class Slow:
 
 
 class Stage:
-    """A page in its hub. sent: what it was told; room: whether its socket takes more."""
+    """A page in its hub. sent: what it was told; room: whether its socket takes more; answers: batches."""
+
+    answers = True
 
     def __init__(self) -> None:
         self.hub, self.fields, self.sent = Hub(), Slow(), list[dict[str, Any]]()
@@ -80,6 +82,8 @@ class Stage:
     async def _send(self, data: bytes) -> None:
         await self.room.wait()
         self.sent.append(msgpack.unpackb(data))
+        if self.answers and self.sent[-1]["type"] == "batch":
+            self.say(type="ready")
 
     def say(self, **message: Any) -> None:
         self.page.hear(msgpack.packb(message) or b"")
@@ -254,6 +258,24 @@ def test_a_page_that_goes_in_the_middle_of_a_slice_leaves_nothing() -> None:
     asyncio.run(run())
 
 
+def test_the_next_values_come_only_after_the_last_were_answered_and_are_the_newest() -> None:
+    async def run() -> None:
+        async with staged() as stage:
+            stage.answers, before = False, len(stage.of("batch"))
+            for i in range(100):
+                stage.hub.put("state", msgpack.packb({"type": "state", "sequence": i}) or b"")
+                await settle()
+            assert [m["sequence"] for m in stage.of("state")] == [0]
+            stage.say(type="ready")
+            await settle()
+            assert [m["sequence"] for m in stage.of("state")] == [0, 99]
+            stage.say(type="ready")
+            await settle()
+            assert len(stage.of("batch")) == before + 2  # nothing was new
+
+    asyncio.run(run())
+
+
 def test_nothing_piles_up_for_a_page_that_is_slow() -> None:
     async def main() -> None:
         async with staged() as slow:
@@ -280,6 +302,8 @@ def test_a_socket_that_is_not_read_holds_up_no_other_and_keeps_little() -> None:
         for number in range(1, count + 1):
             message = msgpack.unpackb(await page.recv())
             while message["type"] != "state":
+                if message["type"] == "batch":
+                    await page.send(msgpack.packb({"type": "ready"}) or b"")
                 message = msgpack.unpackb(await page.recv())
             if message["sequence"] == count - 1:
                 return number

@@ -38,7 +38,7 @@ def test_a_page_is_told_of_everything_in_order(url: str, server: Running) -> Non
     with Page(url) as page, Game(server.connection) as game:
         first = page.hear(LIMIT)
         assert first is not None
-        assert (first["type"], first["version"], first["recording"]) == ("hello", 1, "")
+        assert (first["type"], first["version"], first["recording"]) == ("hello", 2, "")
         page.until(lambda: page.newest.get("frame", {}).get("phase"))
         array = page.newest["array"]
         positions = np.frombuffer(array["positions"], "<f4").reshape(-1, 3)
@@ -127,6 +127,17 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
         page.say("volume", id=2, origin=[-0.01, -0.01, 0.14], spacing=0.004, shape=[5, 6, 7])
         page.until(same)
         assert {k: page.newest["slice"][k] for k in PLANE} == PLANE
+
+
+def test_a_page_that_does_not_read_for_a_while_sees_the_present(url: str, server: Running) -> None:
+    with Page(url) as page, Page(url) as other, Game(server.connection):
+        page.next("state")
+        other.next("state")
+        other.until(lambda: other.counts["state"] > 200)  # more than a websocket keeps
+        present = other.newest["state"]["time"]
+        heard = page.counts["state"]
+        page.until(lambda: page.newest["state"]["time"] >= present)
+        assert page.counts["state"] <= heard + 2
 
 
 def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: Running) -> None:

@@ -33,7 +33,7 @@ def test_only_the_token_opens_the_feed_and_it_is_another_each_time(
     url: str, tmp_path: Path
 ) -> None:
     with Page(url) as page:
-        assert page.next("hello")["version"] == 1
+        assert page.next("hello")["version"] == 2
     place, _, token = url.partition("?token=")
     assert len(token) >= 43  # 32 bytes
     for wrong in (

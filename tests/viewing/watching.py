@@ -93,6 +93,8 @@ class Page:
             return None
         message: dict[str, Any] = msgpack.unpackb(data)  # type: ignore[arg-type]
         kind = message["type"]
+        if kind == "batch":
+            self.say("ready")
         self.counts[kind] += 1
         self.newest[kind] = message
         if kind == "frame":

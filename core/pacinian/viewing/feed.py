@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 from pacinian.errors import ArgumentError, WireError
 from pacinian.viewing.messages import (
+    Batch,
     Hide,
+    Ready,
     Record,
     Seen,
     Skin,
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Drive, Hub
     from pacinian.viewing.slices import FieldWorker
 
+BATCH = encode_message(Batch())
 MIN_INTERVAL = 1.0 / 40.0  # minimum interval between slices [s]; frames come 30 times a second
 
 
@@ -38,7 +41,7 @@ class PageConnection:
         self, hub: Hub, fields: FieldWorker, send: Callable[[bytes], Awaitable[None]]
     ) -> None:
         self._hub, self._fields, self._send = hub, fields, send
-        self._fresh = asyncio.Event()
+        self._fresh, self._ready = asyncio.Event(), asyncio.Event()
         self._windows = {name: Window(name) for name in ("slice", "volume", "skin")}
         self._view = hub.join(self._wake)
 
@@ -70,6 +73,8 @@ class PageConnection:
             case Seen():
                 for window in self._windows.values():
                     window.note_seen(asked.id)
+            case Ready():
+                self._ready.set()
             case Record():
                 self._hub.record(self._view.number, asked.on)
             case _:
@@ -87,8 +92,14 @@ class PageConnection:
             while True:
                 await self._fresh.wait()
                 self._fresh.clear()
+                new = False
                 for _, data in self._view.take():
                     await self._send(data)
+                    new = True
+                if new:  # a socket takes the values of many seconds before it is full
+                    self._ready.clear()
+                    await self._send(BATCH)
+                    await self._ready.wait()
 
     async def _look(self, window: Window) -> None:
         """Send the field of a window whenever its request or the emission changes."""

@@ -18,7 +18,7 @@ from pacinian.wire.modulation import Technique
 from pacinian.wire.protocol import Length, Part, Position, Share
 from pacinian.wire.replies import Plugin, Sound
 
-VERSION = 1
+VERSION = 2
 MAX_BYTES = 1 << 16  # maximum size of a message from a page [bytes]
 MAX_POINTS = 1 << 18  # maximum number of points of a slice or volume
 WRONG = msgspec.MsgspecError, PacinianError, ValueError, IndexError  # from a damaged message
@@ -89,6 +89,10 @@ class Seen(PageMessage, frozen=True, kw_only=True, tag="seen"):
     id: Id
 
 
+class Ready(PageMessage, frozen=True, kw_only=True, tag="ready"):
+    """Acknowledge a `batch`, so that the next values are sent."""
+
+
 class Select(PageMessage, frozen=True, kw_only=True, tag="select"):
     """Select as with the wire's `select`; the server's rules apply."""
 
@@ -147,6 +151,7 @@ AnyAsked = (
     | Volume
     | Hide
     | Seen
+    | Ready
     | Select
     | Arm
     | Alive
@@ -301,6 +306,10 @@ class Lost(ServerMessage, frozen=True, kw_only=True, tag="lost"):
     """There is no server, or the connection was lost. An `array` follows when the server is back."""
 
     reason: str
+
+
+class Batch(ServerMessage, frozen=True, kw_only=True, tag="batch"):
+    """The end of what was new. The next values are sent once the page has answered `ready`."""
 
 
 class Refused(ServerMessage, frozen=True, kw_only=True, tag="refused"):

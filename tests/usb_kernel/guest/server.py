@@ -77,7 +77,7 @@ class Server:
     def start(self) -> subprocess.Popen[bytes]:
         """As control starts it."""
         self._process = child_process.start("guard", self.told)
-        self.until(lambda device: device.generation > 0)
+        self._wait_until_open()
         return self._process
 
     def adopted(self) -> subprocess.Popen[bytes]:
@@ -85,8 +85,18 @@ class Server:
         told = msgspec.json.encode(self.told)
         words = (len(told).to_bytes(4, "little") + told).hex()
         self._process = subprocess.Popen([sys.executable, "-S", "-c", PARENT, words])
-        self.until(lambda device: device.generation > 0)
+        self._wait_until_open()
         return self._process
+
+    def _wait_until_open(self) -> None:
+        """Reset after each fault: the guest may be too slow to open the device in the time that a guard gives it."""
+
+        def is_open(device: DeviceStatus) -> bool:
+            if device.fault and f"reset {self._resets}" in (*device.results, "reset 0"):
+                self._order_reset()
+            return device.generation > 0
+
+        self.until(is_open)
 
     def device(self) -> DeviceStatus:
         """What the guard tells."""
@@ -104,9 +114,12 @@ class Server:
 
     def reset(self) -> None:
         """What a client's reset becomes."""
+        self._order_reset()
+        self.until(lambda device: f"reset {self._resets}" in device.results)
+
+    def _order_reset(self) -> None:
         self._resets += 1
         self.files["orders"].write(pack(RequestedSettings(reset=self._resets)))
-        self.until(lambda device: f"reset {self._resets}" in device.results)
 
     def until(self, so: Callable[[DeviceStatus], object], *, playing: bool = False) -> DeviceStatus:
         """What the guard tells once it is so; meanwhile, frames go on or not."""
@@ -119,7 +132,11 @@ class Server:
             device = self.device()
             return device if so(device) else None
 
-        found: DeviceStatus = until(look)
+        try:
+            found: DeviceStatus = until(look)
+        except AssertionError as error:
+            error.add_note(f"the guard tells: {self.device()}")
+            raise
         return found
 
     def __enter__(self) -> Server:

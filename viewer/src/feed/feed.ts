@@ -2,7 +2,7 @@
 
 import { decode, encode } from "@msgpack/msgpack";
 
-import type { FromServer, ToServer } from "./messages";
+import type { Batch, FromServer, ToServer } from "./messages";
 
 const FIRST = 250; // [ms] until the next try
 const LONGEST = 2000; // [ms]
@@ -32,7 +32,8 @@ export class Feed {
     });
     socket.addEventListener("message", (event: MessageEvent<unknown>) => {
       const message = event.data instanceof ArrayBuffer ? read(event.data) : null;
-      if (message) this.listener.message(message);
+      if (message?.type === "batch") this.send({ type: "ready" });
+      else if (message) this.listener.message(message);
     });
     socket.addEventListener("close", () => {
       if (this.socket !== socket) return;
@@ -52,9 +53,9 @@ export class Feed {
 }
 
 /** A message of the server; null where it is none, which is told on the console. */
-export function read(data: ArrayBuffer): FromServer | null {
+export function read(data: ArrayBuffer): FromServer | Batch | null {
   try {
-    const message = decode(data) as FromServer | null;
+    const message = decode(data) as FromServer | Batch | null;
     if (typeof message?.type === "string") return message;
     throw new TypeError("it has no type");
   } catch (error) {

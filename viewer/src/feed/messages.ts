@@ -252,6 +252,11 @@ export type FromServer =
   | Recording
   | Replay;
 
+/** The end of what was new: it is answered with `ready`. */
+export interface Batch {
+  type: "batch";
+}
+
 /** How samples are presented in time. */
 export type Technique =
   | { type: "simultaneous" }
@@ -272,6 +277,7 @@ export type ToServer =
   | ({ type: "skin"; id: number } & Plane)
   | { type: "hide"; what: "slice" | "volume" | "skin" }
   | { type: "seen"; id: number }
+  | { type: "ready" }
   | ({ type: "select" } & Selection)
   | { type: "arm"; scene: string; take: boolean }
   | { type: "alive" | "disarm" | "stop" | "reset" }
