@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import importlib.util
+from typing import TYPE_CHECKING, Any
 
 import array_api_strict
 import numpy as np
@@ -16,6 +17,9 @@ try:
 except ImportError:
     torch = None  # type: ignore[assignment]
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 CHANCE = np.random.default_rng(4)
 ARRAY = pc.Array(
     CHANCE.uniform((-0.05, -0.05, 0.0), (0.05, 0.05, 0.01), (30, 3)),
@@ -28,19 +32,50 @@ Q = CHANCE.uniform((-0.04, -0.04, 0.08), (0.04, 0.04, 0.2), (K, M, 3))
 G = CHANCE.normal(size=(K, N)) + 1j * CHANCE.normal(size=(K, N))
 T = CHANCE.uniform(5.0, 30.0, (K, M))
 AIR = pc.Air(attenuation="absorbing")
-LIBRARIES = ["numpy", "strict", "torch"]
 
 
-@pytest.fixture(params=LIBRARIES)
-def xp(request: pytest.FixtureRequest) -> Any:
-    """A library of arrays."""
-    if request.param == "torch" and torch is None:
-        pytest.skip("PyTorch is not installed")
-    return {"numpy": np, "strict": array_api_strict, "torch": torch}[request.param]
+def is_here(library: str) -> bool:
+    """Whether a library is installed, and finds a GPU if it needs one."""
+    name, _, place = library.partition(" on ")
+    if name not in OTHERS:
+        return True
+    if importlib.util.find_spec(name) is None:
+        return False
+    return not place or importlib.import_module(name).cuda.is_available()
+
+
+OTHERS = "torch", "cupy", "jax"
+LIBRARIES = "numpy", "strict", "torch", "torch on a GPU", "cupy on a GPU", "jax"
+
+
+@pytest.mark.parametrize("library", [x for x in LIBRARIES if not is_here(x)])
+def test_libraries_that_are_not_here(library: str) -> None:
+    pytest.skip(f"there is no {library} here")
+
+
+@pytest.fixture(params=[x for x in LIBRARIES if is_here(x)])
+def xp(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """A library of arrays, in double precision."""
+    match request.param:
+        case "numpy":
+            yield np
+        case "strict":
+            yield array_api_strict
+        case "torch on a GPU":
+            with torch.device("cuda"):
+                yield torch
+        case "jax":
+            with importlib.import_module("jax").enable_x64(True):
+                yield importlib.import_module("jax.numpy")
+        case other:
+            yield importlib.import_module(other.split()[0])
 
 
 def back(made: Any) -> Any:
-    return np.asarray(made.detach() if hasattr(made, "detach") else made)
+    """The same as a NumPy array."""
+    if hasattr(made, "detach"):
+        return made.detach().cpu().numpy()
+    return made.get() if hasattr(made, "get") else np.asarray(made)
 
 
 @pytest.mark.parametrize("air", [AIR, pc.Air(), pc.Air(attenuation="none")])

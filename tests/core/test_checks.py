@@ -13,7 +13,7 @@ from pacinian.errors import ArgumentError
 
 
 def refused(check: Any, *arguments: Any, **options: Any) -> str:
-    """The message with which the check refuses, which must name the argument."""
+    """Return the message of the check's error, which must name the argument."""
     with pytest.raises(ArgumentError, match=r"^`thing` ") as caught:
         check("thing", *arguments, **options)
     assert caught.value.argument == "thing"

@@ -1,4 +1,4 @@
-"""What is read from TOML and JSON files: what was probably meant is said, whatever the structs are called."""
+"""Reading TOML and JSON files: errors suggest the intended key, whatever the structs are called."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def struct(name: str, module: str, *fields: tuple[str, type]) -> type[msgspec.St
 
 
 def twins() -> type[msgspec.Struct]:
-    """A kind of file that holds two kinds of `Grid`, and a part that is called as itself."""
+    """Make a file type with two structs called `Grid`, and a part with the same name as the file."""
     plane, space = struct("Grid", "a.b", ("columns", int)), struct("Grid", "c.d", ("layers", int))
     inner = struct("File", "c.d", ("width", float))
     return struct("File", "a.b", ("plane", plane), ("space", space), ("inner", inner))

@@ -46,7 +46,7 @@ SAMPLES = {
 
 
 def tree() -> list[tuple[str, str | None, str | None]]:
-    """Name, parent and built-in base of each class that the module's docstring draws."""
+    """Return name, parent and built-in base of each class in the tree of the module's docstring."""
     found: list[tuple[str, str | None, str | None]] = []
     above: dict[int, str] = {}
     for line in (errors.__doc__ or "").splitlines():
@@ -126,7 +126,7 @@ def test_a_point_on_a_transducer_carries_every_index_but_shows_five() -> None:
 def test_extras_are_installed_from_where_pacinian_came_from(
     origin: dict[str, Any] | None, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It is on no registry, so that `pip install pacinian` would find nothing, or another package."""
+    """Pacinian is on no registry, so `pip install pacinian` would find nothing, or another package."""
     from importlib import metadata
 
     folder = tmp_path / "a folder"
@@ -151,7 +151,7 @@ def test_an_error_survives_the_way_between_processes(name: str) -> None:
 
 
 class Rude(Exception):
-    """What a plug-in raises, whose text is what `says` returns."""
+    """An exception of a plug-in, whose text is the result of `says`."""
 
     says: Callable[[], str] = staticmethod(lambda: "")
 

@@ -1,4 +1,4 @@
-"""The built-in scenes are what they say, at every moment."""
+"""The built-in scenes match their descriptions at every moment."""
 
 import itertools
 from pathlib import Path
@@ -53,7 +53,7 @@ def test_between_two_updates_nothing_is_made_anew(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["sliding-ball", "textured-plane", "mesh", "crowd", "palm"])
 def test_velocities_are_those_of_the_movement(name: str) -> None:
-    """What the last update foretells for the next one is where it will be, but for its acceleration."""
+    """The last update predicts the pose of the next one, apart from acceleration."""
     swing = 2.0 * np.pi
     for k in range(0, 120, 7):
         a, b = (SCENES[name]((k + n + 0.5) / TRACKED) for n in (0, 1))

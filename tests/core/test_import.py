@@ -17,7 +17,7 @@ STUB = Path(pacinian.__file__).with_suffix(".pyi")
 
 
 def promised() -> list[str]:
-    """The names of the table of contents."""
+    """Return the names in the table of contents."""
     return [
         alias.asname or alias.name
         for node in ast.parse(STUB.read_text("utf-8")).body
@@ -35,7 +35,7 @@ def fresh(code: str) -> str:
 
 
 def test_the_air_has_a_default_only_where_the_result_keeps_it() -> None:
-    """Elsewhere a forgotten medium would go unnoticed. `plot.export` needs it for a field, and then refuses None."""
+    """Elsewhere, a forgotten medium would go unnoticed. `plot.export` needs one only for fields, then rejects None."""
     defaults: set[str] = set()
     for place in (pacinian, plot, array_api):
         for name in dir(place):
@@ -49,7 +49,7 @@ def test_the_air_has_a_default_only_where_the_result_keeps_it() -> None:
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
-    """Imports within functions and those for type checkers count, too."""
+    """Imports in functions and those for type checkers count, too."""
     packages = "pacinian", "pacinian_plugins", "pacinian_lab"
     graph = grimp.build_graph(*packages, exclude_type_checking_imports=False, cache_dir=None)
     imports = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
@@ -66,7 +66,7 @@ def test_importing_pacinian_loads_no_heavy_library_and_none_of_its_own_modules()
 def test_every_name_is_there_in_a_fresh_interpreter_in_any_order() -> None:
     names = promised()
     code = f"import pacinian\nfor name in {names[::-1]!r}: assert getattr(pacinian, name) is not None, name\n"
-    for name in names:  # none is a module that an import of another one left behind
+    for name in names:  # none is a submodule that became an attribute by an import
         code += f"assert type(pacinian.{name}).__name__ != 'module', {name!r}\n"
     fresh(code)
 

@@ -1,4 +1,4 @@
-"""The compiled kernels: every variant that this processor runs is the same, and takes only what it can."""
+"""The compiled kernels: all variants for this processor give the same results, and reject invalid arguments."""
 
 import importlib
 import os
@@ -90,7 +90,7 @@ def test_an_array_of_another_type_or_order_is_refused_and_not_copied(variant: st
     for bad in (good[::2], good.real.copy(), good[None], good.byteswap().view(">c8"), None, [1.0]):
         with pytest.raises(TypeError):
             power(bad)
-    with pytest.raises(TypeError):  # it would be written
+    with pytest.raises(TypeError):  # the kernel would write to it
         kernels(variant).solving.restrain(sealed, 1.0, 1.0)
     with pytest.raises(ValueError, match="shapes"):
         kernels(variant).solving.apply(

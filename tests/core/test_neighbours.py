@@ -13,7 +13,7 @@ from pacinian.scene.shapes.poisson_disk import thin_out
 
 
 def draw(seed: int, count: int, side: int) -> np.ndarray:
-    """Points on a lattice of few places, so that many coincide and many distances are equal; side 0: anywhere."""
+    """Draw points on a small lattice, so that many coincide and many distances are equal. side 0: no lattice."""
     random = np.random.default_rng(seed)
     if not side:
         return random.normal(size=(count, 3))
@@ -26,7 +26,7 @@ def test_the_nearest_point_is_found(seed: int, count: int, asked: int, side: int
     away, which = find_nearest(points, queries)
     every = np.linalg.norm(points[None] - queries[:, None], axis=2)
     np.testing.assert_allclose(away, every.min(axis=1, initial=np.inf), rtol=1e-12)
-    np.testing.assert_array_equal(which, every.argmin(axis=1))  # of several, the first
+    np.testing.assert_array_equal(which, every.argmin(axis=1))  # the first of equal ones
 
 
 @given(

@@ -1,4 +1,4 @@
-"""The session: arguments, state, and what it guarantees whatever a solver does."""
+"""The session: arguments, state, and guarantees that hold whatever a solver does."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ POINT = [[0.0, 0.0, 0.1]]
 
 @dataclass(frozen=True)
 class Writes(pc.Solver):
-    """A solver that writes what it is told, or raises it."""
+    """A solver that writes given gains, or raises a given error."""
 
     name: ClassVar[str] = "writes"
     gains: Any = 0.0
@@ -45,7 +45,7 @@ class Writes(pc.Solver):
         ("amplitudes", {"amplitudes": [1.0, 2.0]}),
         ("amplitudes", {"amplitudes": [-1.0]}),
         ("amplitudes", {"amplitudes": [np.nan]}),
-        ("amplitudes", {"amplitudes": [1e31]}),  # no such pressure
+        ("amplitudes", {"amplitudes": [1e31]}),  # implausible pressure
         ("amplitudes", {"amplitudes": np.array(["2020-01-01"], dtype="datetime64[D]")}),
         ("phases", {"phases": [0.0, 1.0]}),
         ("phases", {"phases": "free"}),
@@ -53,7 +53,7 @@ class Writes(pc.Solver):
         ("phases", {"phases": np.inf}),
         ("scale", {"scale": "most"}),
         ("scale", {"scale": np.array(["exact", "max"])}),
-        ("scale", {"scale": "max", "limits": pc.Limits(gain=None)}),  # they contradict
+        ("scale", {"scale": "max", "limits": pc.Limits(gain=None)}),  # contradictory
         ("deadline", {"deadline": -1.0}),
         ("deadline", {"deadline": np.nan}),
         ("out", {"out": [1, 2]}),
@@ -118,7 +118,9 @@ def test_the_limit_is_kept_in_exact_arithmetic() -> None:
     for limit in (1.0, 0.3, 0.7071):
         angle = rng.uniform(0, 2 * np.pi, 100_000)
         g = (limit * np.exp(1j * angle)).astype(np.complex64)
-        assert (np.abs(g.astype(np.complex128)) > limit).any()  # rounding alone breaks it
+        assert (
+            np.abs(g.astype(np.complex128)) > limit
+        ).any()  # rounding alone would exceed the limit
         assert enforce_limits(g, pc.Limits(gain=limit), "exact") == (True, False)
         exact = g.astype(np.complex128)
         assert (exact.real**2 + exact.imag**2 <= limit**2).all()

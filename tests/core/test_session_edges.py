@@ -1,4 +1,4 @@
-"""Deadlines, limits that change, strength under several limits, and what must not leak between solves."""
+"""Deadlines, changing limits, strength under several limits, and state that must not leak between solves."""
 
 import itertools
 import threading
@@ -43,7 +43,10 @@ def test_the_strongest_found_in_no_time_is_marked(phases: float | None) -> None:
 
 def test_one_solve_leaves_nothing_to_the_next() -> None:
     q = points(4)
-    alike, t = np.repeat(q[:1], 4, axis=0), [1.0, 2.0, 3.0, 4.0]  # proportions that nothing makes
+    alike, t = (
+        np.repeat(q[:1], 4, axis=0),
+        [1.0, 2.0, 3.0, 4.0],
+    )  # proportions that no gains can make
     first = pc.solve(ARRAY, alike, t, scale="max")
     gains = first.gains.copy()
     palm = SkinFacing(
@@ -53,7 +56,7 @@ def test_one_solve_leaves_nothing_to_the_next() -> None:
         {"amplitudes": np.ones(4)},
         {"amplitudes": np.full(4, 1e4), "limits": pc.Limits(gain=0.3)},
         {"amplitudes": t, "points": alike, "facing": palm},
-        {"amplitudes": np.ones(4), "scale": "most"},  # is refused
+        {"amplitudes": np.ones(4), "scale": "most"},  # rejected
     ]
     for other in others:
         with suppress(pc.ArgumentError):
@@ -127,7 +130,7 @@ def test_nothing_again_and_again_is_silence() -> None:
 
 
 class Constant(pc.Solver):
-    """Not linear: the same gains whatever is asked."""
+    """A solver that is not linear: it always returns the same gains."""
 
     name: ClassVar[str] = "constant"
 
@@ -197,7 +200,7 @@ def test_the_objective_is_that_of_the_gains_as_returned(limits: Any, level: floa
 
 
 def test_a_solve_in_another_thread_meanwhile_is_refused_and_harms_nothing() -> None:
-    """Both would write to the same memory."""
+    """Both solves would write to the same memory."""
     enter, leave = threading.Event(), threading.Event()
 
     class Waits(pc.Solver):

@@ -1,4 +1,4 @@
-"""Solving for skin: what presses along its normals is what was asked, from whichever side that takes."""
+"""Solving for skin: the pressure along the normals meets the targets, from whichever side this needs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WALL = [[-1.0, 0.0, 0.15, 1.0, 0.0, 0.15, 0.02, 0.02]]  # between the halves
 
 
 def skin(count: int, seed: int = 0) -> tuple[Any, SkinFacing]:
-    """Points on the wall, some facing up and some down."""
+    """Return points on the wall, some facing up and some down."""
     rng = np.random.default_rng(seed)
     side = np.where(rng.uniform(size=count) < 0.5, -1.0, 1.0)
     tilt = rng.uniform(-0.5, 0.5, count)
@@ -146,10 +146,10 @@ def test_bad_arguments_are_named() -> None:
 
 @pytest.mark.parametrize("back", [0.0, 5.0])
 def test_each_side_of_a_hand_between_two_units_is_pressed_as_asked(back: float) -> None:
-    """One unit below a flat hand, one above: 20 Pa at four places of the palm, `back` on the back.
+    """One unit is below a flat hand, one above: 20 Pa at four points of the palm, `back` on the back.
 
-    Without facing the free field has what was asked, but over a third of the drive comes from the wrong
-    side, and the palm is pressed with less than half.
+    Without facing, the free field meets the targets, but over a third of the drive comes from the wrong
+    side, and the palm gets less than half of its target.
     """
     array = pc.autd() + pc.autd().transform(pc.Pose((0.0, 0.0, 0.4)).rotate("x", math.pi))
     hand = make_capsules(Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))))
@@ -168,7 +168,7 @@ def test_each_side_of_a_hand_between_two_units_is_pressed_as_asked(back: float) 
     missed = normal_pressure(array, without.gains, q, facing, medium=pc.Air())
     assert (missed[:4] < 0.45 * P[:4]).all()
     if back == 0.0:
-        assert missed[4:].mean() > 0.03 * 20.0  # where nothing is wanted
+        assert missed[4:].mean() > 0.03 * 20.0  # where the target is 0
     above = [
         (np.abs(s.gains[249:]) ** 2).sum() / (np.abs(s.gains) ** 2).sum() for s in (with_, without)
     ]
@@ -176,5 +176,5 @@ def test_each_side_of_a_hand_between_two_units_is_pressed_as_asked(back: float) 
     assert above[1] > 0.35
     flow = (intensity(array, with_.gains, q, facing=facing, medium=pc.Air()) * n).sum(axis=1)
     assert (flow[:4] < 0.0).all()  # into the palm
-    E = -flow[:4] / AIR.speed_of_sound  # of waves that come about head-on: P is near 2 E
+    E = -flow[:4] / AIR.speed_of_sound  # waves arrive nearly head-on, so P is about 2 E
     np.testing.assert_allclose(2.0 * E, P[:4], rtol=0.2)

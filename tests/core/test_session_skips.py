@@ -1,4 +1,4 @@
-"""What the session does not do again, what it counts, and the certificate of gains as emitted."""
+"""Work that the session does not repeat, its counts, and the certificate of gains as emitted."""
 
 import tracemalloc
 from typing import Any
@@ -27,7 +27,7 @@ def test_a_change_of_strength_alone_is_as_good_as_a_new_solve(
         cold = pc.solve(ARRAY, q, factor * t, solver=solver)
         met = cold.status in (pc.Status.ok, pc.Status.silent)
         assert warm.status is cold.status or solver == "gs-pat"
-        # at the limit other phases to start from may end elsewhere
+        # at the limit, other initial phases may lead to another solution
         assert warm.error <= cold.error + (2e-3 if met else 0.05)
         p = pc.matrix(ARRAY, q, pc.Air()) @ warm.gains.astype(complex)
         np.testing.assert_allclose(warm.sound_pressure, p, atol=1e-4 * factor * t.max() + 1e-30)
@@ -55,10 +55,10 @@ def test_each_skip_is_counted() -> None:
     assert counts() == (8, 1, 1, 1, 1)
     np.testing.assert_allclose(half.gains, 0.5 * first.gains, rtol=1e-6)
     assert half.objective == pytest.approx(0.25 * first.objective)
-    q[3] += 0.001  # one sample of eight: its row alone
+    q[3] += 0.001  # one sample of eight has moved: only its row is computed
     session.solve(q, t)
     assert counts() == (9, 2, 2, 1, 1)
-    session.solve(q, t, limits=pc.Limits(gain=0.5))  # another limit: solved anew
+    session.solve(q, t, limits=pc.Limits(gain=0.5))  # another limit: solved again
     assert counts() == (9, 2, 3, 1, 1)
     session.solver = "pseudo-inverse"
     session.solve(q, t)
@@ -141,7 +141,7 @@ def test_a_certificate_needs_a_solution_and_numbers() -> None:
 
 @pytest.mark.parametrize("level", [0.3, 0.7])
 def test_steady_state_allocates_nothing_that_grows_with_the_array(level: float) -> None:
-    """With `out`, every point moving: a few small objects, nothing of N, N M or M^2 elements."""
+    """With `out` and moving points, a solve allocates only a few small objects, nothing of N, N M or M^2 elements."""
     peaks = []
     for array in (pc.autd(), pc.autd(3, 3)):
         q = points(48)
@@ -186,4 +186,4 @@ def test_where_few_points_come_or_go_a_solver_starts_from_the_sound_that_is_ther
         there = pc.matrix(array, kept, pc.Air()) @ last.gains
         np.testing.assert_allclose(Notes.warm.sound_pressure, there, rtol=1e-3, atol=0.1)
     session.solve(points[:2], np.full(2, 100.0))
-    assert Notes.warm is None  # it is another scene
+    assert Notes.warm is None  # a new scene does not start warm

@@ -23,7 +23,7 @@ POINT = pc.Point(name="thing", position=(RADIUS, 0.0, HEIGHT), radiation_pressur
 
 
 class Game:
-    """A client that moves an object. It puts and arms anew where it has lost what it had; a context manager.
+    """A client that moves an object. A context manager. If it is no longer armed, it puts its object and arms again.
 
     told: what its calls raised. states: all that it saw.
     """

@@ -1,4 +1,4 @@
-"""Chromium on the viewer's page: what it shows, what it complains of, what it asks for elsewhere."""
+"""Open the viewer's page in Chromium, and read what it shows, its errors, and its requests to other hosts."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ ARGUMENTS = (
     "--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run",
 )  # fmt: skip
-SMALL = 960, 540  # [px]: all is drawn by the processor
+SMALL = 960, 540  # small, because rendering is in software [px]
 
 
 def hook() -> ModuleType:
-    """The build hook, hatch_build.py."""
+    """Return the build hook, hatch_build.py."""
     name = "hatch_build"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, ROOT / "hatch_build.py")
@@ -48,12 +48,12 @@ def hook() -> ModuleType:
 
 @contextlib.contextmanager
 def chromium() -> Iterator[Browser]:
-    """A browser, and the page as its sources are now. Belongs to this thread, which has an event loop meanwhile."""
+    """Build the page, and start a browser. Only this thread may use it; the thread has an event loop meanwhile."""
     from playwright.sync_api import sync_playwright
 
     with FileLock(
         Path(tempfile.gettempdir()) / "pacinian-page.lock"
-    ):  # another worker may build it
+    ):  # another worker may be building it
         hook().build(ROOT)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
@@ -64,7 +64,7 @@ def chromium() -> Iterator[Browser]:
 
 
 class Seen:
-    """A page that is open, and what it shows: `window.pacinian`. said: what its console and network complain of."""
+    """An open page, and what it shows: `window.pacinian`. said: errors of its console and network."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
@@ -80,23 +80,23 @@ class Seen:
             self.said.append(f"{message.type}: {message.text}")
 
     def get(self, what: str) -> Any:
-        """A value of `window.pacinian`, as an expression."""
+        """Return the value of an expression that begins at `window.pacinian`."""
         return self.page.evaluate(f"() => pacinian.{what}")
 
     def until(self, what: Callable[[], object]) -> None:
-        """Wait until something is so."""
+        """Wait until a condition is true."""
         end = time.monotonic() + LIMIT
         while not what():
             assert time.monotonic() < end, self.page.evaluate("() => document.body.innerText")
             self.page.wait_for_timeout(50)
 
     def text(self, css: str) -> str:
-        """What an element says."""
+        """Return the text of an element."""
         return str(self.page.inner_text(css))
 
 
 def status(connection: Path) -> State:
-    """What the server says now, to one who comes and goes."""
+    """Return the server's state, by a client that connects for it."""
     with pc.Client(connection, name="witness") as client:
         return client.status()
 
@@ -105,7 +105,7 @@ def status(connection: Path) -> State:
 def seen(
     browser: Browser, url: str, size: tuple[int, int] = SMALL, live: bool = True
 ) -> Iterator[Seen]:
-    """A page in a session of its own, live unless said otherwise. Nothing may be asked for elsewhere, or go wrong."""
+    """Open a page, and wait until it is live, if `live`. Errors and requests to other hosts fail the test."""
     with contextlib.closing(
         browser.new_context(viewport={"width": size[0], "height": size[1]})
     ) as context:

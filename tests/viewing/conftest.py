@@ -1,4 +1,4 @@
-"""One server and one viewer for all tests of a file that need them, and a game."""
+"""A server and a viewer that all tests of a file share, and a game."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ SETTINGS = Settings(
     log=Log(level="warning"),
     safety=Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0),
 )
-"""A machine that stands still for a moment ends nothing."""
+"""Long limits, so that nothing ends if the machine stops for a moment."""
 
 
 class Game:
-    """Lets a ball, a plate and a point be felt, in a thread of its own, until it is left.
+    """Puts a ball, a plate and a point, and renews in a thread of its own. A context manager.
 
-    names: of those that are. envelope: of the plate. moves: whether the plate does. refused: codes of what the server
-    refused.
+    names: the objects that it puts. envelope: of the plate. moves: whether the plate moves. refused: error codes of the
+    server.
     """
 
     def __init__(
@@ -95,34 +95,34 @@ class Game:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
-    """A real one, of a single unit."""
+    """Run a real server with one unit."""
     with run_server(SETTINGS) as running:
         yield running
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Chromium."""
+    """Start Chromium."""
     with chromium() as found:
         yield found
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the viewer writes its recordings."""
+    """Return the folder of the viewer's recordings."""
     return tmp_path_factory.mktemp("recordings")
 
 
 @pytest.fixture(scope="module")
 def url(server: Running, folder: Path, patient: None) -> Iterator[str]:
-    """The address of a viewer of that server, the same one for all tests of a file."""
+    """Return the address of a viewer, which all tests of a file share."""
     with viewer(server.connection, folder=folder) as address:
         yield address
 
 
 @pytest.fixture(scope="module")
 def patient() -> Iterator[None]:
-    """Compute fields as soon as anything else; take no server or page for lost that stands still for a moment."""
+    """Compute fields without low priority, and lose no server or page that stops for a moment."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(slices, "CALM", 0)
         patch.setattr(states, "SILENT", LIMIT)

@@ -1,6 +1,6 @@
-"""Draws the viewer's pictures in the documentation: `python -m tests.viewing.pictures docs/pictures`.
+"""Draw the viewer's pictures for the documentation: `python -m tests.viewing.pictures docs/pictures`.
 
-A server of nine units, a game and Chromium: with a hand on a ball, with a plate in the air, and without the server.
+It runs a server with nine units, a game and Chromium: a hand on a ball, a plate in the air, and no server.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 SIZE = 1280, 800  # [px]
 COLOURS = 256
-LEGENDS = (894, 123, 12, 200), (30, 540, 70, 70)  # [px]: left, top, width, height of bar and wheel
+LEGENDS = (894, 123, 12, 200), (30, 540, 70, 70)  # left, top, width, height of bar and wheel [px]
 SHOW_SAMPLES = "() => document.getElementById('samples').scrollIntoView({ block: 'end' })"
 SETTLED = 12_000  # [ms]
 HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.215)))
@@ -46,7 +46,7 @@ PLATE = pc.Surface(
 
 
 class Game:
-    """Lets objects be felt, by a hand or as a whole, in a thread of its own until it is left."""
+    """Puts objects, with or without a hand, and renews in a thread of its own. A context manager."""
 
     def __init__(self, connection: Path, item: pc.Object, *hands: pc.Hand) -> None:
         self._connection, self._item, self._hands = connection, item, hands
@@ -73,9 +73,9 @@ class Game:
 
 
 def pictures() -> Iterator[tuple[str, bytes]]:
-    """Name and PNG of each."""
+    """Yield the name and the PNG data of each picture."""
     settings = Settings(array=Units(3, 3), safety=Safety(lease=10.0))
-    slices.CALM = 0  # the field comes also if the machine is busy
+    slices.CALM = 0  # compute fields even if the machine is busy
     with (
         run_server(settings) as server,
         viewer(server.connection) as url,
@@ -115,22 +115,22 @@ def pictures() -> Iterator[tuple[str, bytes]]:
 
 
 def take(shown: Seen) -> bytes:
-    """A picture of what sounds: on a busy machine, sound pauses now and then."""
+    """Return a picture, taken while the output sounds; on a busy machine, sound pauses now and then."""
     shown.until(lambda: shown.get("output") == "sounding")
     return shown.page.screenshot()
 
 
 def settle(shown: Seen, name: str) -> None:
-    """Look closely at an object, and wait until it has been felt for as long as charts and means need."""
+    """Fit an object into the view, and wait until charts and means have enough data."""
     shown.until(lambda: name in shown.text("#samples") and "%" in shown.text("#samples"))
     for button in ("[data-from=home]", "[data-from=near]"):
         shown.page.click(button)
     shown.page.wait_for_timeout(SETTLED)
-    shown.until(lambda: shown.get("slices") > 0)  # what stands still gets no second one
+    shown.until(lambda: shown.get("slices") > 0)  # there is no second slice if nothing moves
 
 
 def reduced(data: bytes) -> Image.Image:
-    """With few colours, of which those of the legends have their share."""
+    """Reduce the number of colours. The legends are copied into the sample, so that their colours count."""
     image = Image.open(io.BytesIO(data)).convert("RGB")
     sample = image.copy()
     for k, (x, y, width, height) in enumerate(LEGENDS):

@@ -1,4 +1,4 @@
-"""The viewer and a server of one thread that says what it is told to: older ones, broken ones, slow ones."""
+"""The viewer with a fake server: an older one, a broken one, a slow one."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def make_shown(message: Any, **fields: Any) -> replies.Shown:
 
 @contextmanager
 def publishing() -> Iterator[Fake]:
-    """A server that publishes, has an empty scene, and says truly whether it is armed."""
+    """Run a fake server that publishes states, has an empty scene, and reports whether it is armed."""
 
     def renewed(message: Any) -> replies.Renewed:
         orders = [m for m in server.seen if isinstance(m, control.Arm | control.Disarm)]
@@ -81,7 +81,7 @@ def armed(page: Page) -> None:
 
 
 def renewed(fake: Fake) -> bool:
-    """Whether the renewal has come that the viewer sends when it has armed."""
+    """Return whether the viewer has renewed since it armed."""
     (begin,) = fake.of(control.Arm)
     return any(isinstance(m, control.Renew) for m in fake.seen[fake.seen.index(begin) :])
 
@@ -172,7 +172,7 @@ def test_a_server_that_publishes_nothing_any_more_is_lost(
 
 
 def test_a_stop_does_not_wait_for_what_else_goes_on(fake: Fake, url: str) -> None:
-    fake.answers[control.Arm] = lambda _: None  # the bridge waits for the answer
+    fake.answers[control.Arm] = lambda _: None  # never answered
     with Page(url) as page:
         page.next("state")
         page.say("arm")
@@ -198,7 +198,7 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         return len(fake.of(control.Renew))
 
     with Page(url) as page, Page(url) as other:
-        fake.answers[commands.Show] = there  # poses are asked for at each look
+        fake.answers[commands.Show] = there  # the bridge requests poses in each round
         page.until(lambda: page.newest.get("scenery", {}).get("scene") == "hall")
         armed(page)
         fake.until(lambda: renewed(fake))
@@ -206,7 +206,7 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         monkeypatch.setattr(bridge, "time", SimpleNamespace(perf_counter=clock.now))
 
         def look() -> None:
-            """Let the bridge see to its lease, and look at the server after that."""
+            """Let the bridge renew its lease, if it is due, in one complete round."""
             for _ in range(2):
                 before = len(fake.of(commands.Show))
                 clock.advance(bridge.POLL_INTERVAL)
@@ -375,7 +375,7 @@ def test_plugins_that_are_listed_late_are_told(fake: Fake, connection: Path) -> 
     )
     with viewer(connection) as url, Page(url) as page:
         page.until(lambda: page.newest.get("array", {}).get("solvers"))
-        assert page.counts["array"] == 2  # what is not new is not told again
+        assert page.counts["array"] == 2  # an equal list is not sent again
         page.next("state")
         assert len(fake.of(control.Capabilities)) == 3
 
@@ -401,7 +401,9 @@ def test_nobody_is_asked_for_anything_while_no_page_is_open(
 ) -> None:
     monkeypatch.setattr(bridge, "UNARMED_RENEWAL", 0.0)
     with viewer(connection) as url:
-        fake.until(lambda: len(fake.of(control.Renew)) >= 3)  # between them it might look
+        fake.until(
+            lambda: len(fake.of(control.Renew)) >= 3
+        )  # between them, it could have requested objects
         assert not fake.of(commands.Show)
         with Page(url) as page:
             page.next("state")
@@ -409,7 +411,7 @@ def test_nobody_is_asked_for_anything_while_no_page_is_open(
 
 
 def test_too_much_at_once_is_refused_and_alive_never_is(fake: Fake, url: str) -> None:
-    fake.answers[control.Reset] = lambda _: None  # the bridge waits for the answer
+    fake.answers[control.Reset] = lambda _: None  # never answered
     with Page(url) as page:
         page.next("state")
         for kind in ("reset", "alive"):

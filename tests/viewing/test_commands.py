@@ -29,7 +29,7 @@ PACINIAN = sys.executable, "-m", "pacinian"
 
 
 def said(log: Path, what: str) -> str:
-    """The first match in what a process has written, as soon as it is there."""
+    """Return the first match in the output of a process, as soon as it is there."""
     end = time.monotonic() + LIMIT
     while not (found := re.search(what, log.read_text(encoding="utf-8"))):
         assert time.monotonic() < end, log.read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""One page, without a socket and without a field that takes its time."""
+"""The feed of one page, without a socket, and with fields that are computed on demand."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ VOLUME: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def unpaced(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A slice may follow another one at once."""
+    """Let slices follow each other without a pause."""
     monkeypatch.setattr(feed, "MIN_INTERVAL", 0.0)
 
 
@@ -47,7 +47,7 @@ def drive(gain: float) -> Drive:
 
 
 class Slow:
-    """Fields that are computed when they are told to be. begun: ids. abandoned: ids of those not wanted any more."""
+    """Fields whose computation the test ends. begun: ids. abandoned: ids of fields that were no longer wanted."""
 
     def __init__(self) -> None:
         self.begun: list[int] = []
@@ -69,7 +69,7 @@ class Slow:
 
 
 class Stage:
-    """A page in its hub. sent: what it was told; room: whether its socket takes more; answers: batches."""
+    """A page and its hub. sent: messages to it. room: whether its socket has room. answers: whether it answers."""
 
     answers = True
 
@@ -114,21 +114,21 @@ async def staged() -> AsyncIterator[Stage]:
 def test_the_next_slice_comes_only_after_the_last_was_seen() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             stage.say(id=1, **SLICE)
             stage.fields.go.release()
             await settle()
             assert [s["id"] for s in stage.of("slice")] == [1]
             for i in range(2, 50):
-                stage.hub.drive_by(drive(i))
+                stage.hub.set_drive(drive(i))
                 stage.say(id=i, **SLICE)
-                stage.say(type="seen", id=i)  # of what never came
+                stage.say(type="seen", id=i)  # for slices that never came
             stage.fields.go.release()
             await settle()
             assert stage.fields.begun == [1]
             stage.say(type="seen", id=1)
             await settle()
-            assert stage.fields.begun == [1, 49]  # the newest wins
+            assert stage.fields.begun == [1, 49]  # the newest request wins
             assert stage.of("slice")[-1]["time"] == 49.0
 
     asyncio.run(run())
@@ -137,7 +137,7 @@ def test_the_next_slice_comes_only_after_the_last_was_seen() -> None:
 def test_a_newer_request_abandons_the_old_one() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             stage.say(id=1, **SLICE)
             await settle()
             stage.say(id=2, **SLICE)
@@ -155,8 +155,8 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
         async with staged() as stage:
             stage.say(id=1, **SLICE)
             await settle()
-            assert not stage.fields.begun  # nothing is known of the array
-            stage.hub.drive_by(drive(1.0))
+            assert not stage.fields.begun  # the array is not known yet
+            stage.hub.set_drive(drive(1.0))
             stage.fields.go.release()
             await settle()
             stage.say(type="seen", id=1)
@@ -164,13 +164,13 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
             stage.hub.put("state", msgpack.packb({"type": "state"}) or b"")
             await settle()
             assert stage.fields.begun == [1]
-            stage.hub.drive_by(drive(2.0))
+            stage.hub.set_drive(drive(2.0))
             stage.fields.go.release()
             await settle()
             assert stage.fields.begun == [1, 1]
             stage.say(type="seen", id=1)
             stage.say(type="hide", what="slice")
-            stage.hub.drive_by(drive(3.0))
+            stage.hub.set_drive(drive(3.0))
             await settle()
             assert stage.fields.begun == [1, 1]
 
@@ -180,14 +180,14 @@ def test_nothing_is_computed_again_while_nothing_changes_or_it_is_hidden() -> No
 def test_a_slice_goes_on_when_a_server_that_was_lost_is_back() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             stage.say(id=1, **SLICE)
             stage.fields.go.release()
             await settle()
             stage.say(type="seen", id=1)
             stage.hub.disconnect("it has gone")
             await settle()
-            stage.hub.drive_by(drive(2.0))
+            stage.hub.set_drive(drive(2.0))
             stage.fields.go.release()
             await settle()
             assert [s["time"] for s in stage.of("slice")] == [1.0, 2.0]
@@ -198,7 +198,7 @@ def test_a_slice_goes_on_when_a_server_that_was_lost_is_back() -> None:
 def test_what_was_hidden_is_shown_when_it_is_asked_for_again() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             for times in (1, 2):
                 stage.say(id=1, **SLICE)
                 stage.fields.go.release()
@@ -214,7 +214,7 @@ def test_what_was_hidden_is_shown_when_it_is_asked_for_again() -> None:
 def test_slices_and_volumes_do_not_wait_for_each_other() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             stage.say(id=1, **VOLUME)
             stage.say(id=2, **SLICE)
             await settle()
@@ -226,7 +226,7 @@ def test_slices_and_volumes_do_not_wait_for_each_other() -> None:
 def test_what_cannot_be_computed_is_refused_and_the_next_is_done() -> None:
     async def run() -> None:
         async with staged() as stage:
-            stage.hub.drive_by(drive(1.0))
+            stage.hub.set_drive(drive(1.0))
             stage.fields.wrong = True
             stage.say(id=1, **SLICE)
             stage.fields.go.release()
@@ -245,7 +245,7 @@ def test_a_page_that_goes_in_the_middle_of_a_slice_leaves_nothing() -> None:
     async def run() -> None:
         stage = Stage()
         running = asyncio.create_task(stage.page.run())
-        stage.hub.drive_by(drive(1.0))
+        stage.hub.set_drive(drive(1.0))
         stage.say(id=1, **SLICE)
         await settle()
         assert stage.fields.begun == [1]
@@ -298,7 +298,7 @@ def test_a_socket_that_is_not_read_holds_up_no_other_and_keeps_little() -> None:
     count, size = 1000, 1 << 16
 
     async def heard(page: ClientConnection) -> int:
-        """States until the last one."""
+        """Receive states until the last one."""
         for number in range(1, count + 1):
             message = msgpack.unpackb(await page.recv())
             while message["type"] != "state":

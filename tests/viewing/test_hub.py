@@ -1,4 +1,4 @@
-"""Newest values for many: pure."""
+"""The hub, which gives each view the newest values. Pure: no sockets."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def test_the_page_that_armed_is_told_so_and_lets_go_when_it_goes(hub: Hub) -> No
     assert not asked
     hub.leave(other)
     assert asked == [(other.number, Disarm())]
-    hub.set_session(OURS, one.number)  # which it had asked for before it went
+    hub.set_session(OURS, one.number)  # the page requested this before it left
     assert asked[1:] == [(one.number, Disarm())]
     hub.set_session(replace(OURS, armed=False), one.number)
     assert len(asked) == 2

@@ -1,4 +1,4 @@
-"""A real server, a real viewer, and websockets for pages."""
+"""A real server and a real viewer, with websockets instead of pages."""
 
 from __future__ import annotations
 
@@ -60,18 +60,18 @@ def test_a_page_is_told_of_everything_in_order(url: str, server: Running) -> Non
 
         told = page.counts["scenery"]
         page.until(lambda: page.counts["state"] > 20)
-        assert page.counts["scenery"] <= told + 2  # nothing moves: nothing is told again
+        assert page.counts["scenery"] <= told + 2  # nothing moves, so nothing is sent again
         game.moves = True
         seen = set[float]()
         while len(seen) < 5:
             told_now = page.next("scenery")
-            assert not told_now["objects"]  # shapes are told once
+            assert not told_now["objects"]  # shapes are sent once
             seen.add(struct.unpack("<7f", told_now["poses"]["plate"])[2])
         assert 0 < page.counts["histogram"] < page.counts["state"]
 
 
 def gains(frame: dict[str, bytes]) -> pc.Gains:
-    """By their definition: phase / phases turns, amplitude / (amplitudes - 1)."""
+    """Return the gains of a frame: phase / phases turns, amplitude / (amplitudes - 1)."""
     phase, amplitude = (np.frombuffer(frame[name], "<u2") for name in ("phase", "amplitude"))
     turn = phase / frame["phases"]  # type: ignore[operator]
     size = amplitude / (frame["amplitudes"] - 1)  # type: ignore[operator]
@@ -79,7 +79,7 @@ def gains(frame: dict[str, bytes]) -> pc.Gains:
 
 
 def mean_pressure(page: Page, at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radiation pressure at points, (..., 3) [Pa]: the mean of the frames of a cycle, as far as the page heard them."""
+    """Return the radiation pressure at points (..., 3) [Pa], the mean over the frames that the page has received."""
     cycle = {(frame["phase"], frame["amplitude"]): frame for frame in page.frames}
     fields = [
         pc.field(ARRAY, gains(frame), at, precision="double", medium=pc.Air())
@@ -89,13 +89,13 @@ def mean_pressure(page: Page, at: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def cycles(page: Page) -> bool:
-    """Whether the last frames that the page has heard sound, and are one, two or a few in turn."""
+    """Return whether the last frames sound, and are at most three different ones."""
     levels = {(frame["phase"], frame["amplitude"]) for frame in page.frames}
     return len(page.frames) == page.frames.maxlen and len(levels) < 4 and all(map(all, levels))
 
 
 def _apart(found: dict[str, Any], page: Page, at: NDArray[np.float64]) -> float:
-    """How far pressures are from the field that the page heard at those points, (..., 3), over the most of it."""
+    """Return the largest error of `found` against the page's frames at points (..., 3), over the largest pressure."""
     wanted = mean_pressure(page, at)
     pressure = np.frombuffer(found["pressure"], "<f4").reshape(wanted.shape)
     most = float(wanted.max())
@@ -111,7 +111,7 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
     looked: list[Any] = []
 
     def same() -> bool:
-        """Of the frames that are emitted: the first ones still grow, and what they look like comes after them."""
+        """Return whether slice and volume fit the frames. At first they do not: sound fades in; fields come later."""
         new = page.newest
         if not (cycles(page) and new.get("slice") and new.get("volume")):
             return False
@@ -133,7 +133,7 @@ def test_a_page_that_does_not_read_for_a_while_sees_the_present(url: str, server
     with Page(url) as page, Page(url) as other, Game(server.connection):
         page.next("state")
         other.next("state")
-        other.until(lambda: other.counts["state"] > 200)  # more than a websocket keeps
+        other.until(lambda: other.counts["state"] > 200)  # more than the websocket buffers
         present = other.newest["state"]["time"]
         heard = page.counts["state"]
         page.until(lambda: page.newest["state"]["time"] >= present)
@@ -147,7 +147,7 @@ def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: 
     away = np.hypot(x - 0.03, y - 0.03)
 
     def same() -> bool:
-        """On the plate, of 10 mm radius; nothing from there to 3 mm beside it."""
+        """Compare on the plate, whose radius is 10 mm. Just beside it, and from 5.5 mm on, the error is NaN."""
         new = page.newest
         if not cycles(page) or "slice" not in new:
             return False
@@ -155,7 +155,7 @@ def test_a_slice_of_the_error_is_the_field_less_what_is_asked(url: str, server: 
         on = away < 0.009
         off = ((away > 0.0105) & (away < 0.0115)) | (away > 0.0155)
         if not np.isfinite(found[on]).all() or np.isfinite(found[off]).any():
-            return False  # another scene fades
+            return False  # an earlier scene still fades out
         wanted = mean_pressure(page, plane[on]) - 5.0
         return float(np.abs(found[on] - wanted).max()) < 0.01
 
@@ -187,7 +187,7 @@ def test_when_a_game_goes_its_objects_its_sound_and_its_field_go(url: str, serve
 def test_the_mean_of_a_modulation_is_shown_its_peak_and_an_instant(
     url: str, server: Running
 ) -> None:
-    """A single point in amplitude modulation: mean and peak are 1/2 and 1 of what is asked, whenever one looks."""
+    """For one point with amplitude modulation, mean and peak are always 1/2 and 1 of the target."""
     point = pc.Point(
         name="hum", position=(0.0, 0.0, 0.15), radiation_pressure=8.0, technique=pc.AM(frequency=120.0)
     )  # fmt: skip
@@ -265,7 +265,7 @@ def test_a_demonstration_plays_for_a_page_and_takes_nothing_from_others(
             page.until(lambda: page.newest["state"]["owner"] == "")
             page.say("demonstrate", on=True)
             page.until(sounds)
-        other.until(lambda: other.newest.get("state", {}).get("owner") == "")  # its page has gone
+        other.until(lambda: other.newest.get("state", {}).get("owner") == "")  # its page is closed
         with Game(server.connection):
             other.say("demonstrate", on=True)
             refused = other.next("refused")
@@ -287,7 +287,7 @@ def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Runni
         page.say("select", solver={"name": "nonesuch"})
         assert "nonesuch" in page.next("refused")["message"]
         other.catch_up()
-        assert not other.refusals  # it did not ask
+        assert not other.refusals  # it requested nothing
         page.say(
             "select", solver={"name": "auto"}, intensity=1.0, technique={"type": "simultaneous"}
         )
@@ -334,7 +334,7 @@ def test_another_clients_scene_is_armed_by_its_name(url: str, server: Running) -
 
 def test_there_is_silence_when_a_page_that_sounds_goes(url: str, server: Running) -> None:
     with Page(url) as other, Game(server.connection):
-        # what it is told before is old
+        # earlier states are from before the game
         other.until(lambda: other.newest.get("state", {}).get("owner") == "game")
         with Page(url) as page:
 
@@ -346,7 +346,7 @@ def test_there_is_silence_when_a_page_that_sounds_goes(url: str, server: Running
             page.say("arm", scene="room", take=True)
             other.until(sounds)
         other.until(lambda: other.output == "silent")
-        assert other.newest["state"]["owner"] == ""  # it let go: its lease has not run out
+        assert other.newest["state"]["owner"] == ""  # it disarmed; its lease did not run out
 
 
 def test_there_is_silence_when_a_page_that_armed_says_nothing_any_more(
@@ -366,9 +366,9 @@ def test_a_game_that_takes_the_output_back_is_not_disturbed_by_a_page_that_is_al
     with Page(url) as page:
         page.say("arm")
         page.until(lambda: page.newest.get("session", {}).get("mine"))
-        with Game(server.connection) as game:  # which takes it, and sounds
+        with Game(server.connection) as game:  # it takes the output, and sounds
             page.until(lambda: page.refusals)
-            # the state may come later
+            # the state may arrive later
             page.until(lambda: page.newest.get("state", {}).get("owner") == "game")
             for _ in range(10):
                 page.say("alive")
@@ -421,7 +421,7 @@ def test_what_cannot_be_meant_is_refused_and_nothing_else_happens(url: str) -> N
 def test_a_message_that_is_too_long_ends_the_connection_of_that_page_alone(url: str) -> None:
     with Page(url) as page, Page(url) as other:
         page.socket.send(bytes(1 << 17))
-        with pytest.raises(ConnectionClosed):  # its reason is lost where bytes are left unread
+        with pytest.raises(ConnectionClosed):  # the reason is lost if bytes were not read
             page.until(lambda: False)
         other.next("state")
 
@@ -450,7 +450,7 @@ def test_a_recording_is_the_feed(url: str, server: Running, folder: Path) -> Non
             again.until(lambda time=time: again.newest["replay"]["time"] == time)
             sounds = again.newest.get("frame", {}).get("amplitude", b"").strip(b"\0")
             if again.output == "sounding" and "ball" in again.objects and sounds:
-                break  # a frame may be older than the state
+                break  # wait, because a frame may be older than the state
         assert again.output == "sounding"
         assert again.newest["array"] == live
         past = again.newest["history"]

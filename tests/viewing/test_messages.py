@@ -1,4 +1,4 @@
-"""What a page may say: anything else is refused, whatever the bytes are."""
+"""Messages of a page: every other sequence of bytes is rejected."""
 
 from __future__ import annotations
 

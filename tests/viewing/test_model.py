@@ -1,4 +1,4 @@
-"""What the field is computed from, as a server tells it: the same array and medium again."""
+"""The model for fields, made from a server's reply, has the server's array and medium."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ AT = np.random.default_rng(1).uniform((-0.1, -0.1, 0.05), (0.1, 0.1, 0.3), (200,
 
 
 def abilities(array: pc.Array, medium: pc.Air, **fields: Any) -> Abilities:
-    """As a server answers, having gone over the wire."""
+    """Return a server's reply, encoded and decoded."""
     made = Abilities(
         solvers=(), backends=(), techniques=(), presets=(), positions=pack(array.positions),
         normals=pack(array.normals), frequency=array.transducer.frequency, wavelength=0.0085, phases=256,

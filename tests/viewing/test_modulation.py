@@ -1,4 +1,4 @@
-"""The mean of a modulated field over whole periods, from frames that were seen at a few moments."""
+"""The mean of a modulated field over whole periods, from a few sampled frames."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def test_the_mean_strength_is_that_of_whole_periods(modulation: Modulation, peri
     assert shares.sum() == pytest.approx(1.0)
     assert shares @ strength(modulation, TIMES) == pytest.approx(mean, rel=1e-3)
     plain = strength(modulation, TIMES).mean()
-    assert abs(plain - mean) > 5e-3 * mean  # which the shares had to mend
+    assert abs(plain - mean) > 5e-3 * mean  # equal shares would be wrong
 
 
 def test_several_modulations_are_exact_at_once_and_parts_have_equal_shares() -> None:
     modulations = [modulation for modulation, _ in PERIODIC[:3]]
-    parts = np.arange(60) % 7 // 5  # the second is seen seldom
+    parts = np.arange(60) % 7 // 5  # the second part has few frames
     shares = share_time(TIMES, modulations, parts)
     for modulation, period in PERIODIC[:3]:
         mean = strength(modulation, np.arange(10_000) / 10_000 * period).mean()
@@ -60,7 +60,7 @@ def test_noise_has_the_mean_of_the_time_that_is_seen() -> None:
 
 
 def test_times_that_lie_far_apart_need_no_more_work() -> None:
-    """As after a restart of the renderer: a look at every half millisecond of ten days needs 14 GB."""
+    """Times lie far apart after a restart of the renderer. Sampling ten days each 0.5 ms would need 14 GB."""
     noise = Modulation(wire.Noise(low_frequency=20.0, high_frequency=60.0))
     shares = share_time(np.array([0.0, 1e6]), [noise])
     assert shares.sum() == pytest.approx(1.0)
@@ -69,7 +69,7 @@ def test_times_that_lie_far_apart_need_no_more_work() -> None:
 def test_a_focus_that_moves_has_the_mean_of_its_path() -> None:
     shares = share_time(TIMES, [Modulation(wire.STEADY, wire.STM(frequency=70.0))])
     place = TIMES * 70.0 % 1.0
-    near = np.exp(-0.5 * ((place - 0.5) / 0.1) ** 2)  # pressure at one place of the path
+    near = np.exp(-0.5 * ((place - 0.5) / 0.1) ** 2)  # pressure at one point of the path
     mean = 0.1 * np.sqrt(2.0 * np.pi)
     assert shares @ near == pytest.approx(mean, rel=0.03)
     assert abs(near.mean() - mean) > 0.05 * mean

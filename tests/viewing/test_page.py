@@ -1,4 +1,4 @@
-"""The page in a real browser, of a real viewer of a real server: what it shows."""
+"""What the page shows, with a real browser, viewer and server."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Runn
         shown.until(lambda: "ball" in shown.text("#samples"))
         samples = shown.get("samples")
         assert all(0.0 < sample["asked"] <= 5.01 for sample in samples)
-        shown.until(lambda: _strength(shown.get("samples")) > 0.5)  # a step may not be the last
+        shown.until(lambda: _strength(shown.get("samples")) > 0.5)  # the sound may still fade in
         shown.until(lambda: "p99" in shown.text("#chart-ticks"))
         shown.until(lambda: shown.text("#clients").count("viewer") == 2)
         second.until(lambda: {"ball", "plate"} <= second.get("objects").keys())
@@ -65,18 +65,18 @@ def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Runn
 
 
 def _strength(samples: list[dict[str, float]]) -> float:
-    """Of what is asked, on average."""
+    """Return the mean of achieved over target pressure."""
     return float(np.mean([s["achieved"] / s["asked"] for s in samples]))
 
 
 def _samples(shown: Seen, low: float, high: float) -> list[list[float]]:
-    """Where those are whose x is in a range [m]: of the plate beyond 0.02, of the point below -0.02."""
+    """Return the positions of samples with x in a range [m]: the plate's are beyond 0.02, the point's below -0.02."""
     found = [sample["position"] for sample in shown.get("samples")]
     return [position for position in found if low < position[0] < high]
 
 
 def _rings(shown: Seen, at: list[float]) -> int:
-    """White pixels around where a sample is."""
+    """Count the white pixels around a sample."""
     x, y = shown.page.evaluate("(at) => pacinian.project(at)", at)
     clip: Any = {"x": x - 12, "y": y - 12, "width": 24, "height": 24}
     image = Image.open(io.BytesIO(shown.page.screenshot(clip=clip))).convert("RGB")
@@ -110,7 +110,7 @@ def test_what_moves_is_seen_to_move(browser: Browser, url: str, server: Running)
 
 
 def _of(shown: Seen, plane: dict[str, Any], feed: Page) -> float:
-    """The largest difference of a slice to the field of the frames that are emitted, over the most of it."""
+    """Return the largest error of a slice against the emitted frames, over the largest pressure."""
     rows, columns = plane["shape"]
     axis = shown.get("wanted.axis")
     u, v = {"x": ([0, 1, 0], [0, 0, 1]), "y": ([1, 0, 0], [0, 0, 1]), "z": ([1, 0, 0], [0, 1, 0])}[
@@ -121,14 +121,14 @@ def _of(shown: Seen, plane: dict[str, Any], feed: Page) -> float:
     at = np.array(plane["centre"]) + x[None, :, None] * np.array(u) + y[:, None, None] * np.array(v)
     feed.next("frame")
     if not cycles(feed):
-        return math.inf  # silence, if the machine was too busy for a frame in time
+        return math.inf  # silent, because the machine was too busy for a frame
     wanted = mean_pressure(feed, at)
     found = np.array(plane["pressure"]).reshape(rows, columns)
     return float(np.abs(found - wanted).max() / wanted.max())
 
 
 def _arrived(shown: Seen, axis: int) -> bool:
-    """Whether the slice that is shown is the one that is wanted, in full."""
+    """Return whether the slice shown is the requested one, in full resolution."""
     plane = shown.get("slice && {...pacinian.slice, pressure: pacinian.slice.pressure.length}")
     at = shown.get("wanted.position")
     return bool(plane and abs(plane["centre"][axis] - at) < 1e-9 and plane["shape"] == [64, 64])
@@ -200,7 +200,7 @@ def test_the_slice_and_the_camera_follow_what_is_felt(
         page = shown.page
         shown.until(lambda: shown.get("samples.length") > 0)
         shown.until(lambda: abs(shown.get("wanted.position") - 0.03) < 3e-3)
-        assert shown.get("wanted.axis") == "y"  # faces the first view
+        assert shown.get("wanted.axis") == "y"  # it faces the initial view
         page.click("[data-from=z]")
         shown.until(lambda: shown.get("wanted.axis") == "z")
         page.click("[data-from=x]")
@@ -267,7 +267,7 @@ def test_the_surface_is_where_the_field_is_so_strong(
         levels, counts = ["30", "95"], {"30": 0, "95": 0}
 
         def grows() -> bool:
-            """Whether it is larger at a lower level, once field, scale and surface are all of now."""
+            """Change the level, and return whether the surface is larger at the lower one."""
             counts[levels[0]] = shown.get("surface.triangles")
             levels.reverse()
             shown.page.fill("#level", levels[0])
@@ -283,7 +283,7 @@ def test_amplitudes_are_those_of_uneven_levels(browser: Browser, url: str) -> No
     levels = np.arange(len(ARRAY), dtype="<u2") % 100
 
     def between(route: WebSocketRoute) -> None:
-        """As if the device's levels were uneven, and these emitted."""
+        """Replace the device's levels by uneven ones, and the frames by `levels`."""
         server = route.connect_to_server()
 
         def told(data: str | bytes) -> None:
@@ -329,7 +329,10 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
             shown.until(lambda: "ball" in shown.get("objects") and shown.get("drive.mean") > 0.0)
             assert not shown.page.is_visible("#gone")
             pids = first.pids.values()
-            for what in (signal.SIGSTOP, signal.SIGKILL):  # none of them sees another one die
+            for what in (
+                signal.SIGSTOP,
+                signal.SIGKILL,
+            ):  # stop all first, so that none sees another die
                 for pid in pids:
                     os.kill(pid, what)
             shown.until(lambda: shown.get("link") == "lost")
@@ -337,7 +340,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         assert shown.text("#output-name") == "No server"
         looks = "() => getComputedStyle(document.getElementById('panels')).filter"
         shown.until(lambda: "grayscale" in shown.page.evaluate(looks))
-        assert "ball" in shown.get("objects")  # frozen, and visible
+        assert "ball" in shown.get("objects")  # still visible
         connection.unlink()
         with run_server(SETTINGS) as again:
             connection.symlink_to(again.connection)

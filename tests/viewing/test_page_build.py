@@ -1,4 +1,4 @@
-"""The page's sources checked and tested by their own tools; the page in what is built of this project."""
+"""Check and test the page's sources with their own tools; find the page in the built wheel and archive."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LIMIT = 300.0  # [s]
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """As small a project as has a page: its description, its hook, the page's sources, a package."""
+    """Make a minimal project with a page: pyproject.toml, build hook, the page's sources, a package."""
     for name in ("pyproject.toml", "hatch_build.py", "native_build.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tmp_path / name)
     shutil.copytree(
@@ -37,7 +37,7 @@ def project(tmp_path: Path) -> Path:
 
 
 def _build(project: Path, kind: str, **environment: str) -> tuple[Path, str]:
-    """What hatchling makes, and what it says."""
+    """Build with hatchling; return the file and the output."""
     command = [
         shutil.which("python") or "python",
         "-m",
@@ -62,7 +62,7 @@ def _named(names: list[str]) -> set[str]:
 
 @pytest.mark.deep("npm")
 def test_wheel_and_source_archive_hold_the_page_and_three_s_licence(project: Path) -> None:
-    if (ROOT / "viewer/node_modules/.package-lock.json").exists():  # as npm itself would make it
+    if (ROOT / "viewer/node_modules/.package-lock.json").exists():  # saves the download by npm
         shutil.copytree(
             ROOT / "viewer/node_modules", project / "viewer/node_modules", symlinks=True
         )
@@ -86,7 +86,7 @@ def test_wheel_and_source_archive_hold_the_page_and_three_s_licence(project: Pat
     assert "//" not in page.replace("<!doctype html>", "").replace("http://www.w3.org", "")
     file.unlink()
     file, said = _build(project, "sdist")
-    assert "is built" not in said  # it was
+    assert "is built" not in said  # the page was built for the wheel
     with tarfile.open(file) as archive:
         names = archive.getnames()
     assert _named(names) >= FILES
@@ -130,7 +130,7 @@ def test_a_page_of_other_sources_is_built_again(project: Path) -> None:
     source.write_bytes(source.read_bytes() + b"<!-- -->")
     assert made.stale(project)
     shutil.rmtree(project / "viewer")
-    assert not made.stale(project)  # of an archive without sources
+    assert not made.stale(project)  # as in a source archive, which has no sources of the page
 
 
 @pytest.mark.deep("npm")

@@ -1,4 +1,4 @@
-"""The page in a real browser: what it lets the user do to a running server, by mouse and by keys alone."""
+"""What the user can do to a running server in a real browser, by mouse and by keys alone."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ FOCUSED = """() => {
     return [e.id || e.name || e.dataset.from || e.tagName.toLowerCase(), name.trim(),
             s.outlineStyle !== "none" && parseFloat(s.outlineWidth) >= 2];
 }"""
-# Whether something lies beside the page, or the emergency stop not within its first 120 pixels.
+# Return whether the page scrolls sideways, or the stop button is not in its first 120 pixels.
 OUTSIDE = """() => {
     const { left, right, top, bottom } = document.getElementById("stop").getBoundingClientRect();
     return document.documentElement.scrollWidth > innerWidth
         || left < 0 || top < 0 || right > innerWidth || bottom > 120;
 }"""
-# Controls that lie under a notice.
+# Return the controls that a notice covers.
 COVERED = """() => {
     const { top, bottom, left, right } = document.getElementById("refused").getBoundingClientRect();
     return [...document.querySelectorAll("button, select, input")].filter((e) => e.checkVisibility()
@@ -51,7 +51,7 @@ COVERED = """() => {
         const r = e.getBoundingClientRect();
         return r.left < right && r.right > left && r.top < bottom && r.bottom > top; }).map((e) => e.id);
 }"""
-# Of each text its contrast to the ground that it stands on, where that is plain.
+# Return the contrast of each text to its background, where that has one colour.
 CONTRAST = """() => {
     const part = (x) => { x /= 255; return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; };
     const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
@@ -121,7 +121,7 @@ def test_to_take_over_is_asked_first_and_given_back(
 
 def test_a_refusal_says_what_to_do_and_covers_nothing(browser: Browser, url: str) -> None:
     def between(route: WebSocketRoute) -> None:
-        """As if what is selected was refused."""
+        """Answer each `select` with a refusal."""
         server = route.connect_to_server()
         refused = {
             "type": "refused",
@@ -164,13 +164,13 @@ def test_a_page_without_a_game_plays_a_demonstration(
         page.click("#demonstrate")
         shown.until(lambda: shown.text("#owner") == "demonstration")
     end = time.monotonic() + LIMIT
-    while status(server.connection).owner:  # the page has gone
+    while status(server.connection).owner:  # until the viewer ends it
         assert time.monotonic() < end
         time.sleep(0.05)
 
 
 def _tab(shown: Seen) -> dict[str, tuple[str, bool]]:
-    """All that the Tab key reaches: its name for a screen reader, and whether the focus is seen."""
+    """Return what the Tab key reaches: name for screen readers, and whether the focus is visible."""
     found: dict[str, tuple[str, bool]] = {}
     for _ in range(60):
         shown.page.keyboard.press("Tab")
@@ -222,14 +222,14 @@ def test_who_closes_an_armed_page_lets_go(browser: Browser, url: str, server: Ru
     while now().armed:
         assert time.monotonic() < end
         time.sleep(0.05)
-    assert now().owner == ""  # it let go: its lease has not run out
+    assert now().owner == ""  # it disarmed; its lease did not run out
 
 
 def test_faults_are_told_with_their_times(browser: Browser, url: str) -> None:
     faults: list[str] = []
 
     def between(route: WebSocketRoute) -> None:
-        """As if the server had faults."""
+        """Add faults to each state."""
         server = route.connect_to_server()
 
         def told(data: str | bytes) -> None:

@@ -1,4 +1,4 @@
-"""Which frames of the last moments count for the mean of the field."""
+"""Which of the last frames count for the mean of the field."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def values(recent: RecentFrames) -> list[float]:
 def test_frames_of_the_last_moments_count_and_equal_ones_are_one() -> None:
     assert RecentFrames().gains() == (b"", ())
     recent = filled()
-    assert values(recent) == [119.0]  # none comes again: all are on the way
+    assert values(recent) == [119.0]  # no frame repeats, so all but the newest are transitions
     recent.see_state(0.0, "am", b"")
     found = values(recent)
     assert found == [float(k) for k in range(120 - len(found), 120)]
@@ -62,7 +62,7 @@ def test_frames_of_a_cycle_have_one_share_each_and_those_of_a_modulation_as_they
 
 def test_all_frames_of_a_cycle_count_while_it_moves() -> None:
     recent = RecentFrames()
-    for k in range(40):  # no frame is like another
+    for k in range(40):  # all frames differ
         recent.add(k * EVERY, frame(k), scene_time=k * EVERY, part=k % 3, parts=3)
     assert values(recent) == [37.0, 38.0, 39.0]
     recent.add(40 * EVERY, b"", parts=3)
@@ -94,7 +94,7 @@ def test_silence_counts_while_others_sound_and_is_silence_alone() -> None:
     recent = RecentFrames()
     for k in range(4):
         recent.add(k * EVERY, frame(5.0) if k % 2 else b"")
-    assert values(recent) == [5.0]  # a gap, not a part of a cycle
+    assert values(recent) == [5.0]  # silence is a gap, not part of a cycle
     recent.see_state(4 * EVERY, "am", b"")
     assert values(recent) == [0.0, 5.0]
     for k in range(4, 90):
@@ -113,7 +113,7 @@ def test_the_mean_of_what_moves_is_short() -> None:
         recent.see_scene(0.0, {"spot": item}, {"spot": bytes(28)})
         recent.see_state(0.0, technique, hands.tobytes())
         assert abs(len(values(recent)) - FRAME_COUNT) <= 1
-        recent.see_state(now, technique, (hands + np.float32(1e-4)).tobytes())  # a tracker's noise
+        recent.see_state(now, technique, (hands + np.float32(1e-4)).tobytes())  # noise of a tracker
         assert abs(len(values(recent)) - FRAME_COUNT) <= 1
         recent.see_state(now, technique, (hands + np.float32(0.01)).tobytes())
         assert len(values(recent)) == counts

@@ -37,7 +37,7 @@ POSE = np.arange(7, dtype="<f4").tobytes()
 
 
 def state(sequence: int) -> bytes:
-    """Of the wire."""
+    """Return a state, encoded for the feed."""
     import msgspec
 
     from pacinian.wire.state import State
@@ -51,7 +51,7 @@ def state(sequence: int) -> bytes:
 
 @pytest.fixture
 def feed(tmp_path: Path) -> Path:
-    """Ten states a second for 10 s; a ball that comes at 2 s and goes at 5 s; lost at 9 s."""
+    """Write a feed of 10 s: ten states a second, a ball from 2 s to 5 s, server lost at 9 s."""
     writer, scenery = FeedWriter(tmp_path / "a.feed"), SceneMirror()
     for i in range(100):
         at = 0.1 * i
@@ -70,7 +70,7 @@ def feed(tmp_path: Path) -> Path:
 
 
 class Shown:
-    """A player and what a page sees of it."""
+    """A player, and the view of a page."""
 
     def __init__(self, path: Path) -> None:
         self.hub = Hub()
@@ -165,7 +165,7 @@ def test_a_recorder_writes_what_a_page_is_told_from_order_to_order(tmp_path: Pat
     view = hub.join(lambda: None)
     hub.put("state", state(1))
     hub.record(view.number, True)
-    hub.record(view.number, True)  # it is
+    hub.record(view.number, True)  # already on: ignored
     hub.show(SceneMirror().with_("hall", {"ball": BALL}, {"ball": POSE}))
     hub.put("state", state(2))
     hub.refuse(0, "arm", "is not recorded")
@@ -211,7 +211,7 @@ def test_a_full_disk_ends_a_recording_and_is_told(
     told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
     assert not told["record"]["on"]
     assert told["refused"]["action"] == "record"
-    hub.put("state", state(2))  # goes on without
+    hub.put("state", state(2))  # the feed continues without recording
     assert file.exists()
 
 
@@ -226,7 +226,7 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 def rendered(path: Path, seconds: float = 0.5) -> pc.Renderer:
-    """A plate that moves, held by a hand."""
+    """Record a renderer: a moving plate, and a hand on it."""
     hand = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.16)))
     clock = ManualClock()
 
@@ -261,7 +261,7 @@ def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: 
         assert told["scenery"]["objects"]["plate"]["shape"] == {"type": "disc", "radius": 0.01}
         x = np.frombuffer(told["scenery"]["poses"]["plate"], "<f4")[0]
         assert abs(x - 0.02 * recorded.duration) < 1e-3
-        assert [e.kind for e in recorded.entries].count("scenery") == 1  # its shape is told once
+        assert [e.kind for e in recorded.entries].count("scenery") == 1  # the shape is sent once
         assert hub.drive is not None
         assert len(hub.drive.gains) == 8 * 249
         assert not told["state"]["points"]
@@ -271,12 +271,14 @@ def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path)
     renderer = rendered(tmp_path / "r.pac", 0.49)
     with open_view(tmp_path / "r.pac", samples=True) as recorded:
         states = [msgpack.unpackb(recorded.data(e)) for e in recorded.entries if e.kind == "state"]
-    wanted = status.make_status(renderer, 0.48)  # as the last tick left it
+    wanted = status.make_status(renderer, 0.48)  # after the last tick
     assert states[-1]["ticks"] == wanted["ticks"] == 49
     for name in ("points", "normals", "asked", "achieved", "index", "error", "status", "hands"):
         assert states[-1][name] == wanted[name], name
     assert states[-1]["objects"] == list(wanted["objects"]) == ["plate"]
-    assert [state["sequence"] for state in states if not state["points"]] == [1]  # it comes up
+    assert [state["sequence"] for state in states if not state["points"]] == [
+        1
+    ]  # ramps start from nothing
     assert not any(state["faults"] for state in states)
 
 
@@ -285,10 +287,10 @@ def test_how_long_a_renderers_ticks_took_is_replayed(tmp_path: Path) -> None:
     past = TickStats(1e-3)
     assert past.tick_ms == (0.0, 0.0, 0.0)
     assert not any(past.histogram.counts)
-    for k in range(1500):  # late ones are of before the last second
+    for k in range(1500):  # the first 500 are late, and older than a second
         took = 2e-3 if k < 500 else 0.5e-3 if k % 2 else 0.0
         past.add(Tick(replace(frame, time=1e-3 * k), clock=(1e-3 * k, 1e-3 * k + took)), None)
-    past.add(Tick(frame), None)  # whose times were not noted
+    past.add(Tick(frame), None)  # without recorded times
     assert (past.ticks, past.late, past.different) == (1501, 500, 0)
     assert past.tick_ms == pytest.approx((0.25, 0.5, 0.5))
     told = past.histogram

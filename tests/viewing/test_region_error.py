@@ -1,4 +1,4 @@
-"""The error of what is felt, on a slice near regions, against independent sums over all transducers."""
+"""The error slice near regions, against independent sums over all transducers."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 ARRAY, AIR = pc.autd(), pc.Air()
-GAP = 0.003  # [m] between samples
+GAP = 0.003  # spacing of the samples [m]
 UP = np.array([0.0, 0.0, 1.0])
 GRID = np.stack(
     [*np.meshgrid(GAP * np.arange(5.0), GAP * np.arange(4.0), indexing="ij"), np.full((5, 4), 0.2)],
     axis=-1,
 ).reshape(-1, 3)
-"""A rectangle from (0, 0) to (12, 9) mm, 0.2 m above the array."""
+"""Samples of a rectangle from (0, 0) to (12, 9) mm, 0.2 m above the array."""
 TWO = np.exp(1j * np.random.default_rng(0).uniform(0.0, 6.0, (2, 249))).astype(np.complex64)
 
 
@@ -43,7 +43,7 @@ def regions(
     strength: float = 1.0,
     **more: Any,
 ) -> Regions:
-    """Of one object. strength: its mean over the modulation."""
+    """Return the regions of one object. strength: mean over the modulation."""
     made = {
         "points": pack(points),
         "normals": pack(np.tile(UP, (len(points), 1)) if normals is None else normals),
@@ -61,9 +61,9 @@ def test_places_are_inside_of_the_outline_or_3_to_5_mm_beside_and_on_the_surface
     slope = 1.0 + 100.0 * GRID[:, 0]
     at = 1e-3 * np.array(
         [
-            [4.5, 4.5, 200.0],  # amidst four samples
-            [4.5, 4.5, 203.0],  # above that
-            [4.5, 4.5, 206.0],  # too far above
+            [4.5, 4.5, 200.0],  # between four samples
+            [4.5, 4.5, 203.0],  # above that point
+            [4.5, 4.5, 206.0],  # too far above it
             [6.0, 3.0, 200.0],  # on a sample
             [4.5, 0.0, 200.0],  # on the outline
             [4.5, -1.0, 200.0],  # just outside
@@ -156,7 +156,7 @@ def test_on_skin_sound_counts_along_the_normal_less_what_the_hand_hides() -> Non
 
 
 def test_a_slice_through_a_region_has_the_figures_that_are_felt() -> None:
-    """Those of the solution come from other places: half way between neighbours."""
+    """The solution's own figures come from other points, halfway between samples."""
     array, asked = pc.autd(3, 3), 5.0
     x = GAP * (np.arange(11) - 5.0)
     samples = np.stack([*np.meshgrid(x, x), np.full((11, 11), 0.2)], axis=-1).reshape(-1, 3)
@@ -179,12 +179,10 @@ def test_a_slice_through_a_region_has_the_figures_that_are_felt() -> None:
 
 
 def test_felt_and_asked_are_those_of_the_contact_behind_each_point_of_a_plane() -> None:
-    hollow = GRID + 40.0 * ((GRID[:, :2] - 0.005) ** 2).sum(axis=1)[:, None] * UP  # up to 3 mm
+    hollow = GRID + 40.0 * ((GRID[:, :2] - 0.005) ** 2).sum(axis=1)[:, None] * UP  # up to 3 mm deep
     asked = 2.0 + 100.0 * GRID[:, 0]
     known = regions(hollow, asked)
-    before = (
-        GRID + 0.03 * UP
-    )  # 30 mm before the contact: far beyond what a slice of the error shows
+    before = GRID + 0.03 * UP  # 30 mm before the contact, far beyond the range of an error slice
     felt, wanted = compute_felt_and_asked(ARRAY, AIR, TWO, before, UP, known)
     np.testing.assert_allclose(wanted, asked, rtol=1e-2)
     P = np.mean(

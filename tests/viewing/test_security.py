@@ -1,4 +1,4 @@
-"""Who gets to the feed, and who does not; what the browser is told to keep to."""
+"""Which requests reach the feed, and the security headers for the browser."""
 
 from __future__ import annotations
 

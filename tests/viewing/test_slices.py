@@ -1,4 +1,4 @@
-"""The field of slices and volumes, by the real process."""
+"""Fields of slices and volumes, computed by the real process."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def workers() -> list[psutil.Process]:
 
 @pytest.fixture
 def fields(monkeypatch: pytest.MonkeyPatch) -> Iterator[FieldWorker]:
-    monkeypatch.setattr(slices, "CALM", 1)  # no test waits for an idle machine
+    monkeypatch.setattr(slices, "CALM", 1)  # so that no test waits for an idle machine
     made = FieldWorker()
     yield made
     made.close()
@@ -193,7 +193,7 @@ def test_an_error_is_computed_in_the_other_process_and_nowhere_without_a_region(
     np.testing.assert_array_equal(np.frombuffer(found or b"", "<f4"), wanted.astype("<f4"))
     assert 0 < np.isfinite(wanted).sum() < len(wanted)
 
-    # the frames of a modulation, of which fewer are computed
+    # a modulation, of which only some frames are computed
     frames = np.linspace(0.1, 1.0, 30)[:, None] * np.stack([GAINS, GAINS.conj()] * 15)
     many = DRIVE._replace(gains=frames.astype(np.complex64).tobytes(), regions=told)
     found = asyncio.run(fields.pressure(asked, many, lambda: True))
@@ -216,7 +216,7 @@ def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
         return len(asked) < 3
 
     assert computed(fields, HERE, wanted=twice) == [None]
-    assert len(asked) == 3  # of four parts
+    assert len(asked) == 3  # after each of the first three of four parts
     (worker,) = workers()
     if os.name == "posix":
         assert worker.nice() == psutil.Process().nice() + 1
@@ -302,7 +302,7 @@ def test_a_slice_that_takes_for_ever_does_not_keep_the_viewer_from_its_end(tmp_p
         try:
             eventually(begun.exists)
             children = psutil.Process(process.pid).children()
-            process.send_signal(signal.SIGINT)  # as which the viewer takes SIGTERM, too
+            process.send_signal(signal.SIGINT)  # the viewer handles SIGTERM in the same way
             process.wait(LIMIT)
             assert not psutil.wait_procs(children, LIMIT)[1]
         finally:

@@ -1,4 +1,4 @@
-"""A viewer in a thread, and pages that are no browser: a websocket and what came over it, by type."""
+"""Run a viewer in a thread, and connect to it as a page does: by a websocket that sorts messages by type."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-LIMIT = 60.0  # [s] ends a test that hangs
+LIMIT = 60.0  # ends a test that hangs [s]
 
 
 @contextlib.contextmanager
 def viewer(
     connection: Path | None = None, recording: Path | None = None, folder: Path | None = None
 ) -> Iterator[str]:
-    """Its address, while it runs."""
+    """Run a viewer; return its address."""
     told: queue.Queue[Any] = queue.Queue()
 
     async def run() -> None:
@@ -59,7 +59,7 @@ def viewer(
 
 
 class Page:
-    """What a page hears. newest: of each type. counts: by type. refusals: but those of `catch_up`. frames: the last."""
+    """A page. newest: message by type. counts: by type. refusals: except those of `catch_up`. frames: the last ones."""
 
     def __init__(self, url: str, **options: Any) -> None:
         parts = urlsplit(url)
@@ -70,7 +70,7 @@ class Page:
             compression=None,
             ping_interval=None,
             open_timeout=LIMIT,
-            close_timeout=0.2,  # one that does not read on waits for the answer so long
+            close_timeout=0.2,  # a page that no longer reads waits for this time [s]
             **options,
         )
         with contextlib.ExitStack() as stack:
@@ -111,27 +111,27 @@ class Page:
         return message
 
     def until(self, what: Callable[[], object]) -> None:
-        """Listen until something is so."""
+        """Receive messages until a condition is true."""
         end = time.monotonic() + LIMIT
         while not what():
             assert time.monotonic() < end, (self.counts, self.newest.get("state"))
             self.hear(0.1)
 
     def next(self, kind: str) -> dict[str, Any]:
-        """The next message of a type."""
+        """Return the next message of a type."""
         before = self.counts[kind]
         self.until(lambda: self.counts[kind] > before)
         return dict(self.newest[kind])
 
     @property
     def output(self) -> str:
-        """What the newest state says of it; "" before the first."""
+        """The output by the newest state; "" before the first."""
         return str(self.newest.get("state", {}).get("output", ""))
 
     def catch_up(self) -> None:
-        """Listen until the viewer has taken all that was said: what it had to tell this page has come, too."""
+        """Wait until the viewer has handled all messages sent so far. Its replies have then arrived."""
         before = self._answers
-        self.say("replay")  # which a viewer of a server refuses at once
+        self.say("replay")  # a viewer of a server refuses it at once
         self.until(lambda: self._answers > before)
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-/** The page: the feed goes to the store, the store to space and panels, and what the user does goes back. */
+/** The page: passes messages from the feed through the store to space and panels, and the user's actions back. */
 
 import { SurfaceBox } from "./field/surface-box";
 import { Scale } from "./field/scale";
@@ -38,8 +38,8 @@ const surfaceBox = new SurfaceBox(send);
 const scales = { pressure: new Scale(), error: new Scale() };
 
 /**
- * What is seen is acknowledged, so that the next may come: not while nobody looks, and where the processor draws, only
- * with a frame: there is nothing to be won by more.
+ * Acknowledge slices, volumes and skin maps that are shown, so that the viewer sends the next ones. A hidden page
+ * acknowledges nothing. With software rendering, the page acknowledges only with a frame, because it shows no more.
  */
 function acknowledge(view: View | undefined): void {
   const unseen = new Map<string, number>();
@@ -58,7 +58,7 @@ function acknowledge(view: View | undefined): void {
   document.addEventListener("visibilitychange", seen);
 }
 
-/** All that is seen in space; null where there is no WebGL: the panels do without. */
+/** Make the 3-D view. Return null without WebGL; the panels work without it. */
 function makeSpace(): Space | null {
   try {
     return new Space(element("space"), store, slicePlane, surfaceBox, scales);

@@ -1,4 +1,4 @@
-/** `window.pacinian`: what is shown, to be read, for tests and for the curious. Nothing can be changed by it. */
+/** `window.pacinian`: a read-only view of what the page shows, for tests and for curious users. */
 
 import { Vector3 } from "three";
 
@@ -21,14 +21,14 @@ export interface Shown {
   readonly wanted: { axis: string; position: number; on: boolean; over: Over; follows: boolean; faces: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
-  /** Whether what is felt is painted on the hands. */
+  /** Whether the achieved pressure is painted on the hands. */
   readonly painted: boolean;
-  /** How many of each there were. */
+  /** Numbers of frames and slices so far. */
   readonly frames: number;
   readonly slices: number;
-  /** Where a point in space [m] is on the page [px]. */
+  /** Return where a point in space [m] is on the page [px]. */
   project(point: Triple): [number, number];
-  /** Where the slice's arrow is on the page [px]. */
+  /** Return where the slice's arrow is on the page [px]. */
   grip(): [number, number];
 }
 
@@ -38,7 +38,7 @@ declare global {
   }
 }
 
-/** The object that stands for it. */
+/** Make the read-only view. */
 export function shown(store: Store, space: Space, slicePlane: SlicePlane, surfaceBox: SurfaceBox): Shown {
   const page = (point: Vector3): [number, number] => {
     const { x, y } = space.view.project(point);

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { History } from "../src/panels/history";
 
-test("values over the last half minute, without growing", () => {
+test("the history keeps half a minute, and does not grow", () => {
   const history = new History(["mean", "max"]);
   for (let k = 0; k <= 3000; k++) history.add(k / 30, k, k);
   const [times, first, second] = history.data as unknown as number[][];
@@ -11,7 +11,7 @@ test("values over the last half minute, without growing", () => {
   assert.equal(times.length, first.length);
   assert.ok((times[0] ?? 0) >= -30 && times.length > 115 && times.length < 125);
   assert.equal(second.at(-1), 3000);
-  assert.ok(Math.abs((first.at(-1) ?? 0) - 2985) < 5, String(first.at(-1))); // of the last second
+  assert.ok(Math.abs((first.at(-1) ?? 0) - 2985) < 5, String(first.at(-1))); // the mean of the last second
 });
 
 test("a modulation shows as its mean and its maximum, not as beats", () => {
@@ -23,7 +23,7 @@ test("a modulation shows as its mean and its maximum, not as beats", () => {
   for (const each of max?.slice(4) ?? []) assert.ok(each > 0.7, String(each));
 });
 
-test("no line where nothing is asked, nor over a gap; a time that goes back begins anew", () => {
+test("the line is broken by NaN and by a gap; a time that goes back restarts the history", () => {
   const history = new History(["mean"]);
   history.add(1, 5);
   history.add(1.1, 7);

@@ -6,7 +6,7 @@ import { Color, LinearSRGBColorSpace } from "three";
 import { COLOURS, css, cyclic, diverging, phased, viridis } from "../src/colours/maps";
 import { byte, linear, oklab, part, type Colour } from "../src/colours/oklab";
 
-/** How people without one kind of cone see linear sRGB (Machado, Oliveira and Fernandes, 2009). */
+/** Linear sRGB as seen by people who lack one kind of cone (Machado, Oliveira and Fernandes, 2009). */
 const EYES: Record<string, readonly Colour[]> = {
   normal: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -27,7 +27,7 @@ function apart(a: Colour | undefined, b: Colour | undefined): number {
 }
 
 for (const [name, eye] of Object.entries(EYES)) {
-  test(`phases a quarter apart can be told from each other, with ${name}`, () => {
+  test(`phases a quarter turn apart look different, with ${name}`, () => {
     const colours = seen(cyclic(), eye);
     for (let i = 0; i < COLOURS; i++) {
       for (let away = COLOURS / 4; away <= COLOURS / 2; away++) {
@@ -37,14 +37,14 @@ for (const [name, eye] of Object.entries(EYES)) {
     }
   });
 
-  test(`pressures grow lighter, with ${name}`, () => {
+  test(`higher pressure is lighter, with ${name}`, () => {
     const light = seen(viridis(), eye).map(([L]) => L);
     for (let k = 16; k < COLOURS; k++) {
       assert.ok((light[k] ?? 0) > (light[k - 16] ?? 1) + 0.01, `${k}`);
     }
   });
 
-  test(`errors grow darker to both sides, which can be told apart, with ${name}`, () => {
+  test(`larger errors are darker, and both signs look different, with ${name}`, () => {
     const colours = seen(diverging(), eye);
     const light = colours.map(([L]) => L);
     for (let k = 16; k < COLOURS / 2; k++) {
@@ -56,7 +56,7 @@ for (const [name, eye] of Object.entries(EYES)) {
   });
 }
 
-test("phase has no seam, and all of it can be shown", () => {
+test("the map of phases has no seam, and a screen can show all of it", () => {
   const colours = seen(cyclic(), EYES["normal"] ?? []);
   const steps = colours.map((colour, k) => apart(colour, colours[(k + 1) % COLOURS]));
   assert.ok(Math.max(...steps) < 3 * (steps.reduce((a, b) => a + b) / COLOURS));
@@ -65,7 +65,7 @@ test("phase has no seam, and all of it can be shown", () => {
   }
 });
 
-test("OKLab there and back; white is light and has no hue", () => {
+test("conversion to OKLab and back changes nothing; white is light and has no hue", () => {
   const [L, a, b] = oklab([1, 1, 1]);
   assert.ok(Math.abs(L - 1) < 1e-6 && Math.hypot(a, b) < 1e-6);
   const c: Colour = [0.2, 0.7, 0.05];
@@ -73,7 +73,7 @@ test("OKLab there and back; white is light and has no hue", () => {
   for (let x = 0; x < 256; x++) assert.equal(byte(part(x)), x);
 });
 
-test("no error is white, too little is blue, too much is red", () => {
+test("an error of 0 is white, too little is blue, too much is red", () => {
   const map = diverging();
   const [blue, white, red] = [0, 128, 255].map((k) => [...map.subarray(4 * k, 4 * k + 3)]);
   assert.ok(Math.min(...(white ?? [])) > 235);
@@ -81,11 +81,11 @@ test("no error is white, too little is blue, too much is red", () => {
   assert.ok((red?.[0] ?? 0) > 2 * (red?.[2] ?? 1));
 });
 
-test("viridis begins and ends as it is published; beyond its ends it stays", () => {
+test("viridis begins and ends with its published colours, and is constant beyond its ends", () => {
   const map = viridis();
   assert.equal(css(map, 0), "rgb(68, 1, 84)");
   assert.equal(css(map, 1), "rgb(253, 231, 37)");
-  const colour = new Color().setStyle(css(map, 1), LinearSRGBColorSpace); // three reads it as it is
+  const colour = new Color().setStyle(css(map, 1), LinearSRGBColorSpace); // without conversion by three
   assert.deepEqual(colour.toArray().map((x) => Math.round(255 * x)), [253, 231, 37]);
   assert.equal(css(map, -3), css(map, 0));
   assert.equal(css(map, 7), css(map, 1));

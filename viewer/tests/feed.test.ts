@@ -12,7 +12,7 @@ function packed(...values: number[]): Bytes {
   return new Uint8Array(new Float32Array(values).buffer);
 }
 
-test("numbers are read wherever they begin in a message", () => {
+test("numbers are read at any alignment in a message", () => {
   for (let shift = 0; shift < 8; shift++) {
     const message = encode({ type: "state", pad: "x".repeat(shift), points: packed(1.5, -2, 3e8) });
     const { points } = read(message.slice().buffer) as unknown as { points: Bytes };
@@ -23,7 +23,7 @@ test("numbers are read wherever they begin in a message", () => {
   }
 });
 
-test("too many numbers, too few, and bytes that are no whole number", () => {
+test("too many numbers, too few, and an incomplete number are accepted", () => {
   const target = new Uint16Array(2);
   into(target, new Uint8Array([1, 0, 2, 0, 3, 0]));
   assert.deepEqual([...target], [1, 2]);
@@ -34,7 +34,7 @@ test("too many numbers, too few, and bytes that are no whole number", () => {
   assert.deepEqual([...indices(new Uint8Array([1, 0, 0, 0, 255]))], [1]);
 });
 
-test("messages are the same where all their bytes are", () => {
+test("fields are the same if all their bytes are", () => {
   const one = { a: packed(1, 2), b: packed(3) };
   const other = { a: packed(1, 2), b: packed(4) };
   const longer = { a: packed(1, 2, 0), b: packed(3) };
@@ -44,7 +44,7 @@ test("messages are the same where all their bytes are", () => {
   assert.ok(!same(longer, one, "a"));
 });
 
-test("what is no message is told, and left out", (t) => {
+test("an invalid message is logged and ignored", (t) => {
   const told = t.mock.method(console, "error", () => undefined);
   for (const value of [null, 7, "state", [], {}, { type: 3 }]) {
     assert.equal(read(encode(value).slice().buffer), null);
@@ -54,7 +54,7 @@ test("what is no message is told, and left out", (t) => {
   assert.equal(told.mock.callCount(), 8);
 });
 
-test("who fails on a message keeps nobody else from hearing it", (t) => {
+test("a listener that throws does not keep others from getting the message", (t) => {
   const told = t.mock.method(console, "error", () => undefined);
   const store = new Store();
   let heard = 0;
@@ -65,7 +65,7 @@ test("who fails on a message keeps nobody else from hearing it", (t) => {
   store.take({ type: "of a later version" } as unknown as Frame);
 });
 
-test("what people read is the newest, once a beat", () => {
+test("readers get the newest message, once a beat", () => {
   const beats: (() => void)[] = [];
   const store = new Store((read) => beats.push(read));
   const seen: number[] = [];
@@ -81,7 +81,7 @@ test("what people read is the newest, once a beat", () => {
   assert.deepEqual(seen, [3, 4]);
 });
 
-test("the newest is kept, and who wants to know is told", () => {
+test("listeners get each message, and the newest is kept", () => {
   const store = new Store();
   const told: number[] = [];
   store.on("state", (state) => told.push(state.sequence));
@@ -91,7 +91,7 @@ test("the newest is kept, and who wants to know is told", () => {
   assert.equal(store.newest.state?.sequence, 2);
 });
 
-test("a lost server comes back with an array; what was shown stays", () => {
+test("a lost server is back with its next `array`; the last messages are kept until then", () => {
   const store = new Store();
   const links: Link[] = [];
   store.on("link", (link) => links.push(link));
@@ -106,7 +106,7 @@ test("a lost server comes back with an array; what was shown stays", () => {
   assert.deepEqual(links, ["live", "lost", "live", "closed"]);
 });
 
-test("a server that comes back before a beat leaves nothing of before to read", (t) => {
+test("if the server is back before a beat, readers get nothing from before the loss", (t) => {
   const failed = t.mock.method(console, "error", () => undefined);
   const beats: (() => void)[] = [];
   const store = new Store((read) => beats.push(read));
@@ -123,7 +123,7 @@ test("a server that comes back before a beat leaves nothing of before to read", 
   assert.deepEqual(seen, [6]);
 });
 
-test("the feed is where the page is, with its token", () => {
+test("the address of the feed has the host and the token of the page", () => {
   const page = { protocol: "http:", host: "127.0.0.1:8000", search: "?token=a%2Bb" } as Location;
   assert.equal(address(page), "ws://127.0.0.1:8000/feed?token=a%2Bb");
   assert.equal(address({ ...page, protocol: "https:", search: "" }), "wss://127.0.0.1:8000/feed?token=");

@@ -10,7 +10,7 @@ import { across, AXES, hit, number, peak, range, value } from "../src/space/plan
 
 const CENTRE: Triple = [0.01, -0.02, 0.2];
 
-/** The middle of a cell, as the server has it. */
+/** Return the middle of a cell, computed as in the server. */
 function cell(plane: Plane, row: number, column: number): Vector3 {
   const [rows, columns] = plane.shape;
   return new Vector3(...plane.centre)
@@ -19,7 +19,7 @@ function cell(plane: Plane, row: number, column: number): Vector3 {
 }
 
 for (const axis of AXES) {
-  test(`what is seen at a cell's middle is its value, across ${axis}`, () => {
+  test(`the value at the middle of a cell is that of the cell, across ${axis}`, () => {
     const plane = across(axis, CENTRE, 0.1, 5);
     const values = Float32Array.from({ length: 25 }, (_, k) => k * k);
     const eye = new Vector3(0.3, 0.5, 0.9);
@@ -34,7 +34,7 @@ for (const axis of AXES) {
   });
 }
 
-test("beside a plane, behind the eye and along it there is nothing", () => {
+test("a ray misses a plane beside it, behind the eye and parallel to it", () => {
   const plane = across("z", CENTRE, 0.1, 5);
   const down = new Vector3(0, 0, -1);
   assert.equal(hit(plane, new Ray(new Vector3(0.2, 0, 1), down)), null);
@@ -42,7 +42,7 @@ test("beside a plane, behind the eye and along it there is nothing", () => {
   assert.equal(hit(plane, new Ray(new Vector3(0, 0, 0.2), new Vector3(1, 0, 0))), null);
 });
 
-test("between cells values are linear, beyond the last ones they stay", () => {
+test("values are linear between cells and constant beyond the last ones", () => {
   const plane: Plane = { ...across("z", CENTRE, 0.1, 2), shape: [2, 2] };
   const values = new Float32Array([0, 1, 2, 3]);
   assert.equal(value(plane, values, 0.5, 0.5), 1.5);
@@ -50,7 +50,7 @@ test("between cells values are linear, beyond the last ones they stay", () => {
   assert.equal(value(plane, values, 1, 1), 3);
 });
 
-test("the most is found where it is; what is no number does not count", () => {
+test("the peak is found at its position; NaN is ignored", () => {
   const plane = across("y", CENTRE, 0.08, 4);
   const values = new Float32Array(16).fill(1);
   values[0] = NaN;
@@ -61,7 +61,7 @@ test("the most is found where it is; what is no number does not count", () => {
   assert.equal(peak(plane, new Float32Array(16).fill(NaN)).most, 0);
 });
 
-test("scales are round and not below what is seen", () => {
+test("scales are round and not below the values seen", () => {
   for (const x of [1e-9, 0.0123, 0.99, 1, 1.0001, 7.7, 42, 999, 1e7]) {
     const top = round(x);
     assert.ok(top >= x * (1 - 1e-9) && top <= 1.7 * x, `${x}: ${top}`);
@@ -71,7 +71,7 @@ test("scales are round and not below what is seen", () => {
   assert.equal(round(NaN), 1);
 });
 
-test("a scale grows at once, shrinks slowly, and stays where it is told to", () => {
+test("a scale grows at once, shrinks slowly, and stays if it is fixed", () => {
   const scale = new Scale();
   assert.ok(scale.see(11, 0));
   assert.equal(scale.most, 15);
@@ -79,20 +79,20 @@ test("a scale grows at once, shrinks slowly, and stays where it is told to", () 
   let time = 0.5;
   while (!scale.see(2, time)) time += 0.1;
   assert.ok(time > 1 && time < 5 && scale.most < 15);
-  assert.ok(scale.see(2, 60), "after a minute without a slice, one is enough");
+  assert.ok(scale.see(2, 60), "after a minute without a slice, one slice is enough");
   assert.equal(scale.most, 2);
   scale.auto = false;
   assert.ok(!scale.see(500, 61));
 });
 
-test("axes hold what they are around", () => {
+test("axes enclose their range", () => {
   const found = ticks(-0.29, 0.23, 0.1);
   assert.ok((found[0] ?? 0) <= -0.29 && (found.at(-1) ?? 0) >= 0.23);
   assert.equal(found.length, 7);
   assert.deepEqual(ticks(0, 0.2, 0.1).map((x) => Math.round(10 * x)), [0, 1, 2]);
 });
 
-test("errors go from the least to the most, and both include none; where nothing is known they go nowhere", () => {
+test("the range of errors includes 0; without a number there is no range", () => {
   assert.deepEqual(range(new Float32Array([NaN, -2, 1, NaN])), { low: -2, high: 1 });
   assert.deepEqual(range(new Float32Array([3, 4])), { low: 0, high: 4 });
   assert.equal(range(new Float32Array([NaN, NaN])), null);

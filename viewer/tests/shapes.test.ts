@@ -13,7 +13,7 @@ function packed(values: Iterable<number>, kind: Float32ArrayConstructor | Uint32
   return new Uint8Array(kind.from(values as never).buffer as ArrayBuffer);
 }
 
-/** Signed volume that a surface encloses: positive where it faces outwards [m^3]. */
+/** Return the signed volume that a surface encloses [m^3]: positive if it faces outwards. */
 function volume(geometry: BufferGeometry): number {
   const free = geometry.getIndex() ? geometry.toNonIndexed() : geometry;
   const p = free.getAttribute("position");
@@ -38,7 +38,7 @@ const TETRAHEDRON = {
   scale: 1e-3,
 } as const;
 
-test("marching cubes closes around a ball on a grid that is no cube, facing outwards", () => {
+test("marching cubes makes a closed ball that faces outwards, on a grid that is not a cube", () => {
   const shape: Triple = [30, 26, 40];
   const origin: Triple = [-0.05, -0.04, -0.07];
   const spacing = 0.0035;
@@ -72,7 +72,7 @@ test("marching cubes closes around a ball on a grid that is no cube, facing outw
   assert.ok([...edges.values()].every((count) => count === 2), "closed");
 });
 
-test("nothing is above a level that nothing reaches; what is no number is nothing", () => {
+test("a level that no value reaches has no surface; NaN counts as 0", () => {
   const values = new Float32Array(27).fill(NaN);
   const grid = { values, shape: [3, 3, 3] as Triple, origin: [0, 0, 0] as Triple, spacing: 1 };
   assert.equal(surface(grid, 0.5).getAttribute("position").count, 0);
@@ -80,7 +80,7 @@ test("nothing is above a level that nothing reaches; what is no number is nothin
   near(volume(surface(grid, 0.5)), 1 / 6, 1e-6);
 });
 
-test("solids enclose what they should, facing outwards", () => {
+test("solids enclose the right volume, facing outwards", () => {
   const block = new Float32Array(6 ** 3).fill(1);
   const shapes: [Shape, number][] = [
     [SPHERE, BALL],
@@ -115,7 +115,7 @@ test("solids enclose what they should, facing outwards", () => {
   for (const [shape, expected] of shapes) near(volume(shaped(shape)), expected, 0.05);
 });
 
-test("a height map is as a picture that is looked at from +z", () => {
+test("a height map has the rows of a picture seen from +z", () => {
   const shape: Shape = {
     type: "height-map",
     heights: packed([5, 0, 0, 0, 0, 1]),
@@ -127,14 +127,14 @@ test("a height map is as a picture that is looked at from +z", () => {
   const p = shaped(shape).getAttribute("position");
   const corner = [0, 1, 2].map((n) => p.array[n]);
   near(corner[0] ?? 0, -0.1);
-  near(corner[1] ?? 0, 0.05); // the first row is far in y
+  near(corner[1] ?? 0, 0.05); // the first row has the largest y
   near(corner[2] ?? 0, 0.05);
   near(p.getZ(5), 0.01);
   const n = shaped({ ...shape, heights: packed([0, 0, 0, 0, 0, 0]) }).getAttribute("normal");
   near(n.getZ(0), 1);
 });
 
-test("curves go where they should", () => {
+test("curves have the right length and size", () => {
   near(way({ type: "circle", radius: 0.02 }).getLength(), 2 * Math.PI * 0.02);
   near(way({ type: "line", length: 0.1 }).getLength(), 0.1);
   const square = packed([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]);
@@ -146,7 +146,7 @@ test("curves go where they should", () => {
   near(Math.max(...far.map(([, y]) => y ?? 0)), 0.03);
 });
 
-test("of what cannot be drawn the outline is left, and the page lives on", () => {
+test("an object that cannot be drawn gets an outline, without an error", () => {
   const far: Part = { type: "placed", shape: SPHERE, pose: { position: [1, 0, 0], rotation: [0, 0, 0, 1] } };
   const apart = made({ type: "volume", shape: { type: "intersection", parts: [SPHERE, far] } });
   assert.equal(apart.drawn, false);

@@ -21,7 +21,7 @@ function state(points: number[][], normals: number[][], asked: number[], index: 
   } as unknown as State;
 }
 
-test("the square is before the contact that is asked for most, along its normal, and holds all of it", () => {
+test("the square is perpendicular to the normal of the strongest contact, and contains all of it", () => {
   const down = [0, 0, -1];
   const points = [[0.1, 0, 0.2], [0.12, 0.01, 0.2], [0.11, 0.02, 0.203], [0, 0, 0.1]];
   const found = square(state(points, [down, down, down, down], [3, 3, 3, 5], [1, 1, 1, 0], [1, 1]));
@@ -36,7 +36,7 @@ test("the square is before the contact that is asked for most, along its normal,
   }
 });
 
-test("points that are felt alone have no square", () => {
+test("points alone have no square", () => {
   assert.equal(square(state([[0, 0, 0.1]], [[0, 0, 1]], [5], [0], [NaN])), null);
   assert.equal(square(state([], [], [], [], [])), null);
 });

@@ -21,17 +21,17 @@ function frame(levels: number[], amplitudes: number): Frame {
   return { phases: 256, amplitudes, phase, amplitude: packed(levels, Uint16Array) } as Frame;
 }
 
-/** What of an attribute the first corner of each square has. */
+/** Return an attribute at the first corner of each square. */
 function firsts(geometry: Quads["geometry"], name: string, count: number): number[] {
   const attribute = geometry.getAttribute(name);
   return Array.from({ length: count }, (_, k) => attribute.getX(4 * k));
 }
 
-test("levels have the sizes that the server tells, or are evenly spaced", () => {
+test("levels have the amplitudes that the server sends, or are evenly spaced", () => {
   for (const [sizes, wanted] of [
     [[0, 0.5, 0.75, 1], [0, 0.75, 1]],
     [[], [0, 2 / 3, 1]],
-    [[0, 1], [0, 2 / 3, 1]], // of another number of levels
+    [[0, 1], [0, 2 / 3, 1]], // for another number of levels
     [null, [0, 2 / 3, 1]],
   ] as const) {
     const shown = new Transducers();
@@ -46,7 +46,7 @@ test("levels have the sizes that the server tells, or are evenly spaced", () => 
   }
 });
 
-test("levels of another number of transducers, and none, are silence", () => {
+test("a frame with levels of no transducer, or of another number of them, is silent", () => {
   const shown = new Transducers();
   shown.place(array(3, null));
   for (const levels of [[1, 1], []]) {
@@ -56,11 +56,11 @@ test("levels of another number of transducers, and none, are silence", () => {
     assert.deepEqual(shown.drive, { mean: 0, most: 0 });
     assert.deepEqual(firsts(shown.mesh.geometry, "amplitude", 3), [0, 0, 0]);
   }
-  shown.show(frame([0, 0, 0], 1)); // of a device that has one level
+  shown.show(frame([0, 0, 0], 1)); // from a device with one level
   assert.deepEqual(shown.drive, { mean: 0, most: 0 });
 });
 
-test("squares grow when they must, and have four corners each", () => {
+test("there is room for any number of squares, each with four corners", () => {
   const squares = new Quads({ at: 3, size: 1 });
   for (const count of [1, 2, 50, 7]) {
     squares.resize(count);
@@ -79,11 +79,11 @@ test("squares grow when they must, and have four corners each", () => {
   }
 });
 
-test("rings of near samples are small, of lone ones as large as they may be", () => {
+test("rings of samples close together are small; a single sample has the largest ring", () => {
   const points = Float32Array.from([
-    ...[0, 0, 0, 0.004, 0, 0, 0.008, 0, 0, 0.008, 0, 0], // two in one place
-    ...[0.001, 0, 0], // of another object
-    ...[0, 0, 0, 0, 0.0001, 0, 0, 0.0005, 0], // very near
+    ...[0, 0, 0, 0.004, 0, 0, 0.008, 0, 0, 0.008, 0, 0], // two at one place
+    ...[0.001, 0, 0], // another object
+    ...[0, 0, 0, 0, 0.0001, 0, 0, 0.0005, 0], // very close together
   ]);
   const found = [...radii(points, [0, 0, 0, 0, 1, 2, 2, 2], 0.0045)].map((each) => Math.round(1e5 * each));
   assert.deepEqual(found, [220, 220, 220, 220, 450, 70, 70, 70]);

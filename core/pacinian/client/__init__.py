@@ -5,10 +5,10 @@ base_client.py         a session that can be lost and replaced
 server_session.py      one session, from hello to bye
 link.py                a socket, and the end of its connection
 messages.py            arguments of the API as fields of the wire
-outbox.py              commands that the socket had no room for
+outbox.py              commands that wait for room in the socket
 state_subscription.py  the newest state
 rendered_scene.py      the scene as the server shows it
-timing.py              round trips, the server's clock
+server_clock.py        offset of the server's clock, round trips
 emergency.py           a stop that needs no session
 connection_file.py     connection files and CURVE keys
 """

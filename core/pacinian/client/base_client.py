@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from pacinian.client.timing import Trips
+    from pacinian.client.server_clock import Trips
     from pacinian.errors import Refused
     from pacinian.wire.connection import Connection
 

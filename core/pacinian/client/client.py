@@ -50,9 +50,9 @@ class Client(BaseClient):
     armed, any call also renews the session, however long it waits. While it is armed, only `renew`, `hold` and `select`
     do.
 
-    Calls wait for their reply unless `wait=False`. Then they never block. If the socket has no room, only the newest
-    command for each object is kept. `errors` lists the commands that the server refused. ttl: time to live [s]; the
-    server drops a command that is older than this.
+    Calls wait for their reply unless `wait=False`. Then they never block. If the socket has no room, commands wait; a
+    newer command replaces the waiting ones that it makes useless. `errors` lists the commands that the server refused.
+    ttl: time to live [s]; a command that is older than this is dropped.
 
     After a connection loss nothing resumes: arm again, and put the objects again. Raises ConnectionLost, Refused;
     WireError for objects that cannot be sent.
@@ -117,8 +117,9 @@ class Client(BaseClient):
     def hands(self, *hands: Hand, ttl: float = 1.0, wait: bool = True) -> None:
         """Set all hands that this client tracks. From then on, objects are rendered only where hands touch them.
 
-        Call it without hands to render nothing; lost hands, which have no joints, have the same effect. The scene
-        stays. Their `time` is by this client's clock; the default is now. Hands that are not lost must have joints.
+        Without arguments, nothing is rendered, but the objects stay in the scene. Lost hands, which have no joints,
+        have the same effect. The hands' `time` is by this client's clock; the default is now. Hands that are not lost
+        must have joints.
         """
         frames, times = messages.make_hands(hands), [h.time for h in hands if h.time is not None]
         now = self._clock()
@@ -147,8 +148,8 @@ class Client(BaseClient):
     def arm(self, take: bool = False, resume: bool = True) -> None:
         """Arm the output with this client's scene, for as long as `renew` is called.
 
-        take: even from another owner. resume: after a pause of more than the lease, the next `renew` lets it sound
-        again, unless the output was taken, stopped or at fault meanwhile; if False, it must be armed again.
+        take: whether to take the output from another owner. resume: whether, after the lease ran out, the next `renew`
+        lets the output sound again, unless it was taken, stopped or faulted meanwhile; if False, arm again.
         """
         self._live().arm(take, resume)
 

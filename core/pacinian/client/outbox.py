@@ -1,4 +1,6 @@
-"""The outbox: commands that the socket had no room for. Keeps only the newest for each object, while it is alive.
+"""The outbox: commands that wait because the socket has no room.
+
+A command that a newer one replaces is removed, and so is a command whose time to live is over.
 
 Pure: it holds commands without sequence numbers, and callers pass the time.
 """

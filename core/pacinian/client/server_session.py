@@ -14,8 +14,8 @@ from msgspec.structs import replace
 
 from pacinian.client.link import Link, connect, make_socket, milliseconds
 from pacinian.client.outbox import Outbox
+from pacinian.client.server_clock import Timing
 from pacinian.client.state_subscription import read_newest
-from pacinian.client.timing import Timing
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Arm, Bye, Hello, Renew, Request
@@ -146,7 +146,7 @@ class ServerSession:
         return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
 
     def send_nowait(self, command: AnyCommand) -> None:
-        """Send a command without waiting. While there is no room, the newest command for each object is kept."""
+        """Send a command without waiting. While there is no room, it waits, and replaces what it makes useless."""
         self.look()
         if self._flush() and self._post(command):
             return
@@ -264,9 +264,9 @@ class ServerSession:
     def _receive(self, wait: float, lease: bool = False) -> bool:
         """Return whether `_come` holds messages; wait at most `wait` [s] for them.
 
-        This also renews the session, if that lets nothing sound, because the server forgets a silent client. An armed
-        output stays alive, and one whose lease ran out begins again, only by the game's own `renew`, or with `lease`,
-        which the caller has requested.
+        The server forgets a client that sends nothing. This therefore also renews the session, if the renewal cannot
+        let the output sound. Only two things keep an armed output sounding, or let it sound again after its lease ran
+        out: the game's own `renew`, or `lease`, by which the caller has asked for renewals.
         """
         if self.lost:
             raise ConnectionLost(self.lost)
@@ -285,7 +285,7 @@ class ServerSession:
 
     @property
     def _renews_itself(self) -> bool:
-        """Whether a renewal that the game did not ask for would let nothing sound."""
+        """Whether the session may renew itself, because such a renewal cannot let the output sound."""
         return not self.armed and not (self.owner and self._resumes)
 
     def _go_on(self) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import ArgumentError
+from pacinian.rendering.background_schedule import MAX_TICKS, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.budget_controller import MAX_LOAD, BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
@@ -25,7 +26,6 @@ from pacinian.rendering.outcome import Outcome
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
-from pacinian.rendering.solve_schedule import MAX_TICKS, SOLVE_TICKS, SolveSchedule
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
@@ -99,7 +99,7 @@ class Pipeline:
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
         self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
-        self.schedule, self._beside = SolveSchedule(period), False
+        self.schedule, self._beside = BackgroundSchedule(period), False
         self._begin()
 
     def _begin(self) -> None:
@@ -130,7 +130,7 @@ class Pipeline:
         Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
         exception is raised at once.
         """
-        self.schedule, self._beside = SolveSchedule(self.period), False  # as a replay begins
+        self.schedule, self._beside = BackgroundSchedule(self.period), False  # as a replay begins
         try:
             self.quantise_gains(try_out(self.session).gains)
             first, self.limits = scene(0.0), limits
@@ -165,7 +165,7 @@ class Pipeline:
         self.session.forget()
         self._job_tape.take()
         # what a tick without a frame has counted is in no recording
-        self.schedule = SolveSchedule(self.period, beside=self._beside)
+        self.schedule = BackgroundSchedule(self.period, beside=self._beside)
         self._begin()
         if self.governor is not None:
             self.governor = BudgetController(self.period, self.sampler.budget)

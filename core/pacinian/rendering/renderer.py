@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
+    from pacinian.rendering.background_schedule import BackgroundSchedule
     from pacinian.rendering.budget_controller import BudgetController
     from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.sample_solver import SampleSolver, Solved
-    from pacinian.rendering.solve_schedule import SolveSchedule
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
@@ -79,11 +79,12 @@ class Renderer(Closing):
     Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `governed`.
 
     cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
-    each of them 500 times a second. The frames are bands of a region that has more samples than the budget, or waves
-    from two sides if transducers are at their limit. While most solves for moving samples are late, only one frame is
-    used. 1 disables cycles. peak: highest radiation pressure on the skin of the hands, or without a hand around the
-    samples [Pa]: solutions that would exceed it are scaled down. It also limits the targets of the frames of a cycle,
-    which press more strongly than their mean, but not below the target that a single frame would have.
+    each of them 500 times a second. A region with more samples than the budget is split into bands, one for each frame.
+    If transducers are at their limit, two frames render the same samples with waves from two sides. While most solves
+    for moving samples are late, only one frame is used. 1 disables cycles. peak: highest radiation pressure on the skin
+    of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated. In a cycle,
+    single frames press more strongly than their mean. `peak` also limits the target of each of these frames, but never
+    to less than the target of the whole cycle.
 
     start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
 
@@ -193,7 +194,7 @@ class Renderer(Closing):
         return self._pipeline.governor
 
     @property
-    def schedule(self) -> SolveSchedule:
+    def schedule(self) -> BackgroundSchedule:
         """Decides whether solves run beside the ticks."""
         return self._pipeline.schedule
 
@@ -394,7 +395,10 @@ class Renderer(Closing):
         return self.hear(samples.positions, outcome.solved.facing)
 
     def hear(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
-        """Return the root mean square over these frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa]."""
+        """Return the root mean square, over the frames of `sounding`, of the pressure amplitude at points: (M,) [Pa].
+
+        points: (M, 3) [m].
+        """
         return self._pipeline.probe.hear(points, facing, self.sounding)
 
     def reset(self) -> None:

@@ -26,9 +26,9 @@ MAX_COUNT = 1_000_000  # the lowest priority is -MAX_COUNT
 class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The parameters that all objects share.
 
-    Give either radiation_pressure: [Pa], or force: [N], over the whole object or over the focus of a point. If the
-    scene has a hand, this is the maximum with which the object presses. envelope: the amplitude over time, or the
-    name of a preset. technique: how the samples are presented in time. material: pressure as a function of depth.
+    Give either radiation_pressure [Pa] or force [N]. The force is that of the whole object, or of the focus of a point.
+    If the scene has a hand, this is the maximum with which the object presses. envelope: the amplitude over time, or
+    the name of a preset. technique: how the samples are presented in time. material: pressure as a function of depth.
     motion: velocity since the object was seen at its pose. priority: objects of higher priority get samples first.
     name: identifies the object in messages; a later object of the same name replaces it.
     """

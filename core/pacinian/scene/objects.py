@@ -73,7 +73,7 @@ class Point(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="poin
 
     @property
     def pose(self) -> Pose:
-        """The pose where the point was seen, without a turn."""
+        """The pose at the point's position, without a rotation."""
         return Pose(self.position)
 
     @property

@@ -128,7 +128,7 @@ class FeedPlayer:
             self._tell(entry)
         if self._model is not None and newest.keys() & {"frame", "state"}:
             gains, shares = self._recent.gains()
-            self._hub.drive_by(Drive(self._model, gains, self._time, self._regions, shares))
+            self._hub.set_drive(Drive(self._model, gains, self._time, self._regions, shares))
         if self._scenery is not self._hub.scenery:
             self._hub.show(self._scenery)
         if self._model is not None:

@@ -83,28 +83,28 @@ class Hub:
             self.values.pop("lost", None)
         data = message if isinstance(message, bytes) else encode_message(message)
         self.values[kind] = next(self._numbers), data
-        self.fresh()
+        self.wake_views()
 
-    def fresh(self) -> None:
+    def wake_views(self) -> None:
         """Wake all views."""
         for view in list(self.views.values()):
             view.wake()
 
-    def drive_by(self, drive: Drive | None) -> None:
+    def set_drive(self, drive: Drive | None) -> None:
         """Set the drive, after the emission changed."""
         self.drive = drive
-        self.fresh()
+        self.wake_views()
 
     def show(self, scenery: SceneMirror) -> None:
         """Set the scene, after it changed."""
         self.scenery = scenery
-        self.fresh()
+        self.wake_views()
 
     def set_session(self, session: Session, owner: int) -> None:
         """Set the state of the viewer's session with the server. owner: the page that armed."""
         self.session = session, owner
         self._let_go()
-        self.fresh()
+        self.wake_views()
 
     def set_idle(self) -> None:
         """Clear values that expire, because no page is open."""

@@ -178,7 +178,7 @@ class StateReader:
                 new = new._replace(time=last.time)
             self._drive = new
         if self._drive != self._emitted and self._drive is not None:
-            self._post(self._hub.drive_by, self._drive)
+            self._post(self._hub.set_drive, self._drive)
         self._emitted = self._drive
 
     def _show(self) -> None:

@@ -98,8 +98,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1. status: status of the
     last tick. ticks: number of ticks so far. late: number of late ticks. rate: ticks per second [Hz]. tick_ms: median,
     99th percentile and maximum of the tick times of the last second [ms]. frames: number of frames that the device has
-    accepted. longest_gap: longest time between two frames while armed [s]. skipped: number of skipped samples by
-    reason. faults: texts of the last faults, newest last. fault_count: number of all faults. restarts: number of
+    accepted. longest_gap: longest time between two frames while armed [s]. skipped: counts of work that was left out,
+    by reason. faults: texts of the last faults, newest last. fault_count: number of all faults. restarts: number of
     restarts of each process of the server, by name. inputs: each hand update that reached the device since the last
     state, (K, 4) little-endian float64: sequence, client's time, and times of receipt and emission by the server's
     clock [s]. clients: clients that are connected. tick_counts: histogram of the tick times of the last second, (64,)

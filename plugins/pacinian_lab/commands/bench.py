@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from pacinian_lab.commands.bench_batches import batches
 from pacinian_lab.commands.bench_devices import devices
 from pacinian_lab.commands.bench_examples import examples
 from pacinian_lab.commands.bench_expiry import expiry
@@ -247,6 +248,6 @@ def _print(rows: Sequence[Row]) -> None:
 
 
 for command in (
-    scenes, tick, regions, examples, bus, view, devices, expiry, footprint, faults, hostile
+    scenes, tick, regions, batches, examples, bus, view, devices, expiry, footprint, faults, hostile
 ):  # fmt: skip
     bench.add_command(command)

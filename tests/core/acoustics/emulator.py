@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PERIOD = Duration.from_micros(25)
 
 Units = list[tuple["ArrayLike", "ArrayLike"]]
-"""Of each unit its position [m] and its rotation, a quaternion (w, x, y, z)."""
+"""Units, each with its position [m] and its rotation, a quaternion (w, x, y, z)."""
 
 
 def geometry(units: Units) -> Geometry:
@@ -29,21 +29,21 @@ def geometry(units: Units) -> Geometry:
 
 
 def positions(units: Units) -> NDArray[np.float64]:
-    """Of all transducers [m], shape (249 units, 3)."""
+    """Positions of all transducers [m], shape (249 units, 3)."""
     return np.concatenate([unit.positions() for unit in geometry(units)]).astype(float) / 1e3
 
 
 def rms(
     units: Units, phases: ArrayLike, intensities: ArrayLike, points: ArrayLike
 ) -> NDArray[np.float64]:
-    """RMS sound pressure [Pa] at `points` [m], shape (M, 3), for levels of shape (249 units,)."""
+    """Return the RMS sound pressure [Pa] at `points` [m], shape (M, 3), for levels of shape (249 units,)."""
     devices = geometry(units)
     phase, intensity = (
         np.asarray(levels, np.uint8).reshape(len(devices), 249) for levels in (phases, intensities)
     )
 
     def drive(recorder: Recorder) -> None:
-        recorder.send(SetSilencer.disable())  # else the drive is ramped over ten periods
+        recorder.send(SetSilencer.disable())  # otherwise it ramps the drive over ten periods
         recorder.send(Pattern(PhaseBuffer.from_array(phase), IntensityBuffer.from_array(intensity)))
         recorder.tick(PERIOD)
 

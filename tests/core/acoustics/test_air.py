@@ -32,7 +32,7 @@ def test_air_is_that_of_a_room_by_default() -> None:
 
 
 def test_speed_and_density_are_of_one_and_the_same_air() -> None:
-    """Adiabatic: rho c^2 is gamma times the ambient pressure, 1.40 for dry air, a little less with vapour."""
+    """Sound is adiabatic: rho c^2 is gamma times the ambient pressure. gamma is 1.40 for dry air, less with vapour."""
     for air in (pc.Air(), pc.Air(temperature=5.0), pc.Air(temperature=35.0, ambient_pressure=8e4)):
         assert 1.39 < air.density * air.speed_of_sound**2 / air.ambient_pressure < 1.401
 
@@ -98,7 +98,7 @@ def test_absorption_is_1_32_decibels_a_metre_at_40_kilohertz() -> None:
 def test_absorption_grows_with_pressure_where_frequency_and_vapour_do_too(
     temperature: float, humidity: float, frequency: float, k: float
 ) -> None:
-    """Absorption over pressure depends only on frequency and vapour over pressure."""
+    """Absorption divided by pressure depends only on frequency and vapour, both divided by pressure."""
     here = iso_9613_1(frequency, temperature, humidity)
     there = iso_9613_1(k * frequency, temperature, k * humidity, k * 101325.0)
     assert there == pytest.approx(k * here, rel=1e-9)

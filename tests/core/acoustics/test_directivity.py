@@ -90,7 +90,7 @@ def test_a_piston_that_cannot_be_is_refused(argument: str, given_as: tuple[float
 
 
 def test_a_table_of_a_piston_every_five_degrees_is_the_piston() -> None:
-    """Known at its rows, within 0.001 between them; flat on the axis, as symmetry demands."""
+    """The table is exact at its rows and within 0.001 between them. It is flat on the axis, by symmetry."""
     np.testing.assert_allclose(TABLE(np.cos(TABLE.angles[:-1])), TABLE.values[:-1], atol=1e-12)
     between = cosine(np.linspace(0.0, 89.99, 4001))
     np.testing.assert_allclose(TABLE(between), PISTON(between), atol=1e-3)

@@ -28,7 +28,7 @@ def emulator(need: Callable[..., ModuleType]) -> Any:
 def unit(
     position: tuple[float, ...] = (0.0, 0.0, 0.0), wxyz: tuple[float, ...] = UPRIGHT
 ) -> pc.Array:
-    """Our AUTD unit placed as the emulator places its own, by its first transducer."""
+    """Return an AUTD unit that is placed by its first transducer, as in the emulator."""
     here = pc.autd(1, 1, SOURCE)
     first = here.transform(pc.Pose(position=tuple(-here.positions[0])))
     w, x, y, z = wxyz
@@ -36,7 +36,7 @@ def unit(
 
 
 def gains(phases: np.ndarray, intensities: np.ndarray) -> Gains:
-    """What the emulator's levels mean."""
+    """Return the gains of the emulator's levels."""
     width = np.round(512 * np.arcsin(intensities / 255) / np.pi)
     amplitude = np.sin(np.pi * width / 512)
     return (amplitude * np.exp(-2j * np.pi * phases / 256)).astype(np.complex64)

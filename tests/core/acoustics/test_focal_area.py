@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 K = 2.0 * np.pi * 40e3 / pc.Air().speed_of_sound  # [rad/m]
-ANGLES, FAR = 16, 0.045  # ways out of a focus, how far they go [m]
+ANGLES, FAR = 16, 0.045  # number of directions from a focus, and their length [m]
 
 
 def flat(places: Floats) -> pc.Array:
@@ -34,7 +34,7 @@ ARRAYS = {
 }
 PLACES: dict[
     str, tuple[Any, float]
-] = {  # beside the array's centre and above it [m], tilt of the skin [rad]
+] = {  # offset from the array's centre, height above it [m], tilt of the skin [rad]
     "low": ((0.0, 0.0, 0.08), 0.0),
     "usual": ((0.0, 0.0, 0.2), 0.0),
     "high": ((0.0, 0.0, 0.4), 0.0),
@@ -44,7 +44,7 @@ PLACES: dict[
 
 
 def heard(array: pc.Array, q: Floats, normal: Floats) -> Complexes:
-    """What of each transducer presses along the normal at points q, (K, 3): (K, N), with 1 Pa at 1 m."""
+    """Return the pressure of each transducer along the normal at points q (K, 3): (K, N), with 1 Pa at 1 m."""
     d = q[:, None] - array.positions
     away = np.linalg.norm(d, axis=2)
     D = array.transducer.directivity((d * array.normals).sum(axis=2) / away)
@@ -52,9 +52,9 @@ def heard(array: pc.Array, q: Floats, normal: Floats) -> Complexes:
 
 
 def integrated(array: pc.Array, q: Floats, normal: Floats) -> Floats:
-    """Of the radiation pressure over that at q [m^2], along each way from q to where it first stops falling.
+    """Integrate the radiation pressure relative to that at q [m^2], in each direction up to its first minimum.
 
-    Of a focus by all transducers alike, and of one by those most that are heard most, (2,).
+    Returns the areas for equal drives, and for drives in proportion to the pressure at q, (2,).
     """
     b = heard(array, q[None], normal)[0]
     gains = np.stack([np.exp(-1j * np.angle(b)), b.conj()], axis=1)
@@ -93,7 +93,7 @@ def test_without_a_normal_it_lies_across_the_way_of_the_sound() -> None:
         (free,), (turned,) = (pc.focal_area(pc.autd(), q, pc.Air(), n) for n in (None, facing))
         assert free == pytest.approx(
             turned, rel=0.08
-        )  # without the cosines, which narrow the array
+        )  # without cosines, which make the array look narrower
 
 
 def test_a_longer_wave_makes_a_larger_spot_and_turning_everything_changes_nothing() -> None:

@@ -69,7 +69,7 @@ def test_they_are_the_limits_of_differences(function: Any, kind: str, air: pc.Ai
 
 
 def exact_pressure(array: pc.Array, q: Any, air: pc.Air, g: Any) -> Any:
-    """p at the point q, as a number of mpmath."""
+    """Return p at the point q, computed with mpmath."""
     kind = array.transducer
     k = 2 * mpmath.pi * mpmath.mpf(kind.frequency) / mpmath.mpf(air.speed_of_sound)
     total = mpmath.mpc(0)

@@ -1,4 +1,4 @@
-"""Intensity and normal pressure: against differences of `matrix`, and cases that are known."""
+"""Intensity and normal pressure: against finite differences of `matrix`, and known cases."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OMNI = pc.Transducer(pressure=2.0)
 
 
 def smooth(cosine: pc.Floats) -> pc.Floats:
-    """A directivity without kinks."""
+    """A smooth directivity."""
     return np.asarray(0.3 + 0.7 * cosine**3)
 
 
@@ -82,13 +82,13 @@ def test_two_that_send_against_each_other_send_nothing_on_balance() -> None:
     assert intensity(array, [0.0, 1.0], middle, medium=pc.Air())[0, 2] == pytest.approx(-one)
     up = SkinFacing([[0.0, 0.0, 1.0]])
     seen = intensity(array, [1.0, 1.0], middle, facing=up, medium=pc.Air())[0, 2]
-    assert seen == pytest.approx(-one)  # only what comes down on a skin that faces up
+    assert seen == pytest.approx(-one)  # skin that faces up feels only sound from above
     hidden = SkinFacing([[0.0, 0.0, 1.0]], [[-0.1, 0.0, 0.1, 0.1, 0.0, 0.1, 0.02, 0.02]])
     assert not intensity(array, [1.0, 1.0], middle, facing=hidden, medium=pc.Air()).any()
 
 
 def test_energy_is_kept_on_its_way() -> None:
-    """Through two spheres around an array flows the same power."""
+    """The same power flows through two spheres around an array."""
     array, g, _ = rig(pc.Transducer(frequency=5e3))
     i = np.arange(4000) + 0.5
     z, turn = 1.0 - 2.0 * i / 4000, np.pi * (1 + 5**0.5) * i

@@ -1,4 +1,4 @@
-"""The field on a grid by interpolation is that of the reference, or it says that it would not be."""
+"""The interpolated field on a grid equals the reference, or interpolation is refused."""
 
 from __future__ import annotations
 

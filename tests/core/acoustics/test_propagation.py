@@ -49,7 +49,7 @@ T4010A1 = """
 
 
 def rig(rng: np.random.Generator, N: int, kind: pc.Transducer) -> pc.Array:
-    """N transducers here and there, pointing roughly up."""
+    """N transducers at random positions, pointing roughly up."""
     positions = rng.uniform([-0.3, -0.3, -0.02], [0.3, 0.3, 0.02], (N, 3))
     return pc.Array(positions, rng.normal((0, 0, 1), 0.3, (N, 3)), kind)
 
@@ -60,14 +60,14 @@ def somewhere(rng: np.random.Generator, M: int) -> np.ndarray:
 
 
 def single(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.ndarray:
-    """B from the kernel in single precision."""
+    """Return B from the kernel, in single precision."""
     out = np.full((len(points), len(array)), np.nan, np.complex64)
     KernelData.prepare(array, medium).matrix(points, out)
     return out
 
 
 def directivity(kind: pc.Transducer, cosine: Any) -> Any:
-    """D in many digits."""
+    """Return the directivity with many digits."""
     if kind.directivity is pc.omni:
         return mpmath.mpf(1)
     if cosine <= 0:
@@ -83,7 +83,7 @@ def directivity(kind: pc.Transducer, cosine: Any) -> Any:
 
 
 def in_many_digits(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.ndarray:
-    """B from the definition, in thirty digits."""
+    """Return B by its definition, with thirty digits."""
     kind = array.transducer
     B = np.empty((len(points), len(array)), complex)
     with mpmath.workdps(30):
@@ -109,7 +109,7 @@ def in_many_digits(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.nd
 
 
 def bound(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.ndarray:
-    """What an element of the kernel's B may be off by [Pa], shape (M, N).
+    """Return the largest allowed error of the kernel's B [Pa], shape (M, N).
 
     The position of a point or transducer is rounded (6e-8 of how far it is from the centre); so are
     distance and phase, some four times (6e-8 k r each); sine and cosine are good to 1e-5; the

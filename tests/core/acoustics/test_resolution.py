@@ -1,4 +1,4 @@
-"""What an array can resolve: against the focus that it really makes."""
+"""The resolution of an array, against the focus that it makes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WAVELENGTH = 340.0 / 40e3
 
 
 def first_null(array: pc.Array, q: np.ndarray) -> float:
-    """How far from a focus at q the field is weakest first, in the direction in which that is nearest."""
+    """Return the distance from a focus at q to the nearest first minimum of the field."""
     b = pc.matrix(array, q[None], pc.Air())[0]
     g = b.conj() / np.abs(b).max()
     d = np.linspace(0.0, 0.05, 2001)

@@ -1,4 +1,4 @@
-"""What counts on skin: against brute force, and what must hold of any hand."""
+"""Facing and occlusion on skin: against brute force, and properties that hold for any hand."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def rods(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def on_skin(rng: np.random.Generator, hand: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
-    """Points on capsules with their normals, maybe inside of others."""
+    """Return points on capsules with their normals; some lie inside other capsules."""
     q, n = np.empty((count, 3)), directions(rng, count)
     for k, rod in enumerate(hand[rng.integers(len(hand), size=count)]):
         a, e, (first, last) = rod[:3], rod[3:6] - rod[:3], rod[6:]
@@ -43,8 +43,8 @@ def on_skin(rng: np.random.Generator, hand: np.ndarray, count: int) -> tuple[np.
             along = float(last > first)
         else:
             u, lean = e / length, (first - last) / length
-            along = float(n[k] @ u > lean)  # of the sphere there it is the hull's part
-            if rng.uniform() < 0.7:  # of the mantle, which touches all spheres alike
+            along = float(n[k] @ u > lean)  # only the part of the sphere that belongs to the hull
+            if rng.uniform() < 0.7:  # on the mantle, where the normal has the same slope everywhere
                 across = n[k] - n[k] @ u * u
                 n[k] = lean * u + np.sqrt(1.0 - lean * lean) * across / np.linalg.norm(across)
                 along = rng.uniform()
@@ -53,7 +53,7 @@ def on_skin(rng: np.random.Generator, hand: np.ndarray, count: int) -> tuple[np.
 
 
 def depth(q: np.ndarray, r: np.ndarray, rod: np.ndarray) -> float:
-    """How deep the way from q to r goes into a capsule, a union of spheres [m]."""
+    """Return how deep the line from q to r goes into a capsule, as a union of spheres [m]."""
     s = np.linspace(0.0, 1.0, 20_001)
     middles = rod[:3] + s[:, None] * (rod[3:6] - rod[:3])
     way = r - q
@@ -63,7 +63,7 @@ def depth(q: np.ndarray, r: np.ndarray, rod: np.ndarray) -> float:
 
 
 def passing(q: np.ndarray, r: np.ndarray, hand: np.ndarray, edge: float) -> float:
-    """What passes the hand from r to q, by walking along each capsule's axis."""
+    """Return the share of sound that passes the hand from r to q, by steps along each capsule's axis."""
     share = 1.0
     for rod in hand:
         deep = depth(q, r, rod) - max(0.0, depth(q, q, rod))
@@ -85,7 +85,9 @@ def test_weights_are_those_of_a_walk_along_each_capsule(seed: int) -> None:
         cosine = (r[k] - q[m]) @ n[m] / np.linalg.norm(r[k] - q[m])
         exact[m, k] = max(0.0, cosine) * passing(q[m], r[k], hand, edge)
     size = np.linalg.norm(exact, axis=1)
-    for m in np.flatnonzero(np.abs(size - FAINT) > 2e-4):  # nearer, the walk cannot tell
+    for m in np.flatnonzero(
+        np.abs(size - FAINT) > 2e-4
+    ):  # closer to the limit, the steps are too coarse
         np.testing.assert_allclose(w[m], exact[m] if size[m] > FAINT else 0.0, atol=1e-4)
 
 
@@ -114,7 +116,7 @@ def test_what_is_behind_a_hand_or_beyond_the_transducers_does_not_count_or_matte
 
 @given(seeds)
 def test_weights_do_not_jump_as_a_capsule_moves(seed: int) -> None:
-    """Smoothstep rises by 1.5 / edge at most; the surface and the way each move by at most as much."""
+    """The smoothstep's slope is at most 1.5 / edge, and surface and line each move by at most the step."""
     rng = np.random.default_rng(seed)
     hand = rods(rng, 1)
     q, n = on_skin(rng, hand, 6)
@@ -147,7 +149,7 @@ def test_only_samples_said_to_have_moved_have_other_weights(seed: int) -> None:
 
 
 def in_single(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> np.ndarray:
-    """B weighted by the kernel."""
+    """Return B as weighted by the kernel."""
     wave, out = KernelData.prepare(array, pc.Air()), np.empty((len(q), len(array)), np.complex64)
     wave.matrix(q, out)
     facing.weigh(q, wave, np.arange(len(q)), out)
@@ -155,7 +157,7 @@ def in_single(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> np.ndarray:
 
 
 def agree(array: pc.Array, facing: SkinFacing, q: np.ndarray) -> None:
-    """The kernel's B is the reference's to 1e-4 of its largest element."""
+    """Check that the kernel's B equals the reference within 1e-4 of its largest element."""
     B = pc.matrix(array, q, pc.Air())
     exact = facing.weights(q, array.positions) * B
     assert np.abs(in_single(array, facing, q) - exact).max() <= 1e-4 * np.abs(B).max()

@@ -1,4 +1,4 @@
-"""Bands: against Monte Carlo by other code, and against cases that are known exactly."""
+"""Uncertainty bands, against independent Monte Carlo code and exactly known cases."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_band_holds_its_share() -> None:
 
 
 def test_scatter_of_independent_transducers_leaves_the_power() -> None:
-    """With phases at random, powers add up: the mean radiation pressure is that of the sum of squares."""
+    """With random phases, powers add up, so the mean radiation pressure follows from the sum of squares."""
     band = pc.predict_radiation_pressure(ARRAY, G, Q, pc.Uncertainty(phase=4.0), AIR)
     each = pc.radiation_pressure(pc.matrix(ARRAY, Q, AIR) * G, AIR)
     np.testing.assert_allclose(band.mean, each.sum(axis=1), rtol=1e-5)

@@ -1,4 +1,4 @@
-"""`pacinian status`, `stop` and `watch`, against a server of the tests' own."""
+"""`pacinian status`, `stop` and `watch`, against a fake server."""
 
 import itertools
 import json
@@ -38,7 +38,9 @@ FULL: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server_session, "FAREWELL", 60.0)  # a server that is slow is told, too
+    monkeypatch.setattr(
+        server_session, "FAREWELL", 60.0
+    )  # so that a slow server also gets the farewell
 
 
 @pytest.fixture
@@ -100,7 +102,7 @@ def test_silence_is_explained(command: click.Command, server: Fake, path: str) -
 def test_a_terminal_has_colours_unless_they_are_refused(
     no_color: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A pipe has none: `CliRunner` is no terminal."""
+    """A pipe has no colours; `CliRunner` is not a terminal."""
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)
@@ -167,5 +169,5 @@ def test_watch_tells_a_line_for_each_state(server: Fake, path: str) -> None:
     seen = [json.loads(line)["sequence"] for line in lines]
     assert seen
     assert seen == sorted(set(seen))
-    assert server.of(control.Renew)  # the session goes on
+    assert server.of(control.Renew)  # the session continues
     assert "sounding" in run(watch, "--connection", path, "--seconds", "0")

@@ -1,4 +1,4 @@
-"""The command, as a process and through click."""
+"""The commands, run as processes and through click."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from pacinian.testing import ManualClock
 if TYPE_CHECKING:
     from pacinian.plugins.hookspecs import CommandGroup
 
-LIMIT = 200.0  # [s] ends a test that hangs
+LIMIT = 200.0  # ends a test that hangs [s]
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ball.toml"
 
 
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In this process renderers take no time by their clocks: none of their ticks is missed."""
+    """Use clocks for this process's renderers by which ticks take no time, so that none is missed."""
     monkeypatch.setattr(renderer, "SystemClock", ManualClock)
 
 
@@ -44,14 +44,14 @@ def run(*arguments: str) -> Any:
 
 
 def told(*arguments: str, code: int = 0) -> Any:
-    """The one JSON object on standard output."""
+    """Return the JSON object on standard output."""
     result = run(*arguments, "--json")
     assert result.exit_code == code, result.output
     return json.loads(result.stdout)
 
 
 def ended(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """The exit code of the whole command."""
+    """Return the exit code of the command."""
     monkeypatch.setattr(sys, "argv", ["pacinian", *arguments])
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     with pytest.raises(SystemExit) as end:
@@ -184,7 +184,7 @@ def test_replay_again_ends_with_1_where_a_frame_differs(tmp_path: Path) -> None:
 
 
 def test_replay_drives_the_array_as_it_was(tmp_path: Path, monkeypatch: Any) -> None:
-    """Its field is that of transducers of unlike strength, without the dead ones."""
+    """The transducers have different strengths, and some are dead."""
     from pacinian.plugins import registry
 
     rng, made = np.random.default_rng(3), []
@@ -255,7 +255,7 @@ def test_a_bad_scene_file_is_an_error_with_the_key(
         ("demo", "--solver", "magic"),
         ("replay", "none"),
         ("demo", "--seconds", "-1"),
-        ("replay", "any.pac", "--again", "--backend", "simulated"),  # it plays on none
+        ("replay", "any.pac", "--again", "--backend", "simulated"),  # no frames are played
         ("nonsense",),
     ],
 )
@@ -312,7 +312,7 @@ def test_sigterm_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
             end = time.monotonic() + LIMIT
             while not (record.exists() and record.stat().st_size > 500_000):
                 assert time.monotonic() < end
-                time.sleep(0.02)  # for another process, which has no clock of ours
+                time.sleep(0.02)  # real time, because the other process has its own clock
             child.send_signal(signal.SIGTERM)
             out, _ = child.communicate(timeout=LIMIT)
         except BaseException:
@@ -322,8 +322,8 @@ def test_sigterm_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
     seen = json.loads(out)
     assert seen["interrupted"]
     frames = len(list(pc.Recording(record)))
-    assert seen["frames_sent"] - frames in (0, 1)  # one may have been under way
-    again = told("replay", str(record), "--again")  # by this process, from what the other recorded
+    assert seen["frames_sent"] - frames in (0, 1)  # one frame may have been in transit
+    again = told("replay", str(record), "--again")  # in this process, from the other's recording
     assert again["different"] == 0
     assert again["ticks"] > 1
 
@@ -403,7 +403,7 @@ def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
 
 
 def sections(text: str) -> dict[str, list[str]]:
-    """The names of the commands under each heading of help."""
+    """Return the names of the commands under each heading of the help."""
     found: dict[str, list[str]] = {}
     heading = ""
     for line in text.splitlines():
@@ -432,7 +432,7 @@ def test_help_cuts_no_line_short() -> None:
 
 
 def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They are imported for help and for unknown names alone, and replace no command of the core."""
+    """Plug-in commands are imported only for help and unknown names, and cannot replace core commands."""
     import click
 
     from pacinian.plugins import registry

@@ -1,4 +1,4 @@
-"""`pacinian devices calibrate`: from files of a scan to a calibration that the description takes."""
+"""`pacinian devices calibrate`: from the files of a scan to a calibration for the description."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ order = {order}
 
 
 class Bench:
-    """Two boards that differ from their description, and a microphone's readings of them, (M, 60), board by board."""
+    """Two boards that differ from their description, and readings of a microphone, (M, 60), board by board."""
 
     def __init__(self, folder: Path) -> None:
         rng = np.random.default_rng(11)
@@ -92,7 +92,7 @@ class Bench:
         return path
 
     def found(self, out: Path) -> Any:
-        """Responses by channel, as the description takes them from a calibration."""
+        """Return the responses by channel that a description reads from a calibration."""
         text = f"calibration = {json.dumps(str(out))}\n" + self.file.read_text().replace(
             "dead", "#"
         )
@@ -166,7 +166,7 @@ def test_it_can_be_read_by_programs_and_the_temperature_given(bench: Bench) -> N
     assert made["speed_error"] < 1e-6
     assert np.abs(made["pose"]["position"]).max() < 4.0 * max(made["pose_errors"][:3])
     assert made["pressure"] == pytest.approx(0.3 * 4.386 * np.abs(bench.truth).sum() / 58, rel=0.02)
-    assert made["pressure_error"] > 0.1  # of the microphone
+    assert made["pressure_error"] > 0.1  # due to the microphone
 
 
 @pytest.mark.parametrize(
@@ -355,7 +355,7 @@ def test_nothing_that_was_read_is_overwritten(bench: Bench) -> None:
         code, told = run("calibrate", bench.file, scan, "--out", out)
         assert code == 2
         assert "none of the input files" in told
-    assert run("calibrate", bench.file, "--out", "o.csv")[0] == 2  # no scan
+    assert run("calibrate", bench.file, "--out", "o.csv")[0] == 2  # not a scan
     assert (
         "existing folder"
         in run("calibrate", bench.file, scan, "--out", bench.folder / "no" / "o.csv")[1]
@@ -386,7 +386,7 @@ def test_a_pose_that_is_wrong_by_more_than_is_said_is_refused(bench: Bench) -> N
 
 @pytest.mark.parametrize("wide", [(), ("--shift-error", "0.01", "--turn-error", "0.05")])
 def test_another_order_of_the_channels_is_refused(tmp_path: Path, wide: tuple[str, ...]) -> None:
-    """One channel further: a shift of the array explains it, but for the ends of the rows."""
+    """Channels are shifted by one. A shift of the array explains this, except at the ends of rows."""
     file, scan, out = tmp_path / "device.toml", tmp_path / "scan.npz", tmp_path / "o.csv"
     layout = '{ type = "grid", columns = 8, rows = 8, pitch = 0.01 }'
     file.write_text(f"[[boards]]\nlayout = {layout}\n", encoding="utf-8")
@@ -435,7 +435,7 @@ def test_an_amplifier_at_its_limit_is_told(bench: Bench) -> None:
 
 
 def test_channels_in_another_order_are_suspected(bench: Bench) -> None:
-    """Each reading is said to be of the next channel, which a shift of the array explains in part."""
+    """Each reading is assigned to the next channel; a shift of the array explains a part of this."""
     rows = [row.split(",") for row in bench.rows()]
     assert (
         "outliers: "
@@ -450,7 +450,7 @@ def test_channels_in_another_order_are_suspected(bench: Bench) -> None:
 
 
 def test_a_microphone_that_stands_still_is_told(bench: Bench) -> None:
-    """Where it stands is unknown, and all that it reads fits some calibration."""
+    """If its position is unknown, any readings fit some calibration."""
     q = bench.q[:1] + np.zeros((10, 1))
     X = np.tile(bench.X[:1], (10, 1))
     X += 0.05 * np.random.default_rng(1).normal(size=X.shape)

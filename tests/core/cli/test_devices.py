@@ -1,4 +1,4 @@
-"""`pacinian devices`: what is connected, what a description lacks, the picture, the udev rule."""
+"""`pacinian devices`: connected devices, checks of a description, the picture, the udev rule."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ DENIED = pc.FoundDevice("mine", "B", "an array at 1-3", "no right to it: see the
 
 
 class Mine(pc.Backend):
-    """A backend with devices on a shelf."""
+    """A backend with a list of fake devices."""
 
     name: ClassVar[str] = "mine"
     usb = (0x0403, 0x6014), (0xFF, 0x41, 0x01)
@@ -60,7 +60,7 @@ class Mine(pc.Backend):
 
 @pytest.fixture
 def plugins(monkeypatch: pytest.MonkeyPatch) -> pc.Plugins:
-    """An installation with that backend, and nothing on its shelf."""
+    """Install that backend, without devices."""
     made = pc.Plugins([])
     made.offers["backend", "mine"] = Offer("backend", Mine, "mine", "here")
     monkeypatch.setattr(registry, "discover_plugins", lambda: made)
@@ -296,7 +296,7 @@ def test_a_description_is_drawn(path: Path, tmp_path: Path, need: Any) -> None:
 
 
 def test_the_rule_is_the_one_that_is_shipped() -> None:
-    """For all backends of ours, whatever is installed."""
+    """The rule covers all our backends, regardless of what is installed."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         ours = tomllib.load(file)["project"]["entry-points"]["pacinian"]
     plugins = pc.Plugins([EntryPoint(name, value, "pacinian") for name, value in ours.items()])
@@ -304,7 +304,7 @@ def test_the_rule_is_the_one_that_is_shipped() -> None:
     assert not plugins.failed
     (shipped,) = (ROOT / "packaging").glob("*.rules")
     assert shipped.read_text("utf-8") == text
-    assert shipped.name < "73"  # `uaccess` is looked at by 73-seat-late.rules
+    assert shipped.name < "73"  # 73-seat-late.rules evaluates `uaccess`
 
 
 def test_a_rule_names_each_kind_of_device(plugins: Any) -> None:

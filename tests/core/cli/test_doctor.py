@@ -1,4 +1,4 @@
-"""What the doctor makes of facts, and what it sees here."""
+"""The doctor's findings from given facts, and its probes on this machine."""
 
 import json
 import socket
@@ -77,7 +77,7 @@ def test_facts_and_what_to_do(found: Finding, level: str, says: str) -> None:
 
     assert found.level == level
     assert re.search(says, f"{found.text} {found.fix}", re.DOTALL)
-    assert found.fix or level == OK  # whatever is wrong comes with a way to mend it
+    assert found.fix or level == OK  # each problem comes with a fix
 
 
 @pytest.fixture

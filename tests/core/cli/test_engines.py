@@ -1,4 +1,4 @@
-"""`pacinian unity` and `pacinian unreal`: all of the package or nothing, and never over somebody's changes."""
+"""`pacinian unity` and `pacinian unreal`: install the whole package or nothing; never overwrite a user's changes."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def unreal(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def package(tmp_path: Path) -> Package:
-    """A small one of version 2.0."""
+    """Make a small package of version 2.0."""
     made = Package(tmp_path / "package", "package.json", "version")
     (made.folder / "Source").mkdir(parents=True)
     (made.folder / "package.json").write_text('{"version": "2.0"}')
@@ -66,7 +66,7 @@ def package(tmp_path: Path) -> Package:
 
 
 def older(package: Package, target: Path, version: str = "1.9") -> None:
-    """Install an older version of it, which has another file."""
+    """Install an older version, which has another file."""
     manifest, file, old = (
         package.folder / name for name in ("package.json", "Source/a.cs", "Source/old.cs")
     )
@@ -180,7 +180,7 @@ def test_whatever_interrupts_it_leaves_the_old_one(
     error: BaseException,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """At each of the steps in turn."""
+    """The interruption comes at each step in turn."""
     target = tmp_path / "there"
     older(package, target)
     before, at = read(target), 0

@@ -110,7 +110,7 @@ def test_the_page_for_builders_shows_the_backend_that_is_made() -> None:
 
 @pytest.mark.deep
 def test_packages_install_are_found_and_pass_their_tests(tmp_path: Path) -> None:
-    """In an environment of its own, which sees the libraries of this one; without a network."""
+    """Each package has its own environment, which sees this one's libraries. There is no network."""
     venv.create(tmp_path / "venv", with_pip=False, symlinks=os.name != "nt")
     inside = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin") / "python"
     at = {"base": str(tmp_path / "venv"), "platbase": str(tmp_path / "venv")}

@@ -1,4 +1,4 @@
-"""`pacinian serve`, as far as it is not the server's own."""
+"""`pacinian serve`: the command itself; other tests cover the server."""
 
 from __future__ import annotations
 

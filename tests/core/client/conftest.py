@@ -1,4 +1,4 @@
-"""Clients that lose no server because the machine stands still."""
+"""Let clients wait long, so that a stopped machine costs no connection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A server of one thread that answers as it is told to: real sockets, no array."""
+"""A fake server in one thread, with real sockets but without an array; tests set its answers."""
 
 import os
 import queue
@@ -18,7 +18,7 @@ from pacinian.wire.codec import decode_command, decode_control, encode
 from pacinian.wire.connection import Connection
 from pacinian.wire.state import STATE, State
 
-PATIENCE = 120.0  # [s] only ends a test that hangs; of its own, as this file is also a program
+PATIENCE = 120.0  # ends a test that hangs [s]; not imported, because this file is also a program
 KEY = b"k" * 16
 ABILITIES: dict[str, Any] = {
     "solvers": (), "backends": (), "techniques": (), "presets": (), "positions": b"", "normals": b"",
@@ -36,7 +36,7 @@ def state(sequence: int = 1, **fields: Any) -> State:
 
 
 class Fake:
-    """A context manager. seen: messages as they came. answers: by type of message, in place of the usual ones."""
+    """A context manager. seen: received messages. answers: by type of message, instead of the usual ones."""
 
     def __init__(
         self, ports: tuple[int, ...] = (0, 0, 0), keys: tuple[bytes, bytes] | None = None
@@ -45,11 +45,11 @@ class Fake:
         self.seen: list[Any] = []
         self.answers: dict[type, Callable[[Any], Any]] = {}
         self.deaf = False
-        """Reads nothing."""
+        """Whether it reads nothing."""
         self.full = False
-        """Reads no commands."""
+        """Whether it reads no commands."""
         self.stream: Callable[[], State] | None = None
-        """Makes a state to be published at each turn, at most 500 a second."""
+        """Makes a state to publish in each round of the thread, at most 500 a second."""
         self._context = zmq.Context()
         self._zap = ThreadAuthenticator(self._context)
         self._zap.start()
@@ -73,7 +73,7 @@ class Fake:
     def _bound(self, name: str, kind: int, port: int) -> Any:
         socket = self._context.socket(kind)
         socket.linger, socket.sndhwm = 0, 10_000
-        # Clients send heartbeats to `control`: libzmq ends the process where one waits at a high-water mark.
+        # Clients send heartbeats to `control`, and libzmq aborts if one of these waits at a high-water mark.
         socket.rcvhwm = 10 if name == "command" else 0
         socket.setsockopt(zmq.RCVBUF, 4096)
         socket.zap_domain = b"pacinian"
@@ -102,13 +102,16 @@ class Fake:
         return [m for m in self.seen if isinstance(m, kind)]
 
     def do(self, what: Callable[[], object]) -> None:
-        """In the server's thread; waits until it is done."""
+        """Call a function in the server's thread, and wait for its end."""
         done = threading.Event()
         self._todo.put((what, done))
         assert done.wait(PATIENCE)
 
     def say(self, reply: Any, socket: int = 0) -> None:
-        """To who spoke last on that socket, emergency stops aside: 0 for control, 1 for commands."""
+        """Send a reply to the client that last sent on that socket, other than an emergency stop.
+
+        socket: 0 for control, 1 for commands.
+        """
         self.do(lambda: self._sockets[socket].send_multipart([self.peers[socket], encode(reply)]))
 
     def publish(self, *states: State) -> None:
@@ -118,10 +121,10 @@ class Fake:
         end = time.monotonic() + PATIENCE
         while not what():
             assert time.monotonic() < end, self.seen
-            time.sleep(0.001)  # for the other thread
+            time.sleep(0.001)  # lets the other thread run
 
     def die(self) -> None:
-        """At once, in the middle of an answer: to be called by one."""
+        """Close all sockets at once. Answers call it to end the server in the middle of an answer."""
         self._ended = True
         for socket in self._sockets:
             socket.close(0)
@@ -150,14 +153,14 @@ class Fake:
             if self.deaf:
                 time.sleep(0.001)
                 continue
-            if stream := self.stream:  # which may be taken away just now
+            if stream := self.stream:  # the test may remove it at any time
                 self._sockets[2].send_multipart([STATE, encode(stream())])
             ready, *_ = zmq.select(self._sockets[: 1 if self.full else 2], [], [], 0.002)
             for i, decode in enumerate((decode_control, decode_command)):
                 if self._sockets[i] in ready and not self._ended:
                     peer, data = self._sockets[i].recv_multipart()
                     message = decode(data)
-                    if not isinstance(message, control.Stop):  # has a connection of its own
+                    if not isinstance(message, control.Stop):  # a stop uses its own connection
                         self.peers[i] = peer
                     self.seen.append(message)
                     self._answer(i, peer, message)
@@ -170,7 +173,7 @@ class Fake:
 
 
 def usual(message: Any) -> Any:
-    """What a server would say."""
+    """Return a normal reply."""
     number, now = message.id, time.perf_counter()
     if isinstance(message, control.Hello):
         return replies.Welcome(

@@ -1,4 +1,4 @@
-"""What a client waits for at most, so long that only a hang takes longer."""
+"""Time limits of clients, so long that only a hang exceeds them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pytest
 
 BEATS = dict(link.HEARTBEAT)
-"""Heartbeats as they are."""
+"""The real heartbeats."""
 
 
 def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:

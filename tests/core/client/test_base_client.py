@@ -1,4 +1,4 @@
-"""To whom a client belongs, and how it finds its server."""
+"""The thread that owns a client, and how a client finds its server."""
 
 import pickle
 import threading

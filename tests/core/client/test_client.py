@@ -1,4 +1,4 @@
-"""What a client says, and what it makes of the answers."""
+"""The messages that a client sends, and how it handles replies."""
 
 import importlib.metadata
 import itertools
@@ -143,7 +143,7 @@ def test_a_refusal_has_its_code_its_path_and_advice(server: Fake, client: pc.Cli
         "$.objects[ball].shape",
         "try another",
     )
-    client.clear()  # and it goes on
+    client.clear()  # the session continues
 
 
 @pytest.mark.parametrize(("advice", "says"), [("update the server", "server"), ("", "older")])
@@ -330,7 +330,7 @@ def test_who_only_watches_keeps_the_session(server: Fake, client: pc.Client) -> 
 def test_of_what_sounds_or_would_sound_again_no_other_call_renews_the_lease(
     server: Fake, client: pc.Client, ran_out: bool
 ) -> None:
-    """A game that hangs in one of our calls is a game that hangs, also after its lease ran out."""
+    """A game that hangs in a call of the client must lose its output, and must not regain it by that call."""
     client.arm()
     if ran_out:
         server.say(

@@ -1,4 +1,4 @@
-"""Servers that are not there, go, hang, or come back: nothing resumes, nothing old arrives."""
+"""Servers that are missing, end, hang or come back. Nothing resumes by itself, and no old message arrives."""
 
 import socket
 import time
@@ -22,7 +22,7 @@ from pacinian.wire.connection import Connection
 from ...waiting import PATIENCE
 from .fake import Fake, usual
 
-FOREVER = 1e4  # [s]: who waited for so long would hang
+FOREVER = 1e4  # timeout that no test reaches [s]
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
 HEAVY = pc.Particles(
     positions=tuple((0.0, 0.0, 1e-5 * i) for i in range(5000)), radiation_pressure=5.0, name="rain"
@@ -36,7 +36,7 @@ def server() -> Iterator[Fake]:
 
 
 def lost(client: pc.Client, call: Callable[[], object], says: str = "server") -> None:
-    """Sooner or later the call raises ConnectionLost."""
+    """Repeat the call until it raises ConnectionLost."""
     end = time.monotonic() + PATIENCE
     with pytest.raises(pc.ConnectionLost, match=says):  # noqa: PT012
         while time.monotonic() < end:
@@ -48,7 +48,7 @@ def lost(client: pc.Client, call: Callable[[], object], says: str = "server") ->
 
 @contextmanager
 def other_link(server: Fake) -> Iterator[tuple[socket.socket, pc.Client]]:
-    """A client whose commands go to a listener that never answers."""
+    """Open a client whose commands go to a listener that never answers."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
         at = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
         with pc.Client(replace(server.connection, command=at)) as client:
@@ -56,13 +56,13 @@ def other_link(server: Fake) -> Iterator[tuple[socket.socket, pc.Client]]:
 
 
 def cut(listener: socket.socket, client: pc.Client) -> None:
-    """End the link for commands; the client can know."""
+    """Close the command connection, and wait until the client's monitor has reported it."""
     listener.accept()[0].close()
     assert client._server_session._command.monitor.poll(1e3 * PATIENCE)
 
 
 def nobody() -> Connection:
-    """Where nobody listens."""
+    """Return a connection to ports on which nobody listens."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         at = f"tcp://127.0.0.1:{free.getsockname()[1]}"
@@ -126,7 +126,7 @@ def test_an_end_is_told_however_much_comes_by_the_other_link(server: Fake) -> No
         def renew() -> None:
             assert client._server_session._control.socket.poll(
                 1e3 * PATIENCE
-            )  # the answer to the last
+            )  # the answer to the last request
             client.renew()
 
         client._server_session._renew()
@@ -142,7 +142,7 @@ def test_an_end_that_came_beside_an_answer_is_told_after_it(
         sent = session._send
 
         def heard(*given: Any) -> bool:
-            """Sent, and answered; and then the other link ends."""
+            """Send, wait for the answer, then close the command connection."""
             done = sent(*given)
             assert session._control.socket.poll(1e3 * PATIENCE)
             cut(listener, client)
@@ -179,7 +179,7 @@ def test_a_server_that_says_nothing_is_lost_in_time(server: Fake) -> None:
         client.reconnect()
         answer = replies.Error(id=late[0].id, code="limit", message="late")
         server.answers[control.Reset] = lambda m: [answer, usual(m)]
-        client.reset()  # which the late answer is none of
+        client.reset()  # the late answer must not count as its reply
 
 
 @pytest.mark.parametrize("asked", [True, False])
@@ -240,12 +240,12 @@ def test_nothing_resumes_after_a_restart(server: Fake, tmp_path: Path) -> None:
         client.hands(pc.Hand.open())
         client.arm()
         server.close()
-        with Fake(server.ports) as again:  # at the same place, with the same token
+        with Fake(server.ports) as again:  # on the same ports, with the same token
             lost(client, lambda: client.put(POINT, wait=False))
             with pytest.raises(pc.ConnectionLost):
-                client.renew()  # which never reconnects
+                client.renew()  # `renew` never reconnects
             assert again.seen == []
-            client.clear()  # which does
+            client.clear()  # other calls do
             assert client.connected
             assert not client.armed
             client.renew()
@@ -262,7 +262,7 @@ def test_it_reconnects_where_the_file_says_now(server: Fake, tmp_path: Path) -> 
         server.close()
         lost(client, client.status)
         with pytest.raises(pc.ConnectionLost):
-            client.status()  # not by itself
+            client.status()  # it does not reconnect by itself
         with pytest.raises(pc.ConnectionLost, match="running"):
             client.reconnect()
         other.connection.write(path)
@@ -285,7 +285,7 @@ def test_a_stop_reaches_a_new_server_though_the_session_is_lost(
 
 
 def fill(server: Fake, client: pc.Client) -> None:
-    """Send until the socket has no room, nor gets any while control answers."""
+    """Send until the socket has no room, and still has none after `status` has answered 20 times."""
     client.clear()  # commands are connected
     server.full = True
     box, without = client._server_session.outbox, 0
@@ -296,7 +296,7 @@ def fill(server: Fake, client: pc.Client) -> None:
             return
         if without:
             client.status()
-    raise AssertionError("there always was room")
+    raise AssertionError("the socket always had room")
 
 
 def test_newest_wins_while_there_is_no_room(server: Fake) -> None:
@@ -334,7 +334,7 @@ def test_nothing_that_waited_reaches_a_new_server(server: Fake) -> None:
 def test_closing_does_not_wait_for_a_server_that_hangs(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server_session, "FAREWELL", 0.2)  # as it is
+    monkeypatch.setattr(server_session, "FAREWELL", 0.2)  # the default
     client = pc.Client(server.connection, timeout=FOREVER)
     fill(server, client)
     server.deaf = True
@@ -361,7 +361,7 @@ def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:
         for keys in (tmp_path, tmp_path / "game.key_secret"):
             with pc.Client(server.connection, keys=keys) as client:
                 client.put(POINT)
-        (tmp_path / "server.key").unlink()  # the connection has it, too
+        (tmp_path / "server.key").unlink()  # the connection file also contains the key
         with pc.Client(server.connection, keys=tmp_path) as client:
             client.put(POINT)
         with pytest.raises(pc.ConnectionLost, match=r"CURVE|token or key"):
@@ -374,6 +374,6 @@ def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:
 
 
 def _wrong(server: Fake, folder: Path) -> None:
-    """A client that takes another key for the server's."""
+    """Connect with a wrong server key."""
     (folder / "server.key").write_bytes((folder / "game.key").read_bytes())
     pc.Client(server.connection, keys=folder / "game.key_secret")

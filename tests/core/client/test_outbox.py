@@ -1,4 +1,4 @@
-"""Of what waits only the newest for each object is kept: pure."""
+"""A newer command removes the waiting commands that it replaces. Pure: no sockets."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ KINDS = "put", "move", "remove", "envelope", "clear", "hands"
 
 
 def made(kind: str, names: tuple[str, ...], number: int, time: float = 0.0) -> commands.AnyCommand:
-    """A command of which each part shows its number."""
+    """Return a command whose parts all contain its number."""
     head = {**HEAD, "time": time}
     if kind == "put":
         point = Point(position=(0.0, 0.0, 0.2), force=float(number))
@@ -37,7 +37,7 @@ def made(kind: str, names: tuple[str, ...], number: int, time: float = 0.0) -> c
 
 
 def world(given: list[commands.AnyCommand]) -> dict[str, list[float]]:
-    """What a server would hold after these: of each object its put, pose and envelope."""
+    """Return a server's state after these commands: put, pose and envelope of each object."""
     held: dict[str, list[float]] = {}
     for command in given:
         if isinstance(command, commands.Put):
@@ -68,11 +68,11 @@ def test_the_server_ends_up_with_the_same_from_less(
 ) -> None:
     given = [made(kind, names, i + 1) for i, (kind, names) in enumerate(steps)]
     box = Outbox()
-    sent = given[:before]  # those had room
+    sent = given[:before]  # these were sent at once
     for command in given[before:]:
         box.add(command)
     parts = sum(len(getattr(c, "objects", getattr(c, "names", "x"))) for c in box.waiting)
-    assert parts <= 4 * 4 + 2  # of four names: what can be about each, and clear and hands
+    assert parts <= 4 * 4 + 2  # at most four parts for each of four names, then clear and hands
     assert box.flush(0.0, lambda command: sent.append(command) or True)  # type: ignore[func-returns-value]
     assert world(sent) == world(given)
 

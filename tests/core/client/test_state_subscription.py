@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.client import link
+from pacinian.client.server_clock import Timing, Trips
 from pacinian.client.state_subscription import PASSES, read_newest
-from pacinian.client.timing import Timing, Trips
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import encode
@@ -24,7 +24,7 @@ from pacinian.wire.state import STATE
 from ...waiting import PATIENCE
 from .fake import Fake, state
 from .patience import BEATS
-from .standing import STILL, server_apart, stand_still
+from .stopped_processes import STILL, server_apart, stand_still
 
 SECONDS = st.floats(0.0, 1.0)
 
@@ -38,7 +38,7 @@ def server() -> Iterator[Fake]:
 @pytest.fixture
 def client(server: Fake) -> Iterator[pc.Client]:
     with pc.Client(server.connection) as made:
-        made.look()  # it is subscribed from the first look on
+        made.look()  # it subscribes at the first `look`
         numbers = count(-1, -1)
         server.until(lambda: server.publish(state(next(numbers))) or made.look() is not None)  # type: ignore[func-returns-value]
         yield made
@@ -52,7 +52,7 @@ def test_of_many_the_newest_is_seen(server: Fake, client: pc.Client) -> None:
         server.publish(*(state(10 * turn + i) for i in range(10, 18)))
         seen = next(client.watch(PATIENCE))
         assert seen.sequence >= 10 * turn + 10
-        while seen.sequence < 10 * turn + 17:  # else the next turn may find one of these
+        while seen.sequence < 10 * turn + 17:  # otherwise the next round may find one of these
             seen = next(client.watch(PATIENCE))
 
 
@@ -81,7 +81,7 @@ def test_a_reader_that_slept_finds_the_newest_not_the_oldest(
 
 
 class Stream:
-    """A socket on which states come without end, each so old [s]; a while passes before each."""
+    """A fake socket with endless states of a given age [s]; time passes before each."""
 
     def __init__(self, *ages: float) -> None:
         self.ages, self.count, self.here = ages, 0, False
@@ -118,7 +118,7 @@ def test_what_is_felt_of_regions_is_told_by_name() -> None:
 def test_no_state_in_time_is_a_loss(client: pc.Client) -> None:
     with pytest.raises(pc.ConnectionLost, match=r"no state within 0.01 s"):
         for _ in client.watch(0.01):
-            pass  # what was published before may still come
+            pass  # earlier states may still arrive
     assert not client.connected
 
 

@@ -1,4 +1,4 @@
-"""Devices on USB in memory that only keep what they get."""
+"""Fake USB devices that record what they receive."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HANGS = "it hangs, or the bus is overloaded"
 
 
 class Pad(UsbDevice):
-    """Takes frames; answers request 1 with its bytes, takes 2, and refuses all else."""
+    """A device that accepts frames, answers request 1 with its bytes, accepts 2, and stalls all others."""
 
     vendor, product = 0x1209, 0x0002
     endpoints = 0x81, 0x02

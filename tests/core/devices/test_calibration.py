@@ -1,4 +1,4 @@
-"""Calibration: read strictly, and worth it: a device that is not ideal makes the pressures of one that is."""
+"""Calibration files are read strictly, and with them an imperfect device makes the pressures of an ideal one."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_what_is_wrong_is_told_with_its_line(device: Path, text: str, told: str)
 
 
 def test_what_was_measured_goes_before_what_is_written(device: Path) -> None:
-    text = device.read_text() + "gain = 0.7\nphase = 1.0\n"  # of board B
+    text = device.read_text() + "gain = 0.7\nphase = 1.0\n"  # in the section of board B
     device.write_text(text)
     rows = "B,3,0.5,-1.0,0.02,0.03\nB,4,0.0,0.0,0,0\nB,5,0.0005,0.0,0.1,0.1\n"
     head = HEAD.replace("\n", ",gain_error,phase_error\n")
@@ -80,13 +80,13 @@ def test_what_was_measured_goes_before_what_is_written(device: Path) -> None:
 
 
 def test_a_calibrated_device_makes_the_pressures_of_an_ideal_one(device: Path) -> None:
-    """Measured by a microphone, one channel after another; judged by the double-precision reference."""
+    """A microphone measures one channel after another. The double-precision reference judges the result."""
     rng = np.random.default_rng(9)
     plain = pc.DeviceDescription.load(device)
     ideal = plain.array()
     N = len(ideal)
     truth = rng.uniform(0.4, 1.2, N) * np.exp(1j * rng.uniform(-np.pi, np.pi, N))
-    real = pc.Array(ideal.positions, ideal.normals, ideal.transducer, truth)  # what hangs there
+    real = pc.Array(ideal.positions, ideal.normals, ideal.transducer, truth)  # the real device
 
     microphone = [[0.1, 0.0, 0.5]]
     rows = HEAD
@@ -108,9 +108,9 @@ def test_a_calibrated_device_makes_the_pressures_of_an_ideal_one(device: Path) -
     unaware = B @ pc.solve(ideal, q, t, solver="lagrange").gains
     aware = B @ pc.solve(calibrated, q, t, solver="lagrange").gains
     np.testing.assert_allclose(np.abs(aware), t, rtol=1e-3)
-    assert (np.abs(unaware) < 0.5 * t).any()  # it was worth it
+    assert (np.abs(unaware) < 0.5 * t).any()  # without calibration, pressures would be wrong
 
-    # through the device's levels, as a backend gets them
+    # with the device's levels, as a backend gets them
     backend = pc.backend("simulated", phases=256, amplitudes=320)
     scene = pc.Scene(
         tuple(pc.Point(position=tuple(p), radiation_pressure=20.0) for p in q.tolist())
@@ -149,7 +149,7 @@ def test_the_kernels_know_the_response() -> None:
     np.testing.assert_allclose(propagator.B, B, atol=1e-4 * np.abs(B).max())
     moved = q.copy()
     moved[3] += 0.01
-    assert propagator.set_points(moved) == 1  # a row alone is weighted alone
+    assert propagator.set_points(moved) == 1  # a single row is weighted, too
     np.testing.assert_allclose(
         propagator.B, pc.matrix(array, moved, pc.Air()) * s, atol=1e-4 * np.abs(B).max()
     )

@@ -1,4 +1,4 @@
-"""A device description: what is read, what is refused and why, and which array and wiring it makes."""
+"""Device descriptions: what is read, what is rejected and why, and the resulting array and wiring."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_nine_plain_units_are_the_paper_s_array() -> None:
 
 @given(data=st.data())
 def test_each_channel_drives_the_transducer_that_its_order_says(data: Any) -> None:
-    """The independent way: place by place, with dictionaries."""
+    """The reference goes position by position, with dictionaries."""
     boards = []
     for k in range(data.draw(st.integers(1, 3))):
         columns, rows = data.draw(st.integers(1, 4)), data.draw(st.integers(1, 3))
@@ -196,7 +196,7 @@ def test_a_layout_has_as_many_places_as_it_says(layout: Any) -> None:
 
 
 def test_reading_one_loads_no_compiler() -> None:
-    """It is read in slow places: in a guard, in an emulated machine."""
+    """Descriptions are also read in a guard and in an emulated machine, where that would be slow."""
     import subprocess
     import sys
 

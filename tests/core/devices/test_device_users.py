@@ -28,7 +28,7 @@ def test_they_are_told_by_name_and_number_where_that_can_be_known(tmp_path: Path
     process(tmp_path, 12, "/dev/null")
     process(tmp_path, 345, "/dev/null", NODE)
     process(tmp_path, 7, NODE, NODE)
-    (tmp_path / "99").mkdir()  # it has ended since
+    (tmp_path / "99").mkdir()  # a process that has just ended
     (tmp_path / "uptime").write_text("1 1\n")
     assert find_users(NODE, tmp_path) == "program7 (7), program345 (345)"
     assert find_users("/dev/bus/usb/001/003", tmp_path) == ""

@@ -1,6 +1,6 @@
-"""Responses from a simulated scan: found again by other code, through noise, wrong positions and unknown air.
+"""Responses are recovered from simulated scans, despite noise, wrong positions and unknown air.
 
-The scan is simulated by NumPy alone, the field at the focus judged by the same.
+Independent NumPy code simulates the scans, and judges the field at a focus.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ AUTD = pc.autd()
 
 
 def simulate(array: pc.Array, q: Any, c: float = C, loss: float = 1.32) -> Any:
-    """B / P0, (M, N), of the T4010A1 in air that takes `loss` dB/m."""
+    """Return B / P0, (M, N), of the T4010A1 in air that absorbs `loss` dB/m."""
     d = q[:, None] - array.positions
     r = np.linalg.norm(d, axis=2)
     theta = np.degrees(np.arccos(np.clip((d * array.normals).sum(axis=2) / r, -1.0, 1.0)))
@@ -49,14 +49,14 @@ def disturb(X: Any, noise: float, rng: np.random.Generator) -> Any:
 
 
 def focus(array: pc.Array, truth: Any, believed: Any) -> Any:
-    """Radiation pressure at foci, of what it would be if all arrived in phase."""
+    """Return the radiation pressure at foci, relative to that with all waves in phase."""
     B = simulate(array, FOCI)
     g = np.exp(-1j * np.angle(B * believed))
     return np.abs((B * truth * g).sum(axis=1)) ** 2 / np.abs(B * truth).sum(axis=1) ** 2
 
 
 def differ(found: Any, truth: Any) -> Any:
-    """Errors of responses, less their common factor."""
+    """Return the errors of responses, apart from a common factor."""
     z = found / truth
     return z / z.mean() - 1.0
 
@@ -66,7 +66,9 @@ def test_without_noise_the_focus_is_that_of_an_ideal_array(seed: int) -> None:
     rng = np.random.default_rng(seed)
     truth, q = scatter(249, rng), place(8, rng)
     fit = fit_scan(AUTD, q, simulate(AUTD, q) * truth)
-    assert (focus(AUTD, truth, np.ones(249)) < 0.95).all()  # it is worth it
+    assert (
+        focus(AUTD, truth, np.ones(249)) < 0.95
+    ).all()  # without calibration, foci would be weaker
     assert (focus(AUTD, truth, fit.responses) > 0.9999).all()
     assert fit.speed_of_sound == pytest.approx(C, abs=0.05)
     assert not (fit.dead | fit.unseen | fit.reversed).any()
@@ -74,7 +76,7 @@ def test_without_noise_the_focus_is_that_of_an_ideal_array(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_and_wrong_positions_cost_what_is_told(seed: int) -> None:
-    """3 % of noise, 1 mm in each coordinate, 12 positions: 0.998 of P, better than with positions taken as true."""
+    """With 3 % noise, 1 mm errors in each coordinate and 12 positions, fitting positions keeps 0.998 of P."""
     rng = np.random.default_rng(seed)
     truth, q = scatter(249, rng), place(12, rng)
     given = q + 1e-3 * rng.normal(size=q.shape)
@@ -119,7 +121,7 @@ def test_dead_reversed_unseen_and_absurd_readings_are_told_apart() -> None:
     X = disturb(simulate(AUTD, q) * truth, 0.03, rng)
     X[2, 40], X[3, 41], X[7, 3] = 1e6, -80.0, 50j
     X[:, 60] = np.nan
-    X[rng.uniform(size=X.shape) < 0.05] = np.nan  # readings that are missing do no harm
+    X[rng.uniform(size=X.shape) < 0.05] = np.nan  # missing readings do no harm
     fit = fit_scan(AUTD, q, X)
     assert np.flatnonzero(fit.dead).tolist() == [3, 17]
     assert np.flatnonzero(fit.reversed).tolist() == [5, 100, 101]
@@ -132,7 +134,7 @@ def test_dead_reversed_unseen_and_absurd_readings_are_told_apart() -> None:
 
 
 def test_half_reversed_half_dead() -> None:
-    """Transducers that are soldered either way round, and mostly not at all."""
+    """Transducers are soldered either way round, and most of them are missing."""
     rng = np.random.default_rng(4)
     truth, q = scatter(249, rng), place(10, rng)
     truth[:120] *= -1.0
@@ -168,7 +170,7 @@ def test_a_position_that_is_wrong_is_corrected_and_one_that_is_nonsense_counts_l
 
 
 def test_patterns_of_all_channels_hear_better_than_one_at_a_time() -> None:
-    """A Hadamard matrix and the same noise in each reading: an error sqrt(256) times as small."""
+    """With a Hadamard matrix and the same noise in each reading, the error is smaller by sqrt(256)."""
     from scipy.linalg import hadamard
 
     rng = np.random.default_rng(7)
@@ -178,7 +180,7 @@ def test_patterns_of_all_channels_hear_better_than_one_at_a_time() -> None:
     G = hadamard(256)[:, :249].astype(complex)
     alone = differ(
         fit_scan(AUTD, q, X + noise[:249].T).responses, truth
-    ).real  # phases: by positions, too
+    ).real  # positions contain phases, too
     together = differ(fit_scan(AUTD, q, decode_drives(G, G @ X.T + noise)).responses, truth).real
     assert 12.0 < np.linalg.norm(alone) / np.linalg.norm(together) < 20.0
 
@@ -227,7 +229,7 @@ def test_what_does_not_fit_is_refused_with_what_to_look_at(
 
 
 def test_positions_wrong_by_more_than_is_said_are_refused() -> None:
-    """Where a wrong wavelength would fit as well, no calibration is better than one that is wrong."""
+    """If a wrong wavelength would fit as well, no calibration is better than a wrong one."""
     refused = 0
     for seed in range(5):
         rng = np.random.default_rng(seed)
@@ -256,14 +258,14 @@ def test_drives_that_do_not_tell_channels_apart_are_refused() -> None:
 
 
 def turn(array: pc.Array, shift: Any, axis: Any) -> pc.Array:
-    """The array, turned about its centre by a rotation vector [rad], then shifted [m]; by SciPy."""
+    """Return the array, rotated about its centre by a rotation vector [rad], then shifted [m], by SciPy."""
     R = Rotation.from_rotvec(axis)
     r = R.apply(array.positions - array.centre) + array.centre + shift
     return pc.Array(r, array.normals @ R.as_matrix().T, array.transducer)
 
 
 def miss(seed: int) -> dict[str, Any]:
-    """Errors of a fit to a random scan, in standard errors; of a focus, whether the band holds it."""
+    """Return the errors of a fit to a random scan, in standard errors, and whether the band contains the focus."""
     rng = np.random.default_rng(seed)
     nx, ny, M = rng.integers(4, 7), rng.integers(4, 7), rng.integers(9, 16)
     pitch, noise = rng.uniform(0.01, 0.016), rng.uniform(0.01, 0.06)
@@ -351,7 +353,7 @@ def test_what_too_few_positions_do_not_tell_is_told(q: Any, told: str) -> None:
 
 
 def test_what_a_scan_does_not_tell_is_told() -> None:
-    """On a line through the centre, the array may turn about it; all from far away, no pose shows."""
+    """On a line through the centre, a rotation about it is unknown. From far away, no pose is known."""
     rng = np.random.default_rng(1)
     line = np.c_[np.zeros((9, 2)), np.linspace(0.2, 0.4, 9)]
     far = rng.uniform([-0.1, -0.1, 2.9], [0.1, 0.1, 3.0], (12, 3))
@@ -369,6 +371,6 @@ def test_gaps_that_leave_fewer_readings_than_unknowns_are_refused() -> None:
     rng = np.random.default_rng(2)
     q = place(8, rng)
     X = simulate(AUTD, q)
-    X[np.arange(8)[:, None] != np.arange(249) % 8] = np.nan  # each transducer once
+    X[np.arange(8)[:, None] != np.arange(249) % 8] = np.nan  # one reading of each transducer
     with pytest.raises(pc.ArgumentError, match=r"498 numbers for 530 unknowns.*told apart.*34"):
         fit_scan(AUTD, q, X)

@@ -1,4 +1,4 @@
-"""Which devices are found, which one is picked, and what the user is told where one cannot be."""
+"""Finding devices, choosing one, and the message if that is not possible."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_device_whose_descriptors_cannot_be_read_is_none_of_an_interface(
 
     monkeypatch.setattr(bus, "get_configuration_descriptor", descriptor)
     assert [one.serial for one in KIND.list_devices(bus)] == ["B"]
-    whole = describe_listed(PADS.list_devices(bus))  # their vendor says enough
+    whole = describe_listed(PADS.list_devices(bus))  # the vendor id is enough
     assert whole == [("", WHERE, "[Errno 5] Input/Output Error"), ("B", "bus 1, address 3", "")]
 
 

@@ -1,4 +1,4 @@
-"""A device that is claimed: what it takes, what is told where it does not, and that nothing is repeated."""
+"""A claimed device: transfers, errors, and that no transfer is repeated."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_frames_reach_it_whole_and_in_order_until_it_is_given_back(bus: UsbBus, 
     assert pad.took == FRAME + FRAME[::-1]
     assert pad.writes == [(200, 10), (200, 20)]
     link.write(b"", 0.0)
-    assert pad.writes[-1] == (0, 1)  # [ms]: never for ever
+    assert pad.writes[-1] == (0, 1)  # timeout [ms]; 0 would be forever
     link.close()
     link.close()
     assert (bus.open, pad.holder) == (0, None)

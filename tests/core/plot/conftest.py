@@ -1,4 +1,4 @@
-"""What the tests of pictures share."""
+"""Shared by tests of plots."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 @pytest.fixture
 def axes() -> Callable[..., Any]:
-    """Axes of somebody's own figure."""
+    """Return a function that makes axes of a user's own figure."""
 
     def made(count: int = 1) -> Any:
         found = Figure(figsize=(4.0, 3.0)).subplots(count, 1, squeeze=False).ravel().tolist()
@@ -22,7 +22,7 @@ def axes() -> Callable[..., Any]:
 
 @pytest.fixture(autouse=True)
 def untouched() -> Iterator[None]:
-    """No picture changes what is global: settings, pyplot's figures."""
+    """Check that no plot changes global state: Matplotlib's settings and pyplot's figures."""
     before = dict(mpl.rcParams)
     yield
     assert dict(mpl.rcParams) == before

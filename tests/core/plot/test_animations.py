@@ -1,4 +1,4 @@
-"""Animations: as many pictures as there should be, and in each the field of its time."""
+"""Animations: the right number of pictures, each with the field of its time."""
 
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ def renderer(scene: Any = SCENE, array: pc.Array = ARRAY) -> pc.Renderer:
 
 
 def read_pictures(path: Path) -> list[Any]:
-    """The pictures of a file, (height, width, 3) each."""
+    """Return the pictures of a file, (height, width, 3) each."""
     with Image.open(path) as found:
         pictures = []
         for k in range(getattr(found, "n_frames", 1)):
@@ -43,8 +43,8 @@ def read_pictures(path: Path) -> list[Any]:
 
 
 def brightest(picture: Any) -> Any:
-    """Where the colours are the brightest, the strongest field: x to the right and y up [pixels]."""
-    green = np.where(np.ptp(picture, axis=2) > 40.0, picture[..., 1], 0.0)  # what is not grey
+    """Return the position of the brightest colour, x to the right and y up [px]."""
+    green = np.where(np.ptp(picture, axis=2) > 40.0, picture[..., 1], 0.0)  # only coloured pixels
     green[:, int(0.68 * green.shape[1]) :] = 0.0  # the colour bar
     y, x = np.nonzero(green > 0.95 * green.max())
     return np.array([x.mean(), -y.mean()])

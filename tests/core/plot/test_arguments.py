@@ -1,4 +1,4 @@
-"""What all pictures share: a bad argument is named, and axes of the caller's own are drawn into."""
+"""All plots name a bad argument, and draw into the caller's axes."""
 
 from collections.abc import Callable
 from typing import Any
@@ -23,7 +23,7 @@ POINTS = np.array([[0.01, 0.0, 0.1], [-0.01, 0.0, 0.1]])
         ({"gains": np.nan * GAINS}, "gains"),
         ({"gains": "gains"}, "gains"),
         ({"gains": np.empty((0, N))}, "gains"),
-        ({"gains": np.stack([GAINS, GAINS]), "show": "phase"}, "show"),  # of which moment?
+        ({"gains": np.stack([GAINS, GAINS]), "show": "phase"}, "show"),  # the moment is missing
         ({"plane": "zz"}, "plane"),
         ({"plane": ["xy"]}, "plane"),
         ({"plane": pc.Pose(), "at": (0.0, 0.0, 0.1)}, "at"),
@@ -84,8 +84,8 @@ def test_it_draws_into_given_axes(draw: Any, panels: int, axes: Callable[..., An
     assert made is mine if panels == 1 else list(made) == list(mine)
     for panel in mine if panels > 1 else [mine]:
         assert panel.get_xlabel() or panel.get_ylabel()
-        assert panel.has_data() or panels == 3  # a report of nothing
-        assert panel.xaxis.label.get_size() == axes().xaxis.label.get_size()  # as the caller has it
+        assert panel.has_data() or panels == 3  # the report is empty
+        assert panel.xaxis.label.get_size() == axes().xaxis.label.get_size()  # the caller's style
     if panels > 1:
         with pytest.raises(pc.ArgumentError, match=f"{panels} of them"):
             draw(axes())

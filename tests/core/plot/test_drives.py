@@ -1,4 +1,4 @@
-"""Drives: each disc has its transducer's place and value."""
+"""Plots of drives: each disc has its transducer's position and value."""
 
 import math
 from typing import Any
@@ -16,7 +16,7 @@ GAINS[-5:] = 0.0
 
 
 def discs(panel: Any) -> tuple[Any, Any]:
-    """Places (N, 2) [m] and values (N,)."""
+    """Return positions (N, 2) [m] and values (N,)."""
     (made,) = panel.collections
     return 1e-3 * np.asarray(made.get_offsets()), made.get_array()
 

@@ -1,4 +1,4 @@
-"""What a run emitted, from a renderer and from its recording."""
+"""Plots of the emission of a run, from a renderer and from its recording."""
 
 from pathlib import Path
 from typing import Any

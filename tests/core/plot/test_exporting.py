@@ -1,4 +1,4 @@
-"""Exports, opened again by other programs' readers: what is in them is what is there."""
+"""Exports, checked by independent readers."""
 
 import struct
 import sys
@@ -50,7 +50,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class Gltf:
-    """A model as pygltflib reads it, in our coordinates: z up."""
+    """A glTF model, read by pygltflib, in our coordinates with z up."""
 
     def __init__(self, path: Path) -> None:
         self.file: Any = pygltflib.GLTF2().load(str(path))
@@ -150,7 +150,7 @@ def test_the_isosurface_is_where_the_field_has_its_value(read: Gltf) -> None:
     P = pc.radiation_pressure(pc.field(ARRAY, GAINS, q, AIR, "double"), AIR)
     np.testing.assert_allclose(
         P, value, rtol=0.12
-    )  # between points a quarter of a wavelength apart
+    )  # interpolated between points a quarter of a wavelength apart
     assert abs(np.median(P) / value - 1.0) < 0.03
 
 
@@ -238,7 +238,7 @@ def test_less_can_be_written_and_silence_too(tmp_path: Path) -> None:
 
 
 def image_data(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """VTK image data by the format's own description: arrays (z, y, x), and the image's attributes."""
+    """Read VTK image data by the format's specification: arrays (z, y, x), and attributes."""
     raw = path.read_bytes()
     head, data = raw.split(b'<AppendedData encoding="raw">', 1)
     image = ET.fromstring(head + b"</VTKFile>").find("ImageData")

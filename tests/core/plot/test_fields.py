@@ -18,7 +18,7 @@ GAINS = pc.solve(ARRAY, POINTS, [300.0, 200.0], medium=AIR).gains
 
 
 def drawn(page: Any) -> tuple[Any, Any]:
-    """The values of the one picture, and where each is: (rows, columns), (rows, columns, 2) [m]."""
+    """Return the values of the picture, (rows, columns), and their positions, (rows, columns, 2) [m]."""
     (image,) = (panel.images[0] for panel in page.axes if panel.images)
     found = np.ma.filled(image.get_array(), np.nan)
     left, right, bottom, top = image.get_extent()

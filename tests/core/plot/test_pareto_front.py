@@ -1,4 +1,4 @@
-"""Run time against error: from the benchmark's file or its cells, the same picture."""
+"""Run time against error: the benchmark's file and its cells give the same picture."""
 
 import json
 import math
@@ -38,7 +38,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def places(panel: Any) -> dict[str, tuple[float, float]]:
-    """Where each filled mark is [ms], [%], by the label that points at it."""
+    """Return the position of each filled mark [ms], [%], by the label that points at it."""
     return {text.get_text(): text.xy for text in panel.texts if hasattr(text, "xy")}
 
 

@@ -1,4 +1,4 @@
-"""Pictures: what they show is what is there."""
+"""Plots of scenes and solutions show the right data."""
 
 import sys
 from io import BytesIO
@@ -64,7 +64,10 @@ def test_a_scene_is_shown_in_space_and_in_two_planes() -> None:
         ARRAY, scene, samples, gains(samples.positions), title="a ball", medium=pc.Air()
     )
     views = [panel for panel in page.axes if panel.name == "3d"]
-    assert [len(view.collections) for view in views] == [1, 2]  # samples apart, on the close one
+    assert [len(view.collections) for view in views] == [
+        1,
+        2,
+    ]  # the close-up shows the samples separately
     close = views[1].collections[1]
     assert len(close.get_sizes()) == len(samples)
     assert (close.get_sizes() > 10.0).all()
@@ -165,7 +168,7 @@ def test_vector_files_keep_their_text(tmp_path: Path) -> None:
     assert f'width="{72.0 * width:g}pt"' in drawing
     plot.save(page, tmp_path / "field.pdf")
     printed = (tmp_path / "field.pdf").read_bytes()
-    assert b"/FontFile2" in printed  # TrueType, which journals take
+    assert b"/FontFile2" in printed  # TrueType, which journals accept
     assert b"/Subtype /Type3" not in printed
     box = f"/MediaBox [ 0 0 {72.0 * width:g} ".encode()
     assert box in printed

@@ -1,4 +1,4 @@
-"""Time lines: what a report counted and a recording holds, at its place."""
+"""Time lines show the counts of a report and the data of a recording at the right times."""
 
 from contextlib import closing
 from pathlib import Path
@@ -44,7 +44,7 @@ def panels(page: Any) -> dict[str, Any]:
 
 @pytest.fixture
 def recording(tmp_path: Path) -> pc.Recording:
-    """200 ticks, of 1 ms; 30 are missed after the 100th; anew, and still, at the 150th."""
+    """Record 200 ticks of 1 ms; 30 are missed after the 100th; a reset and a still scene at the 150th."""
     path, clock = tmp_path / "run.rec", ManualClock()
     scene = pc.Scene((PULSE,))
     renderer = pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path), governed=False)
@@ -114,13 +114,13 @@ def test_a_recordings_drive_is_that_of_its_frames(recording: pc.Recording) -> No
 def test_missed_ticks_and_kept_frames_are_shares_of_all(recording: pc.Recording) -> None:
     panel = plot.timeline(recording, "skipped").axes[0]
     kept, missed = (patch.get_data() for patch in panel.patches)
-    each = np.diff(missed.edges) / PERIOD  # ticks in a part
+    each = np.diff(missed.edges) / PERIOD  # ticks per bin
     assert (missed.values / 100.0 * each).sum() == pytest.approx(30.0, abs=1.0)
     assert missed.values[(missed.edges[:-1] > 0.105) & (missed.edges[1:] < 0.125)] == (
         pytest.approx(100.0)
     )
     assert not kept.values[kept.edges[1:] < 0.18].any()
-    assert kept.values[-1] > 90.0  # it stands still
+    assert kept.values[-1] > 90.0  # nothing moves
     (anew,) = panel.lines
     assert anew.get_xdata()[0] == pytest.approx(0.180)
 
@@ -152,7 +152,7 @@ def frame(*amplitude: int) -> FrameState:
 
 @pytest.fixture
 def feed(tmp_path: Path) -> Path:
-    """100 states in 10 s; silent from the 40th to the 59th; lost for 2 s after the 80th."""
+    """Write a feed: 100 states in 10 s, silent from the 40th to the 59th, lost for 2 s after the 80th."""
     writer = FeedWriter(tmp_path / "a.feed")
     encode = msgspec.msgpack.encode
     for k in range(100):
@@ -181,7 +181,7 @@ def test_a_viewers_file_has_drive_error_and_ticks_over_time(feed: Path) -> None:
     x, y = line.get_xydata().T
     np.testing.assert_allclose(x[np.isfinite(x)], at[sounds])
     np.testing.assert_allclose(y[np.isfinite(y)], k[sounds])
-    assert np.isnan(x).sum() == 2  # while nothing is felt, and while there was no server
+    assert np.isnan(x).sum() == 2  # without samples, and without a server
     most, percentile, median, deadline = ticks.lines
     assert np.nanmax(most.get_ydata()) == pytest.approx(0.99)
     assert np.nanmax(percentile.get_ydata()) == pytest.approx(0.2)
@@ -205,7 +205,7 @@ def test_levels_of_an_uneven_device_are_what_it_makes_of_them(tmp_path: Path) ->
         writer.write(0.0, "frame", msgspec.msgpack.encode(frame(1, 2)))
         writer.write(
             0.1, "frame", msgspec.msgpack.encode(frame(7, 7))
-        )  # the device has no such level
+        )  # a level that the device does not have
         writer.write(0.1, "state", msgspec.msgpack.encode(state(1)))
     found = read_feed(tmp_path / "a.feed")
     np.testing.assert_allclose(found.drive, [[0.0, 0.2, 0.3]], rtol=1e-6)

@@ -1,4 +1,4 @@
-"""Convergence: each point is what the solver gives when it is stopped there."""
+"""Convergence plots: each point is the solver's result when stopped there."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ AMPLITUDES = REACH / 8**0.5 * RNG.uniform(0.3, 1.0, 8)
 
 
 class Halving(pc.Solver):
-    """Comes nearer by half each time, as long as it may; `steps` of its own are no setting."""
+    """A solver that halves its error in each step, while there is time. Its `steps` is not an option."""
 
     name = "halving"
     linear = False

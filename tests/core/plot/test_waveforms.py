@@ -1,4 +1,4 @@
-"""Pressure over time, spectrum and spectrogram: against cases that are known."""
+"""Pressure over time, spectrum and spectrogram, against known cases."""
 
 from collections.abc import Callable
 from typing import Any

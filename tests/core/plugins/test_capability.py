@@ -1,4 +1,4 @@
-"""What a device says it can do."""
+"""The capability that a device reports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 
-PULSES = np.sin(np.pi / 2.0 * np.arange(65) / 64.0)  # OpenMPD's
+PULSES = np.sin(np.pi / 2.0 * np.arange(65) / 64.0)  # amplitudes of OpenMPD
 
 
 @given(st.integers(2, 1 << 16))

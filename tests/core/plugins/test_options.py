@@ -1,4 +1,4 @@
-"""What clients may set of a plug-in: what its annotations bound, and nothing else, whoever wrote it."""
+"""Options of a plug-in that clients may set: only those that its annotations bound."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Mode(enum.Enum):
 
 @dataclass
 class Careless:
-    """A plug-in that has not thought of clients, but for some of its options."""
+    """A plug-in that bounds only some of its options."""
 
     levels: Annotated[int, Meta(ge=2, le=256)] = 16
     share: Annotated[float, Meta(gt=0.0, lt=1.0)] | None = None
@@ -131,7 +131,7 @@ def test_installed_plug_ins_take_the_ends_of_what_they_let_clients_set(offer: An
 
 
 def test_no_device_is_given_a_file_an_address_or_a_watchdog_by_clients() -> None:
-    """It is whoever runs the server who says which device is driven, and how it is kept safe."""
+    """Only the operator of the server chooses the device and its safety settings."""
     plugins = discover_plugins()
     found = {o.name: set(find_client_options(o.cls)) for o in plugins.list() if o.kind == "backend"}
     assert found.pop("simulated") == {"phases", "amplitudes", "rate"}

@@ -1,4 +1,4 @@
-"""Finding plug-ins: lazily, by name, with errors that name the culprit."""
+"""Finding plug-ins: lazily, by name, with errors that name the faulty plug-in."""
 
 import re
 import sys
@@ -33,7 +33,7 @@ def register_solvers():
 
 @pytest.fixture
 def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """Write a plug-in module; returns its entry point."""
+    """Write a plug-in module; return its entry point."""
     monkeypatch.syspath_prepend(tmp_path)
     made: list[str] = []
 
@@ -128,7 +128,7 @@ def test_two_offers_of_one_name_are_an_error(write: Any) -> None:
         pc.PluginError, match=r"two solvers are called 'plane'.*plugin_one.*plugin_two"
     ):
         plugins.list()
-    for _ in range(2):  # the answer does not depend on what was asked before
+    for _ in range(2):  # the result does not depend on earlier calls
         with pytest.raises(pc.PluginError, match="two solvers are called 'plane'"):
             plugins.find("solver", "plane")
         with pytest.raises(pc.UnknownPlugin):
@@ -141,7 +141,7 @@ def test_two_plugins_of_one_name_are_an_error(write: Any) -> None:
     for ask in (plugins.list, lambda: plugins.find("solver", "one")):
         with pytest.raises(pc.PluginError, match="two plug-ins are called 'one'"):
             ask()
-    assert plugins.find("solver", "plane")  # the others are usable
+    assert plugins.find("solver", "plane")  # other plug-ins still work
 
 
 def test_an_option_that_does_not_exist_is_refused_with_those_that_do() -> None:

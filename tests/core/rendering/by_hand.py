@@ -1,15 +1,15 @@
-"""A background in which a solve is done when the test says so."""
+"""A background whose solves end when the test says so."""
 
 from concurrent.futures import Future
 from typing import Any
 
 import pacinian as pc
+from pacinian.rendering.background_schedule import BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
-from pacinian.rendering.solve_schedule import SolveSchedule
 
 
 class ByHand(BackgroundSolve[Any]):
-    """Runs a job when its result is taken. ready: whether it is done."""
+    """A background that runs a job when its result is taken. ready: whether the job counts as done."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,8 +33,8 @@ class ByHand(BackgroundSolve[Any]):
         self._job = None
 
 
-class SolvesAlways(SolveSchedule):
-    """Begins a solve as soon as the last one is done, and expects each to take the same number of ticks."""
+class SolvesAlways(BackgroundSchedule):
+    """A schedule that begins a solve as soon as the last one is done, and expects a constant duration."""
 
     def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
         return True
@@ -44,7 +44,7 @@ class SolvesAlways(SolveSchedule):
 
 
 def solve_beside(renderer: pc.Renderer, ticks: int = 1) -> ByHand:
-    """Let solves of an open renderer run beside all its ticks from now on. ticks: that each is expected to take."""
+    """Let solves of an open renderer run beside all its ticks from now on. ticks: the expected duration of each."""
     background = renderer._pipeline.background = ByHand()
     renderer._pipeline.schedule = SolvesAlways(renderer.period, True, ticks, ticks)
     return background

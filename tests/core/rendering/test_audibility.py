@@ -118,7 +118,7 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
         )
         assert jumping > -15.0
         assert aligned < -50.0
-        # |p|^2 alone knows nothing of a global phase: it is the transducers that are slow
+        # |p|^2 does not depend on a global phase; the slow part is the transducers
         instant = measure_audible(
             *compute_envelope(gains, 1000.0, ARRAY, points, pc.Air(), bandwidth=None)
         )[0]

@@ -1,4 +1,4 @@
-"""Solves beside the ticks: frames are on time whatever a solve takes, and nothing else changes."""
+"""Solves beside the ticks: frames are on time however long a solve takes, and nothing else changes."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.gallery import SCENES
+from pacinian.rendering.background_schedule import MAX_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
 from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.solve_schedule import MAX_TICKS, SolveSchedule
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
@@ -46,7 +46,7 @@ def make(scene: Any, **options: Any) -> tuple[pc.Renderer, Simulated]:
 
 
 def press(frame: Any, device: Simulated, points: Any) -> Any:
-    """Radiation pressure of each row at each point, (K, M) [Pa]."""
+    """Return the radiation pressure of each row at each point, (K, M) [Pa]."""
     B = pc.matrix(ARRAY, points, AIR)
     return pc.radiation_pressure(frame.gains(device.capability) @ B.T, AIR)
 
@@ -89,7 +89,7 @@ def test_what_it_says_of_moving_samples_is_that_they_are_interpolated() -> None:
 
 
 def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
-    """By the rows that were sent: the focus is never lost between two solutions."""
+    """The rows that were sent show it: the focus is never lost between two solutions."""
     renderer, device = make(lambda t: at(0.2 * t))
     with renderer:
         for k in range(10):
@@ -104,7 +104,7 @@ def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
 
 
 def test_what_moves_is_solved_for_where_it_will_be_when_frames_arrive_there() -> None:
-    """By the rows that were sent, at the place of the point at that time."""
+    """The rows that were sent are evaluated where the point is at that time."""
     motion = Motion(velocity=(0.3, 0.0, 0.0), time=0.0)
     renderer, device = make(at(-0.02, motion=motion))
     with renderer:
@@ -231,7 +231,7 @@ def test_an_envelope_is_followed_while_the_solve_is_under_way() -> None:
 
 
 def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
-    """A solver that hangs then holds the loop up, so that whoever expects frames notices."""
+    """A solver that hangs then blocks the loop, so that the guard notices missing frames."""
     clock = ManualClock()
     renderer, _ = make(at, clock=clock)
     with renderer:
@@ -242,7 +242,7 @@ def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
             clock.wait_until(k * TICK)
             renderer.tick(k * TICK)
             x = renderer.shown.objects[0].pose.position[0]
-            assert k * TICK - x <= 3.0 * MAX_AGE + 3 * TICK  # a measurement may come between
+            assert k * TICK - x <= 3.0 * MAX_AGE + 3 * TICK  # a measurement may run in between
         assert renderer.report.solves >= 3
 
 
@@ -252,13 +252,13 @@ def test_a_loop_that_catches_up_does_not_take_a_solve_for_old() -> None:
         renderer.tick(0.0)
         background = solve_beside(renderer)
         background.ready = False
-        for k in range(1, 100):  # while no time passes
+        for k in range(1, 100):  # the clock stands still
             renderer.tick(k * TICK)
         assert renderer.report.solves == 1
 
 
 def test_no_solution_waits_for_a_measurement() -> None:
-    """It takes the place of the solve after the one that it measures."""
+    """A measurement runs instead of the solve that would follow."""
     renderer, _ = make(at)
     report = renderer.report
     with renderer:
@@ -285,7 +285,7 @@ AT_ITS_LIMIT = pc.Scene(
 
 @pytest.mark.parametrize("name", ["crowd", "palm", "sliding-ball", "static-focus", "two frames"])
 def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name: str) -> None:
-    """With a device of few levels, whose rounding is heard."""
+    """The device has few levels, so that rounding matters."""
     device = Simulated(rate=1000.0, phases=8, amplitudes=2)
     scene = SCENES.get(name, AT_ITS_LIMIT)
     with pc.Renderer(ARRAY, scene, backend=device, clock=ManualClock()) as renderer:
@@ -300,14 +300,14 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
         assert len(renderer.heard)
         outcome = renderer._pipeline.played
         assert outcome.solved.cycle or name not in ("palm", "two frames")
-        assert (outcome.heard is None) is (name == "palm")  # whose frames are bands
+        assert (outcome.heard is None) is (name == "palm")  # its frames are bands
 
 
 @pytest.mark.parametrize("since", range(0, 12, 3))
 def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_fade(
     since: int,
 ) -> None:
-    """However little before a solve began, if solves take 4 ticks."""
+    """A solve may have begun at any time before; solves take 4 ticks."""
     scene = [at(0.0)]
     renderer, _ = make(lambda t: scene[0])
     with renderer:
@@ -332,7 +332,7 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
 
 
 def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> None:
-    """No recording has such a tick, so a replay cannot count what it counted."""
+    """Recordings do not contain such ticks, so a replay could not count them."""
     renderer, device = make(at)
     with renderer:
         renderer.tick(0.0)
@@ -346,7 +346,7 @@ def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> N
                 device.resume()
                 renderer.schedule.beside = False  # as after a solve that fits
             renderer.reset()
-            assert renderer.schedule == SolveSchedule(renderer.period, beside=True)
+            assert renderer.schedule == BackgroundSchedule(renderer.period, beside=True)
 
 
 def test_solves_run_after_a_reset_where_they_ran_before() -> None:
@@ -361,7 +361,7 @@ def test_solves_run_after_a_reset_where_they_ran_before() -> None:
         background.ready = False
         for k in range(2, 20):
             renderer.tick(k * TICK)
-            assert not renderer.sent.amplitude.any()  # nothing is solved yet
+            assert not renderer.sent.amplitude.any()  # there is no solution yet
         background.ready = True
         for k in range(20, 40):
             renderer.tick(k * TICK)
@@ -369,7 +369,7 @@ def test_solves_run_after_a_reset_where_they_ran_before() -> None:
             5.0, abs=0.3
         )
         assert not renderer.report.faults
-    with renderer:  # a replay begins in ticks, too
+    with renderer:  # a replay also begins with solves in ticks
         assert not renderer.schedule.beside
 
 
@@ -433,7 +433,7 @@ def test_a_real_thread_solves_while_ticks_go_on_and_ends_with_the_renderer() -> 
 
 
 def test_close_waits_for_the_solve_that_runs() -> None:
-    """A thread in a kernel must not outlive the interpreter: that would abort the process."""
+    """A thread in a kernel that outlives the interpreter would abort the process."""
     begun, ended = threading.Event(), threading.Event()
 
     def job() -> int:
@@ -473,7 +473,7 @@ assert renderer._pipeline.background.running
 
 
 class Slow(ManualClock):
-    """Each look at it takes time, so that ticks that solve are long."""
+    """A clock that advances at each call, so that ticks that solve are long."""
 
     def now(self) -> float:
         self.advance(1.5e-4)

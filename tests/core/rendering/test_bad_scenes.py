@@ -1,4 +1,4 @@
-"""What games and trackers get wrong: handled, or refused at the door; never NaN, never an exception."""
+"""Mistakes of games and trackers are handled, or rejected at once; they never cause NaN or an exception in the loop."""
 
 import math
 from collections.abc import Callable
@@ -36,7 +36,7 @@ def skin(mesh: Any, scale: float = 1.0, **given: Any) -> pc.Hand:
 def render(
     scenes: list[pc.Scene], monkeypatch: pytest.MonkeyPatch, ticks: int = 24, **given: Any
 ) -> pc.Report:
-    """Two ticks with each scene in turn; all that is asked of the device must be finite and within 1."""
+    """Run two ticks with each scene in turn. All amplitudes for the device must be finite and at most 1."""
     rows: list[Any] = []
     follow = SlewRateLimiter.follow
 
@@ -52,7 +52,7 @@ def render(
             renderer.scene = scenes[i // 2 % len(scenes)]
             renderer.tick()
             clock.advance(1e-3)
-    assert (np.array(rows) <= 1.0 + 1e-5).all()  # not if NaN
+    assert (np.array(rows) <= 1.0 + 1e-5).all()  # also fails for NaN
     return renderer.report
 
 

@@ -23,7 +23,7 @@ PERIOD = 1e-3  # [s]
 SLOW, VERY, WELL, SHORT = (
     share * PERIOD for share in (1.1 * MAX_LOAD, 1.1 * FAR_TOO_LATE, 0.7, 0.5 * MIN_LOAD)
 )
-odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # of a clock that jumps
+odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # as from a clock that jumps
 ticks = st.lists(
     st.tuples(st.floats(0.0, 0.02) | odd, st.integers(0, 400)), min_size=1, max_size=300
 )
@@ -32,7 +32,7 @@ ticks = st.lists(
 def told(
     governor: BudgetController, seconds: float, count: int, samples: int | None = None
 ) -> list[int]:
-    """What it allows after each of `count` such ticks; unless given, all samples allowed are used."""
+    """Return what is allowed after each of `count` such ticks. By default, all allowed samples are used."""
     return [
         governor.tick(seconds, governor.allowed if samples is None else samples)
         for _ in range(count)
@@ -49,7 +49,9 @@ def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
         before = governor.allowed
         allowed = governor.tick(seconds, samples)
         assert min(MIN_BUDGET, most) <= allowed <= most
-        assert allowed == governor.allowed == other.tick(seconds, samples)  # by these alone
+        assert (
+            allowed == governor.allowed == other.tick(seconds, samples)
+        )  # depends on nothing else
         if seconds > MIN_LOAD * PERIOD:
             assert allowed <= before
 

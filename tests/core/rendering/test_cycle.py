@@ -1,4 +1,4 @@
-"""Regions in several frames: what the device was sent, heard with a field of its own, frame by frame."""
+"""Regions in several frames: the frames that were sent, evaluated one by one with an independent field."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def surface(array: pc.Array, shape: Any, pressure: float, **how: Any) -> pc.Surf
 
 
 def square(side: float) -> np.ndarray[Any, Any]:
-    """Places in a square, off the lattice of any samples."""
+    """Return points in a square that are not on the lattice of samples."""
     x = np.arange(0.0004 - side / 2.0, side / 2.0, 0.0011)
     X, Y = np.meshgrid(x, x)
     return np.column_stack([X.ravel(), Y.ravel(), np.full(X.size, 0.2)])
 
 
 def sent(renderer: pc.Renderer, ticks: int, last: int) -> np.ndarray[Any, Any]:
-    """The gains that the device was sent in the last of the ticks, (frames, N)."""
+    """Return the gains that were sent in the last ticks, (frames, N)."""
     rows, clock = [], renderer.clock
     assert isinstance(clock, ManualClock)
     with renderer:
@@ -46,7 +46,7 @@ def sent(renderer: pc.Renderer, ticks: int, last: int) -> np.ndarray[Any, Any]:
 
 
 def press(array: pc.Array, gains: np.ndarray[Any, Any], places: np.ndarray[Any, Any]) -> Any:
-    """Radiation pressure of each frame, (frames, K) [Pa]."""
+    """Return the radiation pressure of each frame, (frames, K) [Pa]."""
     at = places + np.array([*array.centre[:2], 0.0])
     return np.array([pc.radiation_pressure(field(array, g, at, AIR), AIR) for g in gains])
 
@@ -80,9 +80,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
         assert (mean < 0.5).mean() > 0.1
         return
     assert len(renderer.sounding) == 2
-    assert (P < 0.25).any(
-        axis=0
-    ).mean() > 0.5  # most places are pressed by one band, not by the other
+    assert (P < 0.25).any(axis=0).mean() > 0.5  # most points are pressed by only one band
     assert mean.mean() == pytest.approx(1.0, abs=0.03)
     assert off(mean, 1.0) < 0.15
     assert not (mean < 0.5).any()
@@ -92,7 +90,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
 
 
 def strongest(array: pc.Array, shape: Any) -> float:
-    """The strongest even pressure of a shape [Pa]."""
+    """Return the strongest even pressure on a shape [Pa]."""
     sampler = pc.Sampler(1000)
     sampler.prepare(array, AIR)
     samples = sampler.sample(pc.Scene((surface(array, shape, 1.0),)))
@@ -117,7 +115,7 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
 
 
 def test_a_scene_that_stands_still_from_the_first_solve_on_gets_its_two_frames() -> None:
-    """Without ramps the samples never change, so only that solve tells that transducers are at their limit."""
+    """Without ramps, samples never change, so only the first solve shows that transducers are at their limit."""
     scene = pc.Scene((surface(ONE, pc.Disc(0.01), strongest(ONE, pc.Disc(0.01))),))
     renderer = pc.Renderer(ONE, scene, clock=ManualClock(), cycle=2, sampler=pc.Sampler())
     with renderer:
@@ -186,7 +184,7 @@ def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
 
 
 def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
-    """Though the frame that is left had not been solved since a reset."""
+    """The remaining frame had not been solved since a reset."""
     renderer = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2)
     cycle = renderer.sample_solver.cycle
     cycle.reset()
@@ -227,7 +225,7 @@ def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None
 
 
 def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
-    """And several again when they are in time; solves for what stands still do not count."""
+    """There are several again when solves are on time. Solves for samples that do not move do not count."""
     cycle = pc.Renderer(NINE, pc.Scene(), clock=ManualClock(), cycle=4).sample_solver.cycle
     sampler = pc.Sampler(256)
     sampler.bands = 4
@@ -263,7 +261,7 @@ def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
 
 
 def test_where_limits_join_all_gains_one_frame_stays_one() -> None:
-    """Also if transducers are at their limit, before a reset and after it."""
+    """This holds also if transducers are at their limit, before and after a reset."""
     zone = pc.Limits(quiet=(np.array([[0.1, 0.0, 0.3]]), 500.0))
     scene = pc.Scene((surface(ONE, pc.Disc(0.01), 40.0),))
     renderer = pc.Renderer(ONE, scene, clock=ManualClock(), limits=zone)
@@ -279,7 +277,7 @@ def test_where_limits_join_all_gains_one_frame_stays_one() -> None:
 
 
 def test_lateral_modulation_moves_a_region_whole() -> None:
-    """Wherever it is, it presses evenly there: in the frames that were sent."""
+    """The frames that were sent press evenly wherever the region is."""
     item = surface(NINE, pc.Disc(0.012), 4.0, technique=pc.LM(50.0, 0.004))
     clock, places = ManualClock(), square(0.016)
     renderer = pc.Renderer(NINE, pc.Scene((item,)), clock=clock)
@@ -302,7 +300,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
 
 @pytest.mark.parametrize("peak", [1.5, 3.0])
 def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
-    """Though bands press in turn: by what each was solved for."""
+    """Bands press in turn, so each has a higher target, which this test reads."""
     scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.5),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=4, peak=peak)
     sent(renderer, 40, 4)
@@ -310,7 +308,7 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     assert cycle.count > 1
     asked = [part.solved.solution.targets.amplitudes.max() for part in cycle.parts if part.solved]
     most = max(pc.radiation_pressure(t, AIR) for t in asked)
-    assert 0.99 * peak < most <= (1.0 + 1e-6) * peak  # of bands alone twice 1.5 Pa
+    assert 0.99 * peak < most <= (1.0 + 1e-6) * peak  # two bands in turn would need twice 1.5 Pa
     with pytest.raises(pc.ArgumentError, match="peak"):
         pc.Renderer(NINE, scene, peak=-1.0)
 

@@ -1,4 +1,4 @@
-"""What was not as asked: by object and by time, in the report and in the recording; and nothing if strict."""
+"""Deviations by object and time, in the report and in the recording; none in strict mode."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ TWIN = pc.Point(position=(0.002, 0.05, 0.2), radiation_pressure=1.0, name="twin"
 
 
 def strokes(t: float) -> pc.Scene:
-    """Objects of which all move, and one comes and goes."""
+    """Return a scene of moving objects, one of which comes and goes."""
     line = replace(LINE, pose=pc.Pose((0.0, 0.02 * t, 0.15)))
     drops = replace(DROPS, pose=pc.Pose((0.01 * t, 0.0, 0.0)))
     twin = (TWIN,) if int(t / 0.005) % 2 else ()
@@ -63,7 +63,7 @@ def make(scene: Any = strokes, **options: Any) -> tuple[pc.Renderer, Simulated, 
 def play(
     renderer: pc.Renderer, device: Simulated, clock: ManualClock, loads: list[float]
 ) -> list[Counter[str]]:
-    """Tick once for each load, of so many ticks; return how many samples of each object were solved for."""
+    """Run a tick for each load, which delays it by `load` ticks. Return each object's number of solved samples."""
     solved = []
     with renderer:
         for k, load in enumerate(loads):
@@ -86,7 +86,7 @@ def at(report: pc.Report, tick: int) -> Any:
 
 @functools.cache
 def count_in_full() -> Counter[str]:
-    """What each object asks for: counted by a sampler that leaves nothing out, one object at a time."""
+    """Return the number of samples that each object asks for, without a budget, one object at a time."""
     found: Counter[str] = Counter()
     for item in strokes(0.006).objects:
         sampler = pc.Sampler(10**6)

@@ -1,4 +1,4 @@
-"""What is felt between the samples, as the loop sees it: against every place, and against a field of its own."""
+"""The loop's measurements between samples, against all points, and against an independent field."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, look
 @pytest.mark.parametrize("strength", [1.0, 0.3])
 def test_many_looks_find_what_all_places_say(strength: float) -> None:
     session, samples, solution = solved(disc(-0.02, 1.0, "one"), disc(0.02, 2.0, "two"))
-    solution.gains[:] *= np.float32(strength)  # as if the device had made them weaker
+    solution.gains[:] *= np.float32(strength)  # as if the device had weakened them
     every = session.measure_felt(solution).felt
     found = looked(session, samples, solution, 100)
     assert found.keys() == {"one", "two"}
@@ -55,11 +55,13 @@ def test_many_looks_find_what_all_places_say(strength: float) -> None:
         assert some.force == pytest.approx(all_.force, abs=0.01)
         assert some.rms == pytest.approx(all_.rms, abs=0.01)
         assert some.holes == (1.0 if strength < 0.7 else 0.0)
-        assert 0.5 * all_.spill < some.spill < 1.5 * all_.spill  # the largest seen, at other places
+        assert (
+            0.5 * all_.spill < some.spill < 1.5 * all_.spill
+        )  # the largest value seen, at other points
 
 
 def test_unevenness_between_good_samples_is_found() -> None:
-    """Foci a wavelength apart, each exactly as asked."""
+    """The samples are foci a wavelength apart, each exactly at its target."""
     session, samples, _ = solved(disc(0.0, 2.0, "disc"))
     kept = np.zeros(len(samples), dtype=np.bool_)
     for m in range(len(samples)):
@@ -106,7 +108,7 @@ def test_points_have_none_and_the_report_has_each_object() -> None:
 
 
 def test_what_is_heard_is_that_of_a_new_probe_whatever_changed_since_the_last_call() -> None:
-    """Arrays are changed in place, too, as the loop's buffers are."""
+    """Arrays are also changed in place, like the loop's buffers."""
     session, samples, solution = solved(disc(0.0, 1.0))
     probe, rng = Probe(session), np.random.default_rng(3)
     points, gains = samples.positions.copy(), np.tile(solution.gains, (2, 1))

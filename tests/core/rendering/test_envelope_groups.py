@@ -33,7 +33,7 @@ def test_objects_with_one_amplitude_over_time_are_one_group() -> None:
     items = (
         point(0.00, envelope=wave),
         point(0.03),
-        point(0.06, envelope=pc.Sine(frequency=100.0)),  # equal, and not the same
+        point(0.06, envelope=pc.Sine(frequency=100.0)),  # equal, but not identical
         point(0.09, envelope=wave, technique=AM(frequency=30.0)),
         point(0.12, envelope=pc.Constant(1.0)),
     )
@@ -88,7 +88,7 @@ def test_strength_is_within_0_to_1_whatever_an_envelope_says(value: float) -> No
 
 
 def made(seed: int, count: int) -> tuple[pc.Session, pc.Solution, Any]:
-    """A solution that meets its targets, and a group for each sample."""
+    """Return a solution that meets its targets, with a group for each sample."""
     rng = np.random.default_rng(seed)
     M = int(rng.integers(count, 9))
     q = np.column_stack([0.02 * np.arange(M) - 0.08, rng.uniform(-0.05, 0.05, M), np.full(M, 0.15)])
@@ -124,7 +124,7 @@ def test_points_that_cannot_be_told_apart_have_contributions_too() -> None:
     parts = split_contributions(solution, session.propagator, np.arange(3), 3)
     assert np.isfinite(parts).all()
     np.testing.assert_allclose(parts.sum(axis=0), solution.gains, atol=1e-6)
-    assert np.abs(parts[:3]).max() < 2.0  # not huge ones that cancel
+    assert np.abs(parts[:3]).max() < 2.0  # not huge parts that cancel each other
 
 
 def test_a_pulse_is_a_group_of_its_own_start() -> None:

@@ -15,7 +15,7 @@ from pacinian.native import rendering as levels
 from pacinian.rendering.quantiser import SURE, Quantiser, dither_thresholds, invert_levels
 
 TURN_ERROR = 6e-6  # [turns] of the kernel's arc tangent
-PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())  # OpenMPD's
+PULSES = tuple(np.sin(np.pi / 2.0 * np.arange(65) / 64.0).tolist())  # amplitudes of OpenMPD
 FINE = tuple(np.sin(np.pi / 2.0 * np.arange(1001) / 1000.0).tolist())
 BUNCHED = (0.0, *(0.3 + 1e-6 * np.arange(300)), *(0.9 + 1e-7 * np.arange(5)), 1.0)
 TABLES = {"pulses": PULSES, "fine": FINE, "bunched": BUNCHED, "two": (0.0, 1.0)}
@@ -130,7 +130,7 @@ def test_nan_becomes_0_wherever_it_stands(bad: complex, length: int, amplitudes:
 def test_an_amplitude_goes_to_a_neighbour_by_its_place_between_them(
     steps: list[float], asked: list[tuple[float, float]], near: int
 ) -> None:
-    """By exact arithmetic: up where its share of the step is above 1 - threshold."""
+    """In exact arithmetic: an amplitude is rounded up if its share of the step exceeds 1 - threshold."""
     table = np.cumsum(np.array([0.0, *steps]))
     table = np.unique(np.r_[(table / table[-1]).astype(np.float32)])
     table = table[np.r_[True, np.diff(table) > 2.0**-23]]
@@ -153,7 +153,7 @@ def test_an_amplitude_goes_to_a_neighbour_by_its_place_between_them(
 
 @pytest.mark.parametrize("amplitudes", [320, *TABLES])
 def test_dithering_has_no_bias(amplitudes: Any) -> None:
-    """The mean over transducers that are all asked the same is what was asked, within one of N."""
+    """If all N transducers have the same target, their mean equals it within 1/N of a step."""
     amplitudes = TABLES.get(amplitudes, amplitudes)
     sizes = pc.Capability(4, amplitudes).sizes.astype(np.float64)
     N = 997

@@ -1,4 +1,4 @@
-"""From samples to rows of gains, measured by the field that each row makes."""
+"""From samples to rows of gains, evaluated by the field of each row."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LEFT, MIDDLE, RIGHT = (-0.03, 0.0, 0.15), (0.0, 0.03, 0.15), (0.03, 0.0, 0.15)
 
 
 class Loop:
-    """A sampler without ramps and a player; without smoothing unless told. rows: of a tick."""
+    """A sampler without ramps, and a modulator, by default without smoothing. rows: per tick."""
 
     def __init__(self, scene: Any, rows: int = 2, rate: float | None = None) -> None:
         self.scene = scene if callable(scene) else lambda t: scene
@@ -48,7 +48,7 @@ class Loop:
         self.player = Modulator(self.times, self.gap, Smoothing(rate=rate), len(ARRAY))
 
     def tick(self, limits: pc.Limits = FULL) -> Any:
-        """Rows of gains of the next tick, (K, N)."""
+        """Return the rows of gains of the next tick, (K, N)."""
         t = self.ticks * TICK
         samples = self.sampler.sample(self.scene(t), t)
         self.played = self.solver.solve(samples, t, limits, self.session.solver, 60.0)
@@ -56,13 +56,13 @@ class Loop:
         return self.player.rows(self.played, t).copy()
 
     def run(self, ticks: int, limits: pc.Limits = FULL) -> tuple[Any, Any]:
-        """Times of rows, (R,) [s], and their gains, (R, N)."""
+        """Return times of rows (R,) [s] and their gains (R, N)."""
         t = (np.arange(self.ticks, self.ticks + ticks)[:, None] * TICK + self.times).ravel()
         return t, np.concatenate([self.tick(limits) for _ in range(ticks)])
 
 
 def pressures(rows: Any, points: Any) -> Any:
-    """Radiation pressure that each row makes at each point, (R, M) [Pa]."""
+    """Return the radiation pressure of each row at each point, (R, M) [Pa]."""
     return pc.radiation_pressure(rows @ pc.matrix(ARRAY, points, AIR).T, AIR)
 
 
@@ -148,7 +148,7 @@ def test_a_strong_focus_that_jumps_is_not_held_back_at_any_rate_of_the_device() 
     for rows in (1, 4):
         t, played = Loop(pc.Scene((loud,)), rows, rate=750.0).run(8)
         step = np.abs(np.diff(played, axis=0)).max()
-        assert step > 750.0 * TICK / rows  # it would be, if it were any other object
+        assert step > 750.0 * TICK / rows  # other objects would be slowed down
         for now, row in zip(t.tolist(), played, strict=True):
             focus = present(loud.technique, whole, now).positions
             assert pressures(row[None], focus)[0] == pytest.approx([60.0], rel=0.05)
@@ -166,9 +166,9 @@ def test_the_steps_of_a_modulation_are_solved_once_and_equal_fresh_solves() -> N
     assert loop.session.propagator.work.solved == solved
     assert not loop.solver.fresh
     assert loop.skipped["solve, step of a modulation known"] == 60
-    inner = (np.tile(first, (3, 1)) * second.conj()).sum(axis=1)  # but for a phase of all gains
+    inner = (np.tile(first, (3, 1)) * second.conj()).sum(axis=1)  # apart from a common phase
     np.testing.assert_allclose(np.abs(inner), (np.abs(second) ** 2).sum(axis=1), rtol=1e-4)
-    for k in (0, 7, 13):  # each as if it were the first
+    for k in (0, 7, 13):  # each step equals a first solve
         other = Loop(scene)
         other.ticks = k // 2
         np.testing.assert_allclose(np.abs(other.tick()[k % 2]), np.abs(first[k]), atol=1e-5)
@@ -240,7 +240,9 @@ def test_limits_that_join_all_gains_are_kept_in_every_row(limits: pc.Limits) -> 
         p = np.abs(rows @ pc.matrix(ARRAY, QUIET, AIR).T)
         assert p.max() <= 5.0 * 1.01
         _, without = Loop(pc.Scene(items)).run(40)
-        assert np.abs(without @ pc.matrix(ARRAY, QUIET, AIR).T).max() > 15.0  # it does something
+        assert (
+            np.abs(without @ pc.matrix(ARRAY, QUIET, AIR).T).max() > 15.0
+        )  # the zone has an effect
 
 
 @pytest.mark.parametrize(
@@ -258,7 +260,9 @@ def test_new_limits_hold_from_the_first_row_on(limits: pc.Limits) -> None:
     after = np.concatenate([rows[-1:], loop.tick(FULL), loop.tick(FULL)])
     loop.scene = silent
     fading = np.concatenate([after[-1:], loop.tick(FULL)])
-    assert np.abs(np.diff(fading, axis=0)).max() <= 100.0 * loop.gap * (1.0 + 1e-4)  # as ever
+    assert np.abs(np.diff(fading, axis=0)).max() <= 100.0 * loop.gap * (
+        1.0 + 1e-4
+    )  # the rate limit holds
 
 
 def test_limits_that_join_all_gains_still_follow_the_mean_of_each_envelope() -> None:
@@ -388,7 +392,7 @@ def test_what_cannot_be_reached_is_left_out_and_counted() -> None:
     on = point(ARRAY.positions[5].tolist())
     far = point((0.0, 0.0, 12.0))
     loop = Loop(pc.Scene((on, far, point(LEFT))))
-    loop.sampler = pc.Sampler()  # without an array, it leaves nothing out
+    loop.sampler = pc.Sampler()  # a sampler without an array leaves nothing out
     rows = loop.tick()
     assert len(loop.played.rows[0].samples) == 1
     assert (
@@ -411,7 +415,7 @@ def test_on_a_hand_each_envelope_is_followed_too() -> None:
     assert solved.groups is not None
     index = solved.groups.index
     assert set(index.tolist()) == {0, 1}
-    B = loop.session.propagator.B  # weighted by what presses on the skin
+    B = loop.session.propagator.B  # weighted by facing and occlusion
     P = pc.radiation_pressure(rows @ B.T, AIR)
     full = pc.radiation_pressure(np.asarray(solved.solution.sound_pressure), AIR)
     expected = np.where(index == 0, wave.at(t)[:, None], 1.0) * full

@@ -1,4 +1,4 @@
-"""Recordings: everything a run was asked and did, whatever happens to the file."""
+"""Recordings contain all inputs and frames of a run, and survive damage to the file."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_its_length_is_the_number_of_its_ticks(tmp_path: Path) -> None:
     assert len(recording) == len(list(recording.ticks())) == 7
     assert repr(recording) == f"<Recording {path}: 7 ticks, 36 transducers, device at 1000 Hz>"
     whole = path.read_bytes()
-    for cut in (1, 100):  # the last tick is not whole
+    for cut in (1, 100):  # the last tick is incomplete
         path.write_bytes(whole[:-cut])
         assert len(pc.Recording(path)) == len(list(pc.Recording(path).ticks()))
     path.write_bytes(whole[: whole.index(b"sequence") - 2])
@@ -126,7 +126,7 @@ def test_a_replay_is_silent_where_the_renderer_was(tmp_path: Path) -> None:
     renderer, device = make(tmp_path / "run.pac", clock=clock, **at_once)
     with renderer:
         for _ in range(3):
-            renderer.run(3 * TICK)  # each ends in silence
+            renderer.run(3 * TICK)  # each run ends in silence
             clock.advance(0.5)
         renderer.tick()
         device.stall()
@@ -236,7 +236,7 @@ def unpacked(data: bytes) -> Any:
 
 
 def changed(path: Path, change: Any, index: int = 0) -> pc.Recording:
-    """The recording at `path`, whose map of that index was changed; 0 is the header."""
+    """Change the map with this index in the recording at `path`; 0 is the header."""
     maps = list(unpacked(path.read_bytes()))
     change(maps[index])
     path.write_bytes(b"".join(map(msgpack.packb, maps)))
@@ -279,7 +279,7 @@ def test_a_header_of_other_types_is_damaged(tmp_path: Path, bad: dict[str, Any])
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[pc.Frame]]:
-    """A recording of many kinds of things, and what was sent."""
+    """Return a recording of many kinds of objects, and the frames that were sent."""
     path = tmp_path_factory.mktemp("whole") / "run.pac"
     hand = Hand.open("left", pc.Pose((0.0, 0.0, 0.16)))
 
@@ -313,7 +313,7 @@ def test_what_was_cut_off_is_whole_up_to_there(
 
 
 def heard(path: Path) -> None:
-    """Read all of it in every way; a RecordingError is an answer."""
+    """Read the whole file in every way. Only RecordingError is allowed."""
     with contextlib.suppress(pc.RecordingError):
         list(pc.Recording(path))
     with contextlib.suppress(pc.RecordingError):
@@ -432,7 +432,7 @@ def test_a_full_disk_is_a_fault_that_silences() -> None:
 
 
 class Square:
-    """An envelope of one's own."""
+    """A user's own envelope."""
 
     def at(self, t: Any) -> Any:
         return np.ones(len(t))
@@ -440,7 +440,7 @@ class Square:
 
 @dataclasses.dataclass
 class Data:
-    """One that could be written, and not be read."""
+    """A user's own envelope that could be written, but not read."""
 
     level: float = 0.5
 
@@ -449,7 +449,7 @@ class Data:
 
 
 class Spot:
-    """A curve of one's own."""
+    """A user's own curve."""
 
     length, reach = 0.01, 0.0
 

@@ -1,4 +1,4 @@
-"""The loop, on a clock that only the test moves."""
+"""The render loop, on a manual clock."""
 
 import math
 import re
@@ -15,8 +15,8 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
+from pacinian.rendering.background_schedule import SOLVE_TICKS
 from pacinian.rendering.slew_limiter import Smoothing
-from pacinian.rendering.solve_schedule import SOLVE_TICKS
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
@@ -31,7 +31,7 @@ SCENE = pc.Scene((POINT,))
 
 @dataclass
 class Fails(pc.Solver):
-    """A solver that raises once it was called `after` times."""
+    """A solver that raises after `after` calls."""
 
     name: ClassVar[str] = "fails"
     after: int = 3
@@ -48,7 +48,7 @@ class Fails(pc.Solver):
 
 
 def make(scene: Any = SCENE, **options: Any) -> tuple[pc.Renderer, Simulated, ManualClock]:
-    """A renderer on a manual clock; without ramps, unless told: what is asked for sounds at once."""
+    """Return a renderer on a manual clock. By default it has no ramps, so that targets sound at once."""
     clock = options.setdefault("clock", ManualClock(100.0))
     options.setdefault("sampler", pc.Sampler())
     options.setdefault("smoothing", Smoothing(rate=None))
@@ -79,7 +79,7 @@ def test_what_is_emitted_makes_the_pressure_that_was_asked() -> None:
         P = pc.radiation_pressure(p, pc.Air())
         assert P[0] == pytest.approx(5.0, rel=0.02)
         assert renderer.report.error < 0.01
-        # the simulated array's own copy of the levels is what the report is about
+        # the report evaluates the levels that the simulated array holds
         np.testing.assert_allclose(device.gains, renderer.emitted, atol=1e-6)
     assert device.silent
 
@@ -104,7 +104,7 @@ def test_after_a_late_tick_the_loop_catches_up_and_after_a_long_stop_it_does_not
     device.delay(0.0035)
     report = renderer.run(0.01)
     assert report.ticks == 10
-    assert report.late_ticks == 3  # the slow one, and those that began after their own end
+    assert report.late_ticks == 3  # the slow tick, and two that began after their own end
     device.delay(0.5)
     report = renderer.run(1.0)
     assert report.skipped["missed ticks"] >= 490
@@ -147,7 +147,7 @@ def test_a_solver_that_raises_in_the_middle_silences_and_is_reported() -> None:
     assert report.ticks == 10
     assert report.fault_count == 1
     fault = report.faults[0]
-    assert (fault.stage, fault.tick) == ("solve", 2)  # two calls went into warming up
+    assert (fault.stage, fault.tick) == ("solve", 2)  # two calls were the warm-up
     assert "in the middle of a run" in fault.message
     assert report.skipped["halted"] == 7
     assert device.silent
@@ -404,7 +404,7 @@ def test_what_is_remembered_of_the_last_solution_is_intact() -> None:
     with renderer:
         for _ in range(3):
             renderer.tick()
-    assert seen[-2:] == pytest.approx([0.25, 0.25])  # before them, those of the warm-up
+    assert seen[-2:] == pytest.approx([0.25, 0.25])  # earlier ones are from the warm-up
 
 
 @pytest.mark.parametrize(
@@ -417,7 +417,7 @@ def test_what_is_no_part_of_a_renderer_is_refused(options: dict[str, Any]) -> No
 
 
 def loudest(device: Simulated) -> list[float]:
-    """The strongest gain of each row that was sent."""
+    """Return the largest gain of each row that was sent."""
     rows = np.concatenate([frame.gains(device.capability) for frame in device.frames])
     return np.abs(rows).max(axis=1).tolist()
 
@@ -432,7 +432,7 @@ def running(renderer: pc.Renderer, clock: ManualClock, ticks: int) -> None:
 def test_sound_comes_up_from_silence_and_then_the_same_rows_are_sent(rows: int) -> None:
     loud = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=150.0)
     device = Simulated(rate=1000.0 * rows, amplitudes=1 << 16, phases=1 << 16)
-    options: dict[str, Any] = {"sampler": None, "smoothing": None}  # the usual ones
+    options: dict[str, Any] = {"sampler": None, "smoothing": None}  # the defaults
     renderer, _, clock = make(pc.Scene((loud,)), backend=device, **options)
     with renderer:
         running(renderer, clock, 20)
@@ -511,7 +511,7 @@ def test_times_of_the_stages_add_up_to_that_of_the_tick(tmp_path: Path) -> None:
 
 
 class Busy(ManualClock):
-    """Each look at the clock takes `cost` [s]."""
+    """A clock that advances by `cost` [s] at each call."""
 
     cost = 4e-5
 
@@ -540,7 +540,7 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
     for rows in (1, 2, 4):
         renderer, _, _ = make(pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows))
         report = renderer.run(0.1)
-        assert len(report.errors) == 2  # in the ticks FIRST_LOOK and TICKS_PER_LOOK later
+        assert len(report.errors) == 2  # in tick FIRST_LOOK, and TICKS_PER_LOOK later
         assert 0.0 < report.error < 0.02
 
 
@@ -574,8 +574,8 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         )
         for x in (0.0, 0.001, 0.002)
     ]
-    solves = 1 if technique.still else 2  # in a tick
-    cost = 4e-5 / solves  # [s] for each sample
+    solves = 1 if technique.still else 2  # solves per tick
+    cost = 4e-5 / solves  # per sample [s]
 
     class Slowly(pc.Solver):
         name = "slowly"
@@ -606,7 +606,9 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         assert (few < whole) is governed
         beside = SOLVE_TICKS if technique.still else 1  # ticks that a solve may take
         assert not governed or (few >= 16 and few * cost * solves <= beside * renderer.period)
-        late = renderer.report.late_ticks  # the test runs solves beside the ticks within them
+        late = (
+            renderer.report.late_ticks
+        )  # includes solves beside the ticks, which this test runs in them
         assert governed is (late < 60) or (governed and technique.still)
         cost = 1e-7
         for _ in range(2000):
@@ -728,7 +730,7 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
     renderer, _, _ = make(pc.Scene((points,)), clock=clock, solver="lbfgs")
     errors, solves = [], []
     with renderer:
-        renderer.schedule.period = math.inf  # no tick is long, so that all of them solve
+        renderer.schedule.period = math.inf  # no tick is long, so every tick solves
         for _ in range(40):
             renderer.tick()
             assert renderer.solution is not None
@@ -743,7 +745,7 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
 
 
 class Halves(pc.Solver):
-    """Halves what is missing of a focus each time that there is time for it."""
+    """A solver that halves the error of a focus each time it has time."""
 
     name = "halves"
 

@@ -1,4 +1,4 @@
-"""A recording rendered again: the same frames, bit for bit, whatever the time was spent on."""
+"""A recording rendered again gives the same frames, bit for bit, whatever the timing was."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TICK = 1e-3  # [s]
 
 
 class Slow(ManualClock):
-    """Each look at it takes time, so that deadlines are missed and the governor steps in."""
+    """A clock that advances at each call, so that deadlines pass and the budget controller acts."""
 
     def __init__(self, each: float = 2e-5) -> None:
         super().__init__(3.0)
@@ -58,7 +58,7 @@ def make(path: Path, scene: Any, clock: Any = None, **options: Any) -> pc.Render
 
 
 def again(path: Path) -> tuple[int, int]:
-    """How many ticks, and how many differ."""
+    """Render a recording again; return the number of ticks, and of those that differ."""
     found = rerender(pc.Recording(path))
     assert not found.environment
     assert not found.objects
@@ -73,7 +73,7 @@ def test_every_built_in_scene_comes_out_the_same(tmp_path: Path, name: str) -> N
 
 
 def grid(t: float) -> pc.Scene:
-    """Points that all move."""
+    """Return a scene of points that all move."""
     side = (0.01 * np.arange(-4.0, 5.0)).tolist()
     places = tuple((x, y, 0.2 + 0.01 * t) for x in side for y in side)
     return pc.Scene((pc.Particles(positions=places, radiation_pressure=1.0),))
@@ -114,7 +114,7 @@ def test_it_comes_out_the_same_after_faults_and_resets(tmp_path: Path) -> None:
     with renderer:
         for k in range(60):
             if k in (20, 45):
-                device.stall()  # after the tick has solved and read the clock
+                device.stall()  # after the tick has solved, and has read the clock
             renderer.tick(3.0 + k * TICK)
             device.resume()
             if renderer.halted is not None and k % 3:
@@ -149,12 +149,12 @@ PLATE = pc.Surface(
 
 
 def fresh(t: float) -> pc.Scene:
-    """A new scene each time, of the same objects."""
+    """Return a new scene of the same objects."""
     return pc.Scene(OBJECTS, hands=(HAND,))
 
 
 def hands(t: float) -> pc.Scene:
-    """A hand that is seen somewhere else each 8 ms, in a new scene each time."""
+    """Return a new scene with a hand whose position changes every 8 ms."""
     return pc.Scene((PLATE,), hands=(seen(int(t / 0.008)),))
 
 
@@ -165,7 +165,7 @@ def seen(update: int) -> Any:
 
 
 def tracked(t: float) -> pc.Scene:
-    """A hand with velocities that is lost now and then, and one that is a mesh, which moves."""
+    """Return a scene with a moving hand that is lost now and then, and a moving hand that is a mesh."""
     now = int(t / 0.008) * 0.008
     joints = HAND.transform(pc.Pose((0.2 * now, 0.0, 0.0))).joints
     assert joints is not None
@@ -176,17 +176,17 @@ def tracked(t: float) -> pc.Scene:
 
 
 def comes_and_goes(t: float) -> pc.Scene:
-    """Two scenes in turn, with a thing that moves."""
+    """Return one of two scenes in turn, with a moving object."""
     return pc.Scene((BALL, POINT), hands=(HAND,)) if int(t / 0.003) % 2 else OTHER
 
 
 def gone_and_back(t: float) -> pc.Scene:
-    """A thing that moves, and is not there now and then."""
+    """Return a scene with a moving object that is missing now and then."""
     return pc.Scene((POINT, BALL) if int(t / 0.003) % 2 else (POINT,), hands=(HAND,))
 
 
 def put_and_remove(t: float) -> pc.Scene:
-    """Objects updated, taken away and put back, as an engine does."""
+    """Return a scene whose objects are updated, removed and put back, as by a game engine."""
     k = round(t / TICK)
     scene = WORLD[-1] if k else OTHER
     if k % 5 == 1:
@@ -203,7 +203,7 @@ def put_and_remove(t: float) -> pc.Scene:
 
 
 def modulated(t: float) -> pc.Scene:
-    """A hand on a plate that is rendered by a technique, a new one now and then."""
+    """Return a scene with a hand on a plate, whose technique changes now and then."""
     techniques = STM(100.0, "outline"), LM(50.0, 0.003), STM(60.0, Circle(0.01))
     plate = replace(PLATE, technique=techniques[int(t / 0.01) % 3])
     return pc.Scene((plate, POINT), hands=(HAND,))
@@ -307,7 +307,7 @@ def test_a_changed_clock_that_changes_what_is_done_is_told(tmp_path: Path) -> No
 
 
 def write_files(folder: Path) -> pc.Scene:
-    """A scene of all kinds of objects that need files; the mesh is wound inside out."""
+    """Write a scene with all kinds of objects that need files. The mesh is inside out."""
     rng = np.random.default_rng(0)
     ball = icosphere(subdivisions=2, radius=0.03)
     ball.invert()
@@ -354,7 +354,13 @@ def test_a_recording_needs_none_of_the_files_of_its_objects(tmp_path: Path) -> N
     unpacker = msgpack.Unpacker(strict_map_key=False)
     unpacker.feed(data)
     kinds = [kind for m in unpacker for kind, _ in m.get("new", {}).get("files", {}).values()]
-    assert sorted(kinds) == ["HeightMap", "Mesh", "Texture", "Voxels", "Wave"]  # each once
+    assert sorted(kinds) == [
+        "HeightMap",
+        "Mesh",
+        "Texture",
+        "Voxels",
+        "Wave",
+    ]  # each is stored once
     for cut in np.random.default_rng(1).integers(1, len(data), 40).tolist():
         path.write_bytes(data[:cut])
         with suppress(pc.RecordingError):

@@ -1,4 +1,4 @@
-"""Every kind of thing in a scene, written and read again."""
+"""Every kind of object is written and read again."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ OBJECTS: list[Any] = [
 
 
 class Wire:
-    """A writer and a reader, and between them what the file does to the values."""
+    """A writer and a reader, connected by the encoding of the file."""
 
     def __init__(self) -> None:
         self.writer, self.reader = Writer(), Reader()
@@ -154,7 +154,7 @@ def test_a_changed_pose_does_not_write_the_shape_again() -> None:
     assert back == stone
     assert isinstance(first, pc.Volume)
     assert isinstance(back, pc.Volume)
-    assert back.shape is first.shape  # and so is all that was made of it
+    assert back.shape is first.shape  # so what was computed from it is reused
 
 
 HAND = Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))

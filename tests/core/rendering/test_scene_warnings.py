@@ -1,4 +1,4 @@
-"""What a renderer warns about before the first tick: objects that it cannot render as they ask."""
+"""Warnings before the first tick about objects that cannot be rendered as asked."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_an_object_outside_the_workspace_is_named(z: float, radius: float) -> No
 def test_an_object_that_asks_for_more_than_one_focus_is_named(
     place: Any, share: float, gain: float
 ) -> None:
-    """Checked against the strongest focus that `pc.solve` makes there."""
+    """The reference is the strongest focus that `pc.solve` makes there."""
     limits = pc.Limits(gain=gain)
     focus = pc.solve(ARRAY, place, 1.0, scale="max", medium=AIR, limits=limits)
     most = float(pc.radiation_pressure(np.abs(focus.sound_pressure[0]), AIR))

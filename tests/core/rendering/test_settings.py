@@ -19,7 +19,7 @@ bounded = settings(max_examples=60)
 
 
 def again(renderer: pc.Renderer) -> pc.Renderer:
-    """A renderer from its settings as they come out of a file."""
+    """Return a renderer from its settings, encoded and decoded as in a file."""
     plain = msgpack.unpackb(msgpack.packb(to_config(renderer)), strict_map_key=False)
     array = renderer.session.array
     array = array_record.from_map(plain, array.positions, array.normals)

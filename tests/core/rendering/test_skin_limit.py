@@ -1,4 +1,4 @@
-"""The pressure limit holds on skin, also where the renderer did not look."""
+"""The pressure limit holds on skin, also at points that the renderer did not evaluate."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ CENTRE = ONE.centre
 AIR = pc.Air()
 TOLERANCE = 0.03
 HIGH = pc.Pose((CENTRE[0], CENTRE[1], 0.0))  # the gallery's hand is above the origin
-NEAR = 8  # places around which to look closer
+NEAR = 8  # number of points around which to look closer
 
 Array = np.ndarray[Any, Any]
 
@@ -40,7 +40,7 @@ def press(gains: Array, q: Array, facing: pc.SkinFacing | None = None) -> Array:
 
 
 def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]:
-    """Move places, (M, 3), onto the outside of these capsules, of `own` each; also return their normals and `own`."""
+    """Move points, (M, 3), onto the outside of their capsules `own`. Return points, normals and `own`."""
     a, e = own[:, :3], own[:, 3:6] - own[:, :3]
     s = np.clip(((q - a) * e).sum(axis=1) / np.maximum((e * e).sum(axis=1), 1e-12), 0.0, 1.0)
     axis = a + s[:, None] * e
@@ -52,7 +52,7 @@ def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]
 
 
 def highest(gains: Array, hand: pc.Hand, seed: int) -> float:
-    """Return the highest pressure at random places of the skin that faces the array [Pa]."""
+    """Return the highest pressure at random points of the skin that faces the array [Pa]."""
     rng, capsules = np.random.default_rng(seed), make_capsules(hand)
     own = np.repeat(capsules, 300, axis=0)
     middle = own[:, :3] + rng.uniform(0, 1, (len(own), 1)) * (own[:, 3:6] - own[:, :3])
@@ -84,7 +84,7 @@ offsets = st.floats(-0.04, 0.04)
 
 @st.composite
 def scenes(draw: st.DrawFn) -> pc.Scene:
-    """A hand, on a ball, a plate, or foci."""
+    """Draw a scene: a hand on a ball, a plate, or foci."""
     hand = HAND.transform(HIGH)
     palm = np.array([*CENTRE[:2], 0.2])
     kind = draw(st.sampled_from(["ball", "plate", "foci"]))
@@ -123,7 +123,7 @@ def test_no_place_of_the_skin_gets_more_than_the_limit(scene: pc.Scene, limit: f
 
 
 def test_a_peak_beside_the_samples_is_limited_and_named() -> None:
-    """A plate of 8 Pa that makes more than 8 Pa beside its samples."""
+    """A plate of 8 Pa makes more than 8 Pa beside its samples."""
     hand = HAND.transform(HIGH)
     plate = pc.Surface(
         shape=pc.Rectangle(0.06, 0.05),
@@ -147,7 +147,7 @@ def test_a_peak_beside_the_samples_is_limited_and_named() -> None:
 
 
 def test_without_a_hand_no_skin_is_seen_and_nothing_is_scaled_down() -> None:
-    """Two foci so near to each other that the pressure between them is higher than asked."""
+    """Two foci are so close together that the pressure between them exceeds the target."""
     at = [CENTRE + np.array([0.004 * side, 0.0, 0.2]) for side in (-1, 1)]
     scene = pc.Scene(tuple(pc.Point(position=tuple(q), radiation_pressure=6.0) for q in at))
     free, held = render(scene).played.rows[-1], render(scene, peak=6.0).played.rows[-1]
@@ -155,7 +155,7 @@ def test_without_a_hand_no_skin_is_seen_and_nothing_is_scaled_down() -> None:
 
 
 def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
-    """By each row as sent, for two foci that vibrate at different rates."""
+    """Each row that was sent is checked, for two foci with different frequencies."""
     hand = HAND.transform(HIGH)
     at = [CENTRE + np.array([0.009 * side, 0.0, 0.2]) for side in (-1, 1)]
     items = tuple(
@@ -185,7 +185,7 @@ def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
 
 @given(st.integers(0, 1000))
 def test_the_largest_sum_of_groups_is_bounded_closely(seed: int) -> None:
-    """By trying all on and off: the largest amplitude is at a corner."""
+    """The largest amplitude is at a corner, so the test tries all groups on and off."""
     rng = np.random.default_rng(seed)
     z = rng.normal(size=(4, 7)) + 1j * rng.normal(size=(4, 7))
     on = np.array(list(np.ndindex(2, 2, 2, 2)), float)

@@ -1,4 +1,4 @@
-"""Work that is saved is told apart from problems, as the viewer's page does."""
+"""Saved work and problems are separated in the same way as on the viewer's page."""
 
 import re
 from pathlib import Path
@@ -31,3 +31,13 @@ def test_every_reason_exists_in_the_sources() -> None:
     sources = "".join(path.read_text() for path in (ROOT / "core/pacinian").rglob("*.py"))
     for reason in SAVED:
         assert sources.count(f'"{reason}"') > 1, reason
+
+
+def test_the_documentation_explains_every_reason_of_the_page() -> None:
+    page = (ROOT / "viewer/src/panels/reasons.ts").read_text()
+    reasons = re.findall(r'^  "?([a-z][^":]+)"?: "', page, re.MULTILINE)
+    section = (ROOT / "docs/touch.md").read_text().partition("### Reasons in skipped")[2]
+    assert re.findall(r"^\| `([^`]+)` \|", section.partition("\n## ")[0], re.MULTILINE) == [
+        *(reason for reason in reasons if reason not in SAVED),
+        *(reason for reason in reasons if reason in SAVED),
+    ]

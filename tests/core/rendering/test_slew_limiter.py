@@ -17,14 +17,14 @@ FREE = Smoothing(rate=None)
 
 
 def drawn(seed: int, *shape: int, top: float = 1.0) -> Any:
-    """Gains within the unit disc times `top`."""
+    """Draw gains within a disc of radius `top`."""
     rng = np.random.default_rng(seed)
     size = top * np.sqrt(rng.random(shape))
     return (size * np.exp(2j * np.pi * rng.random(shape))).astype(np.complex64)
 
 
 def at(gains: Any, how: Smoothing = FREE) -> SlewRateLimiter:
-    """A smoother that has given out `gains`, (N,)."""
+    """Return a limiter whose last output is `gains`, (N,)."""
     smoother = SlewRateLimiter(FREE, len(gains))
     smoother.follow(gains[None], DT, np.empty((1, len(gains)), np.complex64))
     smoother.settings = how
@@ -40,9 +40,9 @@ def followed(smoother: SlewRateLimiter, gains: Any, rows: int = 1) -> Any:
 def reference(
     last: Any, g: Any, how: Smoothing, seconds: float, loudest: float
 ) -> tuple[Any, float, bool]:
-    """The row after `last`, (N,), towards g, (N,), in double precision; by how much one may miss it; whether it is g.
+    """Return the row from `last` (N,) towards g (N,) in double precision, its allowed error, and whether it reaches g.
 
-    A gain is 2**-21 short, on purpose, and rounded; of an inner product with little left, the angle is uncertain.
+    A gain is 2**-21 short, on purpose, and rounded. If an inner product nearly cancels, its angle is uncertain.
     """
     inner = np.vdot(g, last)
     turned = how.align and abs(inner) > 0.0

@@ -1,4 +1,4 @@
-"""Another device while the loop runs."""
+"""Changing the device while the loop runs."""
 
 import math
 from pathlib import Path
@@ -54,7 +54,7 @@ def test_no_tick_is_missing_and_the_same_sounds(scene: Any) -> None:
         for k in range(40):
             if k == 20:
                 assert renderer.use(second) is first
-                assert not first.silent  # until the caller closes it
+                assert not first.silent  # the caller closes it
             if k == 21:
                 first.close()
             clock.wait_until(k * 0.001)
@@ -130,7 +130,7 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
     with renderer:
         assert not renderer.shown.objects
         scenes.clear()
-        for k in range(6):  # measured in one of these
+        for k in range(6):  # one of these ticks measures
             renderer.tick(k * 0.001)
             assert renderer.shown is scenes[-1]
         background = solve_beside(renderer)

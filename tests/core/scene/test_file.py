@@ -35,7 +35,7 @@ OPEN = Hand.open("left").joints
 assert OPEN is not None
 JOINTS = OPEN.tolist()
 
-# Every key there is, once.
+# Every key that exists, once.
 FULL = """
 solver = { name = "lagrange", options = { steps = 20, tolerance = 1e-3, warm = true, mode = "x" } }
 backend = { name = "simulated", options = {} }
@@ -253,7 +253,7 @@ faces = [[0, 1, 2]]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the files that the full scene wants."""
+    """Return a folder with the files of the full scene."""
     path = tmp_path_factory.mktemp("scenes")
     trimesh.creation.box((60.0, 40.0, 20.0)).export(path / "hand.stl")
     trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).export(path / "open.stl")
@@ -283,7 +283,7 @@ def written(folder: Path, content: str | bytes, suffix: str) -> Path:
 
 @pytest.fixture
 def refused(folder: Path) -> Callable[..., pc.SceneFileError]:
-    """The error of a scene file, which must name the file, and the key where there is one."""
+    """Return the error of a scene file. It must name the file, and the key if there is one."""
 
     def write_and_fail(
         content: str | bytes, key: str, *words: str, suffix: str = ".toml"
@@ -302,7 +302,7 @@ def refused(folder: Path) -> Callable[..., pc.SceneFileError]:
 
 
 def toml(value: Any) -> str:
-    """A value as TOML, inline; absent is what is None."""
+    """Return a value as inline TOML; None is left out."""
     if isinstance(value, dict):
         inside = ", ".join(f"{toml(k)} = {toml(v)}" for k, v in value.items() if v is not None)
         return "{ " + inside + " }"
@@ -323,7 +323,7 @@ def as_toml(file: SceneFile) -> str:
 
 
 def test_every_key_is_read(read: Any, folder: Path) -> None:
-    """What is loaded holds each value of the file under its key; arrays' numbers have other tests."""
+    """The loaded scene has each value of the file under its key. Other tests cover the numbers of arrays."""
     expect(msgspec.toml.decode(FULL), tree(read(FULL)), folder)
 
 
@@ -332,7 +332,7 @@ def expect(given_as: Any, kept: Any, folder: Path, key: str = "") -> None:
         for inner, value in given_as.items():
             expect(value, kept[inner], folder, inner)
     elif kept == {"type": "preset", "name": given_as}:
-        return  # a word for it
+        return  # a preset name
     elif key in ("values", "heights"):  # packed
         assert isinstance(kept, str)
     elif key == "file":
@@ -346,7 +346,7 @@ def expect(given_as: Any, kept: Any, folder: Path, key: str = "") -> None:
 
 
 def keys(value: Any) -> Iterator[tuple[str, str]]:
-    """Each (type, key) of a tree; the type is "" where there is none."""
+    """Yield each (type, key) of a tree; the type is "" if there is none."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield value.get("type", ""), key
@@ -362,7 +362,7 @@ def test_the_full_example_has_every_key_of_the_schema(folder: Path) -> None:
         known = definition["properties"]
         kind = known["type"]["enum"][0] if "type" in known else ""
         if kind in ("autd", "device"):
-            continue  # a scene has one array: the next tests'
+            continue  # a scene has only one array; the next tests cover the others
         assert {(kind, key) for key in known} <= used, name
 
 
@@ -481,7 +481,7 @@ def test_any_scene_comes_back_from_its_file(
     for mine, theirs in zip(back.objects, objects, strict=True):
         if isinstance(theirs, pc.Point):
             assert mine == theirs
-        else:  # normalising again may move the last digit
+        else:  # normalising again may change the last digit
             assert mine.pose.rotation == pytest.approx(theirs.pose.rotation, abs=1e-15)
             assert replace(mine, pose=theirs.pose) == theirs
     assert back.rate == rate
@@ -531,11 +531,11 @@ HERE = "$.objects[0]"
 @pytest.mark.parametrize(
     ("content", "key", "said"),
     [
-        # unknown keys and types, with what was probably meant
+        # unknown keys and types, with a suggestion
         ("solvr = 'auto'", "", ["solvr", "did you mean `solver`?"]),
         ("zzzzqq = 1", "", ["zzzzqq", "pacinian schema"]),
         ('"" = 1', "", ["unknown field ``"]),
-        ('"a - at b" = 1', "", ["a - at b"]),  # a key that reads like a place
+        ('"a - at b" = 1', "", ["a - at b"]),  # a key that looks like a location
         ("[sampling]\nspaceing = 1", "$.sampling", ["spaceing", "did you mean `spacing`?"]),
         ("[array]\ntype = 'autd'\ncolums = 3", "$.array", ["did you mean `columns`?"]),
         ("[array]\ntype = 'autd'\nwidth = 3", "$.array", ["unknown field `width`"]),
@@ -550,7 +550,7 @@ HERE = "$.objects[0]"
         ),
         (BUZZ + "{ type = 'sin', frequency = 1 }", f"{HERE}.envelope.type", ["`sine`?"]),
         (BUZZ + "'buzing'", f"{HERE}.envelope", ["`buzzing`?"]),
-        # what is missing or of another kind
+        # missing values, and values of another type
         ("[[objects]]\nposition = [0, 0, 0]", HERE, ["missing required field `type`"]),
         (SURFACE + "shape = { type = 'disc' }", f"{HERE}.shape", ["missing", "`radius`"]),
         ("solver = {}", "$.solver", ["missing", "`name`"]),
@@ -561,7 +561,7 @@ HERE = "$.objects[0]"
         ("objects = [1]", HERE, ["object", "int"]),
         ("rate = 2020-01-01", "$.rate", ["float", "date"]),
         ("sampling = { budget = 1.5 }", "$.sampling.budget", ["int", "float"]),
-        # numbers that cannot be meant
+        # implausible numbers
         ("rate = nan", "", ["`rate`", "finite"]),
         ("rate = 0", "", ["`rate`", "1 or more"]),
         ("gain = 0", "", ["`gain`", "more than 0"]),
@@ -582,7 +582,7 @@ HERE = "$.objects[0]"
             ["`high`"],
         ),
         ("hands = [{ side = 'both' }]", "$.hands[0].side", ["both"]),
-        # files, each named with the key of what wants it
+        # files, each named with its key
         (SURFACE + "shape = { type = 'mesh' }", f"{HERE}.shape", ["file", "vertices"]),
         (SURFACE + "shape = { type = 'mesh', file = 'a\\u0000' }", f"{HERE}.shape", ["mesh"]),
         (SURFACE + "shape = { type = 'mesh', file = 'hand.stl' }", f"{HERE}.shape", ["metres"]),
@@ -594,7 +594,7 @@ HERE = "$.objects[0]"
         (NO_HEIGHTS, f"{HERE}.shape", ["no.npy"]),
         (DISC + "texture = { file = 'no.png', size = [1, 1] }", f"{HERE}.texture", ["no.png"]),
         (DISC + "envelope = { type = 'wave', file = 'hand.stl' }", f"{HERE}.envelope", ["WAV"]),
-        # kinds that there are not, or not here
+        # unknown types, and types that are not allowed here
         (SURFACE + "shape = { type = 'dsc' }", f"{HERE}.shape.type", ["did you mean `disc`"]),
         (
             SURFACE + "shape = { type = 'banana' }",
@@ -610,7 +610,7 @@ HERE = "$.objects[0]"
         (DISC + "envelope = { type = 'melody' }", f"{HERE}.envelope.type", ["noise, wave"]),
         ("[[objects]]\ntype = 'cloud'", f"{HERE}.type", ["point, path, particles"]),
         ("array = { type = 'ring' }", "$.array.type", ["autd, lattice, device"]),
-        # what several share
+        # errors between several objects or hands
         (POINT + "force = 1\nname = 'a'\n" + POINT + "force = 1\nname = 'a'", "$", ["'a'"]),
         ("hands = [{ side = 'right' }, { side = 'right' }]", "$", ["`hands`", "'right'"]),
         ("hands = [{ joints = [[0, 0, 0]] }]", "$", ["`joints`", "(26, 3)"]),
@@ -720,7 +720,7 @@ def test_only_keys_that_would_be_right_there_are_suggested(refused: Any) -> None
 
 
 def survives(folder: Path, content: str | bytes, suffix: str) -> bool:
-    """Load it: a scene, or a SceneFileError that names the file. Returns whether it is a scene."""
+    """Load a file. It must give a scene, or a SceneFileError that names the file. Return whether it is a scene."""
     path = written(folder, content, suffix)
     try:
         file = pc.load_scene_file(path)
@@ -770,7 +770,7 @@ json_like = st.recursive(
 
 
 def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Where anything is in a tree."""
+    """Yield the paths of all values in a tree."""
     inner = value.items() if isinstance(value, dict) else enumerate(value)
     for key, item in inner:
         yield (*path, key)
@@ -778,7 +778,7 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
             yield from places(item, (*path, key))
 
 
-# without the last object: its `faces` and `vertices` have tests of their own
+# without the last object, whose `faces` and `vertices` have their own tests
 EXAMPLE = msgspec.toml.decode(FULL.rpartition("[[objects]]")[0])
 
 

@@ -30,7 +30,7 @@ solids = st.one_of(
     st.builds(lambda x, y, z: pc.Box((x, y, z)), lengths, lengths, lengths),
     st.builds(pc.Capsule, lengths, lengths),
 )
-forced = st.one_of(  # what makes an object of a force, and the area that it presses on
+forced = st.one_of(  # functions that make an object from a force, with the area on which it presses
     (shells | st.builds(pc.Sphere, lengths)).map(
         lambda shape: (partial(pc.Surface, shape=shape), shape.area)
     ),

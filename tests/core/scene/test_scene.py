@@ -46,7 +46,7 @@ steps = st.lists(
 
 
 def same(scene: pc.Scene, other: pc.Scene) -> None:
-    """Whether they are the same, what they keep for later too."""
+    """Check that two scenes are equal, including their cached data."""
     assert scene.objects == other.objects
     assert scene.hands == other.hands
     assert scene.workspace is other.workspace

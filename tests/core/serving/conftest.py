@@ -1,4 +1,4 @@
-"""A control process in a thread, with other processes that only pretend."""
+"""A control process in a thread, with fakes of the other processes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 class Pretender:
-    """A process that gives its sign of life each time it is looked at, and answers all orders."""
+    """A fake process. It sends a heartbeat at each `poll`, and answers all orders."""
 
     stdin, pid = None, 7
 
@@ -97,10 +97,10 @@ class Pretender:
 
 
 class Server:
-    """One that runs.
+    """A running control process.
 
-    processes: all that were started, by name; spares: of the guard, which are among those once they are called. extra:
-    what they tell, by name. silent: names of those that start without a sign of life.
+    processes: all started processes, by name. spares: of the guard; they join `processes` once they are called. extra:
+    additional status fields, by name. silent: names of processes that start without a heartbeat.
     """
 
     def __init__(self, settings: Settings, folder: Path) -> None:
@@ -160,7 +160,7 @@ class Server:
         return Connection.read(self.path)
 
     def socket(self, kind: int, token: str | None = None, **options: Any) -> zmq.Socket[bytes]:
-        """An unconnected socket with the secrets of the connection file, unless others are given."""
+        """Return an unconnected socket with the secrets of the connection file, unless others are given."""
         made = self.sockets.enter_context(self.context.socket(kind))
         made.linger = 0
         made.rcvtimeo = made.sndtimeo = int(1e3 * PATIENCE)
@@ -177,7 +177,7 @@ class Server:
         return made
 
     def monitor(self, socket: zmq.Socket[bytes], events: int) -> zmq.Socket[bytes]:
-        """What is told of the connections of a socket; to be asked for before it connects."""
+        """Return the monitor of a socket. Call it before the socket connects."""
         made = self.sockets.enter_context(socket.get_monitor_socket(events))
         self.sockets.callback(socket.disable_monitor)
         return made
@@ -188,7 +188,7 @@ class Server:
         return Asker(made)
 
     def states(self, topic: bytes = b"state") -> Callable[[], Any]:
-        """A function to the next published state."""
+        """Return a function that receives the next published state."""
         made = self.socket(zmq.SUB)
         made.subscribe(topic)
         made.connect(self.connection.state)
@@ -216,7 +216,7 @@ class Asker:
         return decode_reply(self.socket.recv())
 
     def ask(self, kind: Any, **fields: Any) -> Any:
-        """Ask, and return the answer; what was not asked for is left out."""
+        """Send a request and return its reply. Unsolicited messages are dropped."""
         self._id += 1
         if "session" in kind.__struct_fields__:
             fields.setdefault("session", self.session)
@@ -234,21 +234,21 @@ class Asker:
 
 
 class Logged(io.StringIO):
-    """What was logged. Not read by `capfd`, which loses what is written while it reads."""
+    """The log. `capfd` is not used, because it loses text that is written while it reads."""
 
     def wait(self, *parts: str) -> str:
-        """All that was logged, once each of `parts` is in it."""
+        """Wait until the log contains all `parts`; return the log."""
         return str(eventually(lambda: all(p in self.getvalue() for p in parts) and self.getvalue()))
 
     def refused(self, *whys: str) -> None:
-        """It is logged that a connection was refused, because of one of `whys`."""
+        """Wait until the log says that a connection was refused for one of these reasons."""
         self.wait("connection refused")
         eventually(lambda: any(f"why={why}" in self.getvalue() for why in whys))
 
 
 @pytest.fixture
 def logged(monkeypatch: pytest.MonkeyPatch) -> Logged:
-    """What is logged in this process from now on; a server configures the rest when it starts."""
+    """Capture the log of this process. A server configures its own log when it starts."""
     made = Logged()
     seen = SimpleNamespace(stderr=made)  # sys.stderr is set by pytest when the test begins
     monkeypatch.setattr("pacinian.serving.ipc.logs.sys", seen)
@@ -258,7 +258,7 @@ def logged(monkeypatch: pytest.MonkeyPatch) -> Logged:
 
 @pytest.fixture
 def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
-    """A function that starts a server with settings, ended with the test."""
+    """Return a function that starts a server with settings. The server ends with the test."""
     with contextlib.ExitStack() as stack:
         numbers = itertools.count()
         yield lambda settings=None: stack.enter_context(
@@ -268,5 +268,5 @@ def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
 
 @pytest.fixture
 def server(start_server: Callable[..., Server]) -> Server:
-    """A server whose leases do not end where the machine is late."""
+    """Start a server with leases that outlast a busy machine."""
     return start_server()

@@ -1,4 +1,4 @@
-"""Clients of sessions on a clock that stands still, without sockets."""
+"""Fake clients of sessions, on a manual clock and without sockets."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LEASE = 0.25
 
 
 class FakeControl:
-    """Sessions with a clock, and clients that speak to them."""
+    """Sessions with a manual clock, and their clients."""
 
     def __init__(self, **safety: Any) -> None:
         self.clock = ManualClock(100.0)
@@ -39,7 +39,7 @@ class FakeControl:
         return self.sessions.take_replies()
 
     def ask(self, peer: bytes, message: Any) -> Any:
-        """What the peer is told last, of all."""
+        """Return the last message to the peer."""
         return self.all(peer, message)[-1]
 
     def all(self, peer: bytes, message: Any) -> list[Any]:
@@ -58,7 +58,7 @@ class Game:
     def __init__(self, desk: FakeControl, peer: bytes, welcome: Welcome) -> None:
         self.desk, self.peer, self.welcome = desk, peer, welcome
         self.count = itertools.count(1)
-        self.ahead = 5000.0  # [s] that its clock shows more
+        self.ahead = 5000.0  # offset of its clock [s]
 
     def renew(self, late: float = 0.0) -> Any:
         time = self.desk.clock.time + self.ahead - late
@@ -71,13 +71,13 @@ class Game:
         return self.ask(Arm, take=take, resume=resume)
 
     def take(self) -> None:
-        """Ask for the output with the number 5, and hear nothing yet."""
+        """Request the output with request 5. There is no reply yet."""
         message = Arm(session=self.welcome.session, id=5, take=True)
         self.desk.sessions.handle(self.peer, "user", message, self.desk.clock.time)
 
 
 def armed(*, resume: bool = False) -> tuple[FakeControl, Game]:
-    """A client that owns the output."""
+    """Return a client that owns the output."""
     desk = FakeControl()
     game = desk.hello()
     game.arm(resume=resume)

@@ -1,4 +1,4 @@
-"""A renderer that keeps what it takes, and commands to send it."""
+"""A fake renderer that stores what it receives, and commands to send."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Reply
 
 KEY = b"k" * 16
-# however late they are, they are not too old
+# so that no delay makes them too old
 HEAD: dict[str, Any] = {"session": KEY, "sequence": 1, "time": 0.0, "ttl": MAX_TIME_TO_LIVE}
 
 
 class AtOnce(Executor):
-    """Does all work when it is asked for."""
+    """An executor that runs each job at once."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()
@@ -58,12 +58,12 @@ def room_of(settings: Settings | None = None) -> SharedScene:
 
 
 def converted(room: SharedScene) -> list[tuple[Client, Reply]]:
-    """Convert all that takes long; what is answered."""
+    """Finish all conversions; return the replies."""
     return list(room._converter.round())
 
 
 class FakeRenderer:
-    """Applies changes to plain values. scene: name to object, pose, envelope; in order."""
+    """Applies changes to plain values. scene: object, pose and envelope by name, in order."""
 
     def __init__(self, run: int = 1) -> None:
         self.run = run
@@ -86,7 +86,7 @@ class FakeRenderer:
         elif isinstance(change, PutObject):
             self.scene[change.name] = [change.item, None, None]
         elif isinstance(change, MoveObject | SetEnvelope) and change.name not in self.scene:
-            pass  # meant for the renderer before, and all comes anew
+            pass  # for an earlier renderer; all changes are sent again
         elif isinstance(change, MoveObject):
             self.scene[change.name][1] = change.position[0]
         elif isinstance(change, SetEnvelope):
@@ -99,7 +99,7 @@ class FakeRenderer:
             self.quiet = change
 
     def drain(self, outbox: ChangeBatcher) -> None:
-        """Take until there is nothing new."""
+        """Take changes until there are none."""
         for _ in range(10_000):
             if outbox.scene is not None:
                 converted(outbox.scene)
@@ -112,7 +112,7 @@ class FakeRenderer:
 
 
 class Model:
-    """All commands of a scene in order, the slow and simple way."""
+    """Reference: applies all commands of a scene in order."""
 
     def __init__(self) -> None:
         self.scene: dict[str, list[object]] = {}

@@ -1,4 +1,4 @@
-"""What a guard process needs of the others, and a device that writes down what it is told."""
+"""The files that a guard process shares with other processes, and a device that logs its calls."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-FOREVER = 1e6  # [s]
+FOREVER = 1e6  # longer than any test [s]
 N = len(lattice(0.05, 0.05))
 PLUGIN = '''
 import ctypes
@@ -85,7 +85,7 @@ def register_backends():
 
 @pytest.fixture
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where the plug-in, which is installed now, writes."""
+    """Install the plug-in; return the path of its log."""
     (tmp_path / "logged.py").write_text(PLUGIN)
     told = tmp_path / "logged-1.0.dist-info"
     told.mkdir()
@@ -98,7 +98,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 class Server:
-    """What a guard needs of the others."""
+    """The other processes, as far as a guard needs them."""
 
     def __init__(self) -> None:
         self.stack = ExitStack()
@@ -135,7 +135,7 @@ class Server:
     def until(
         self, so: Callable[[DeviceStatus], object], each: Callable[[], object] = lambda: None
     ) -> DeviceStatus:
-        """What the device tells once it is so."""
+        """Wait until the status of the device satisfies `so`; return it."""
         told: DeviceStatus = eventually(lambda: (d := self.device) and so(d) and d, each)
         return told
 
@@ -158,7 +158,7 @@ class Server:
         return self.until(lambda device: device.sounding, self.frame)
 
     def silenced(self, reason: str, **permit: float) -> None:
-        """It sounds until another permit ends that; where this process stood still, no frames did: once more."""
+        """Check that a permit ends sound with this reason. Repeat if sound had ended before, because no frames came."""
         while reason not in self.until(lambda _: True).reasons:
             self.sound()
             self.permit(**permit)  # type: ignore[arg-type]

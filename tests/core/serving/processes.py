@@ -1,4 +1,4 @@
-"""What tests of the server's processes share."""
+"""Shared by tests of the server's processes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import psutil
 from pacinian.serving.settings import Log, Safety, Settings
 
 PATIENT = Settings(log=Log(level="warning"), safety=Safety(lease=10.0, forget=3600.0, hung=60.0))
-"""A server with leases and watchdogs that do not end where the machine stands still."""
+"""Settings with leases and watchdogs that outlast a stopped machine."""
 
 
 def runs(pid: int) -> bool:
-    """Whether a process runs, and is not only waiting to be forgotten."""
+    """Return whether a process runs and is not a zombie."""
     try:
         return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
     except psutil.NoSuchProcess:

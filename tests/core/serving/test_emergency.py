@@ -1,4 +1,4 @@
-"""The emergency stop's own way in: whoever else is there, it is done, and confirmed only then."""
+"""The emergency stop works despite crowds of other clients, and is confirmed only when it is done."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
-FEW = 64  # open files
+FEW = 64  # number of open files
 COMMAND = f"""
 import sys
 from pacinian.cli.main import cli
@@ -150,7 +150,7 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
         strangers: list[socket.socket] = []
 
         def come() -> None:
-            """Whoever was sent away comes again."""
+            """Connect again after each rejection."""
             for stranger in list(strangers):
                 with contextlib.suppress(BlockingIOError):
                     if not _heard(stranger):
@@ -170,7 +170,7 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
         os.kill(int(guards[0]), signal.SIGKILL)
 
         def guards_started() -> int:
-            """The first, the one that takes over, and the next spare; any of the last two first."""
+            """The first guard, then, in any order, the one that takes over and the next spare."""
             text = log.read_text()
             return text.count("started guard") + text.count("started spare")
 

@@ -1,4 +1,4 @@
-"""What a client may do to libzmq itself: see `UNCONFIRMED` in security.py."""
+"""Floods against libzmq itself: see `auth.UNCONFIRMED`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from pacinian.testing import Running
 
-SECONDS = 0.4  # [s] of a flood
+SECONDS = 0.4  # duration of a flood [s]
 
 
 @pytest.fixture(scope="module")

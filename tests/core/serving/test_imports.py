@@ -1,4 +1,4 @@
-"""What each process of the server loads, until clients can connect."""
+"""The modules that each process of the server imports before clients can connect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The server's start and end: one for each connection file, ports that are free, nothing that is left."""
+"""The server's start and end: one server for each connection file, free ports, and nothing left behind."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PROCESSES = "control", "guard", "bus", "render"
 
 @pytest.fixture
 def launch() -> Iterator[Launch]:
-    """Start a server whose other processes only give signs of life; what it prints and logs is its output."""
+    """Start a server whose other processes only send heartbeats. Its output contains what it prints and logs."""
     with contextlib.ExitStack() as stack:
 
         def start(connection: Path) -> subprocess.Popen[str]:
@@ -53,7 +53,7 @@ def launch() -> Iterator[Launch]:
 
 
 def ready(process: subprocess.Popen[str]) -> str:
-    """What it printed until it was ready, or ended."""
+    """Return the output of the server until it is ready or has ended."""
     assert process.stdout is not None
     lines: list[str] = []
     for line in process.stdout:
@@ -64,7 +64,7 @@ def ready(process: subprocess.Popen[str]) -> str:
 
 
 def refused(settings: Settings) -> str:
-    """Why a server does not start, before it has started any other process."""
+    """Return why a server does not start; it must not have started another process."""
 
     def start(*_: object) -> Any:
         raise AssertionError("a process was started")
@@ -164,7 +164,9 @@ def test_a_port_of_which_connections_linger_is_free(tmp_path: Path, name: str) -
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]
         with socket.create_connection(("127.0.0.1", port)), listener.accept()[0] as accepted:
-            accepted.shutdown(socket.SHUT_RDWR)  # whoever ends it first keeps it for a minute
+            accepted.shutdown(
+                socket.SHUT_RDWR
+            )  # the side that closes first keeps the port for a minute
     network = Network(command=port) if name == "command" else Network()
     metrics = Metrics(port if name == "metrics" else 0)
     with pytest.raises(AssertionError, match="process was started"):
@@ -182,14 +184,14 @@ def test_two_sockets_with_one_port_are_refused() -> None:
 
 
 def folder_of(pid: int) -> Path:
-    """The shared memory of a server, by its first process."""
+    """Return the folder of a server's shared memory, by its first process."""
     locks = Path("/dev/shm").glob(f"{PREFIX}*{LOCK}")
     (lock,) = (lock for lock in locks if lock.read_text() == str(pid))
     return lock.with_suffix("")
 
 
 def remains(folder: Path) -> list[Path]:
-    """Of one server's shared memory."""
+    """Return what is left of a server's shared memory."""
     return list(folder.parent.glob(f"{folder.name}*"))
 
 

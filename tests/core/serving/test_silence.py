@@ -1,4 +1,4 @@
-"""Why a real server is silent, as a client asks it."""
+"""The cause of silence of a real server, as a client gets it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def ball(height: float, pressure: float = 3.0) -> pc.Volume:
 
 
 def becomes(client: pc.Client, cause: Cause | None, *hands: pc.Hand) -> Silence | None:
-    """Wait until the answer is this cause; return it. hands: what the tracker sees, in each frame of the game."""
+    """Wait until the answer has this cause; return it. hands: sent in each frame of the game."""
 
     def ask() -> tuple[Silence | None] | None:
         client.renew()
@@ -64,12 +64,12 @@ def becomes(client: pc.Client, cause: Cause | None, *hands: pc.Hand) -> Silence 
 
 
 def test_from_nothing_to_sound(game: pc.Client) -> None:
-    """A game that forgets one thing after the other is told each in turn, until it sounds."""
+    """A game that forgot several things gets one cause after another, until it sounds."""
     assert "call arm()" in str(becomes(game, "not armed"))
     game.arm()
     assert "call put()" in str(becomes(game, "no objects"))
     game.put(ball(0.1))
-    assert becomes(game, None) is None  # without a hand, the whole ball
+    assert becomes(game, None) is None  # without a hand, the whole ball sounds
     game.hands()
     assert "no hand is seen" in str(becomes(game, "hand not seen"))
     found = str(becomes(game, "nothing in reach", HAND))
@@ -82,7 +82,7 @@ def test_from_nothing_to_sound(game: pc.Client) -> None:
     assert "select(intensity=1.0)" in str(becomes(game, "no pressure", HAND))
     game.select(intensity=1.0)
     assert becomes(game, None, HAND) is None
-    assert "send it with hands()" in str(becomes(game, "hand not seen"))  # it hangs
+    assert "send it with hands()" in str(becomes(game, "hand not seen"))  # the tracker hangs
 
 
 def test_a_touch_below_the_threshold(game: pc.Client) -> None:
@@ -92,7 +92,7 @@ def test_a_touch_below_the_threshold(game: pc.Client) -> None:
 
 
 def test_a_touch_that_the_array_does_not_see(game: pc.Client) -> None:
-    """The ball lies on the back of the hand, in the hand's own shadow."""
+    """The ball touches the back of the hand, which the hand itself hides from the array."""
     game.put(ball(0.228))
     game.arm()
     assert "turn the palm" in str(becomes(game, "out of the array's reach", HAND))
@@ -102,7 +102,7 @@ def test_a_lost_lease_and_an_emergency_stop(game: pc.Client, connection: Path) -
     with pc.Client(connection, name="frozen", lease=0.05) as frozen:
         frozen.arm()
 
-        def lost() -> str:  # asked by another, because the frozen game only stands
+        def lost() -> str:  # another client asks, because the game is frozen
             found = game.explain_silence()
             return found.text if found and found.cause == "lease lost" else ""
 

@@ -1,6 +1,6 @@
-"""Whatever happens in whatever order: as soon as control has seen it, no better is said of the output than what is.
+"""For any order of events: once control has seen them, it never reports a better output than the real one.
 
-Control, guard, devices and ownership are real; what joins them are files in memory, and a clock that is told the time.
+Control, guard, devices and ownership are real. They are connected by fake files and a manual clock.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ if TYPE_CHECKING:
 SETTINGS = Settings(safety=Safety(lease=1.0, stale=0.02, forget=3600.0))
 ARRAY = SETTINGS.array.make()
 N = len(ARRAY)
-RANK: dict[Output, int] = {output: rank for rank, output in enumerate(OUTPUTS)}  # the worst last
+RANK: dict[Output, int] = {output: rank for rank, output in enumerate(OUTPUTS)}  # worst last
 METHODS = "open", "send", "silence", "close"
 
 
 class Memory:
-    """A `SharedRegister`, in this process."""
+    """A fake `SharedRegister` in this process."""
 
     def __init__(self) -> None:
         self.number, self.data = 0, b""
@@ -60,7 +60,7 @@ class Memory:
 
 
 class Breaks(pc.Backend):
-    """What is in `broken` raises."""
+    """A backend whose methods in `broken` raise."""
 
     name = "breaks"
 
@@ -104,7 +104,7 @@ class Status(RuleBasedStateMachine):
         self.memory = {name: Memory() for name in names}
         self.threads: list[Callable[[], None]] = []
         self.deaths: list[str] = []
-        self.started = 0.0  # [s], the guard
+        self.started = 0.0  # when the guard started [s]
         self.renewals = self.sequence = self.reset = 0
         self.halted, self.results = "", dict[str, str]()
         supervisor: Any = SimpleNamespace(
@@ -163,7 +163,7 @@ class Status(RuleBasedStateMachine):
 
     @rule(sounds=st.booleans())
     def frame(self, sounds: bool) -> None:
-        """The renderer hands one over, and the guard looks at it."""
+        """The renderer writes a frame, and the guard reads it."""
         permit = Permit.unpack(self.memory["permit"].data)
         device = self.guard.next or self.guard.generation
         self.sequence += 1
@@ -174,7 +174,7 @@ class Status(RuleBasedStateMachine):
         self.tell()
 
     def tell(self) -> None:
-        if self.guarded and (self.guard.backend or self.guard.fault):  # as the process does
+        if self.guarded and (self.guard.backend or self.guard.fault):  # as in the process
             told = self.guard.device(self.devices.results, (Plugin(name="a"), Plugin(name="b")))
             self.memory["device"].write(pack(told))
             self.told = self.guard_is
@@ -270,12 +270,12 @@ class Status(RuleBasedStateMachine):
 
     @property
     def has_told(self) -> bool:
-        """Whether the guard that is there now has told."""
+        """Return whether the present guard has reported."""
         return self.control.view.device.beat >= self.started
 
     @rule()
     def all_goes_on(self) -> None:
-        """Often enough, everything has had its turn."""
+        """Run every part often enough for all effects."""
         self.run_threads()
         self.guard_turns()
         self.renderer_tells()
@@ -295,7 +295,7 @@ class Status(RuleBasedStateMachine):
 
     @invariant()
     def what_a_reset_has_not_mended_holds_the_output(self) -> None:
-        """Once the reset is answered: then whoever wants to arm is told."""
+        """After a reset is answered, a remaining fault is a fault of the lease, so that `arm` is refused."""
         view, reset = self.control.view, f"reset {self.control.selection.orders.reset}"
         failed = [
             part

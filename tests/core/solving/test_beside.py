@@ -1,4 +1,4 @@
-"""Points beside regions: silence is asked of them, with the little weight that it takes."""
+"""Points beside regions have a target of silence, with a small weight."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import pacinian as pc
 
 ARRAY, AIR = pc.autd(), pc.Air()
 MIDDLE = ARRAY.centre + np.array([0.0, 0.0, 0.15])
-QUIET = 0.02  # their weight, by the documentation
+QUIET = 0.02  # their weight, as documented
 
 
 def disc_and_ring() -> tuple[Any, Any]:
-    """Points of a disc of 9 mm radius, and of a ring 4 to 12 mm beside it, 3 and 5 mm apart."""
+    """Return points of a disc of 9 mm radius, 3 mm apart, and of a ring 4 to 12 mm beside it, 5 mm apart."""
     places = []
     for spacing in (0.003, 0.005):
         x = np.arange(-0.024, 0.0241, spacing)
@@ -34,9 +34,9 @@ AMPLITUDES = np.where(REGIONS == 0, 300.0, 0.0)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("level", [1.0, 4.0])
 def test_it_is_the_optimum_of_the_weighted_problem(level: float, precision: Any) -> None:
-    """The objective by hand, and a proof that no gains are better; the bound is the dual's."""
+    """The objective is computed by hand, and the bound of the dual proves that no gains are better."""
     session = pc.Session(ARRAY, precision=precision)
-    session.corrections = 0  # which leave the optimum
+    session.corrections = 0  # corrections would leave the optimum
     solution = session.solve(POINTS, level * AMPLITUDES, regions=REGIONS)
     w = np.where(REGIONS == 0, 1.0, QUIET)
     g = solution.gains.astype(complex)
@@ -56,7 +56,7 @@ def press(gains: Any, q: Any) -> Any:
 
 
 def test_sound_keeps_away_and_the_region_stays_even() -> None:
-    """Looked at between all these points."""
+    """The field is evaluated between all these points."""
     turn = 2.0 * np.pi * np.arange(60) / 60
     between = [
         MIDDLE + r * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])

@@ -24,7 +24,7 @@ def test_small_problems_have_one_thread_and_large_ones_what_there_was() -> None:
                 assert threads() == {1}
             assert threads() == {1}
         assert threads() == before
-        a, b = limit_blas_threads(), limit_blas_threads()  # two that ask, interleaved
+        a, b = limit_blas_threads(), limit_blas_threads()  # two requests, interleaved
         a.__enter__()
         b.__enter__()
         a.__exit__(None, None, None)

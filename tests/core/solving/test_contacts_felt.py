@@ -1,4 +1,4 @@
-"""What a hand feels where it touches a ball, over all touched skin, at contacts that no setting was chosen by."""
+"""The pressure on all touched skin of a hand on a ball, at contacts for which no setting was tuned."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PALM, TIPS = 0, (5, 10, 15, 20, 25)  # joints
 
 
 def turned(chance: np.random.Generator) -> pc.Pose:
-    """Somewhere above the middle of the array, up to 25 degrees off level, with the fingers in any direction."""
+    """Draw a pose above the middle of the array, up to 25 degrees from level, with any direction of the fingers."""
     x, y, z = chance.uniform(-1.0, 1.0, 3) * (0.2, 0.2, 1.5)
     w = np.sqrt(max(0.0, 1.0 - x * x - y * y)) * np.cos(z)
     q = np.array([w, x, y, np.sin(z)])
@@ -29,7 +29,7 @@ def turned(chance: np.random.Generator) -> pc.Pose:
 
 
 def press(chance: np.random.Generator, joint: int, radius: float) -> pc.Scene:
-    """A ball, pressed 2.5 to 4 mm into the skin of a hand where it faces down near a joint."""
+    """Return a ball that is pressed 2.5 to 4 mm into the skin that faces down near a joint."""
     hand = pc.Hand.open("right", turned(chance))
     assert hand.joints is not None
     skin = get_skin(hand).place(hand)
@@ -57,5 +57,7 @@ def test_a_ball_is_felt_as_asked_all_over_the_touched_skin(seed: int, tip: bool)
         felt = measure_felt(ARRAY, AIR, scene, 12 * TICK, renderer.sounding)
     assert felt is not None
     assert felt.force == pytest.approx(1.0, abs=0.03)
-    assert felt.rms < 0.11  # 0.08 to 0.18 with samples 1.75 mm apart and the phases of a wave
+    assert (
+        felt.rms < 0.11
+    )  # with samples 1.75 mm apart and the phases of a wave, it is 0.08 to 0.18
     assert felt.holes == 0.0

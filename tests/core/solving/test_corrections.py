@@ -1,4 +1,4 @@
-"""Solves that correct what a solve for regions has left missing, heard by B in double precision off the samples."""
+"""Corrections of the error that a solve for regions leaves, evaluated by B in double precision between samples."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PLACE = np.array([*ARRAY.centre[:2], 0.2])
 
 
 def plane(width: float, spacing: float, axes: Any) -> Any:
-    """Points of a square along two axes, (M, 3) [m]."""
+    """Return points of a square along two axes, (M, 3) [m]."""
     s = np.linspace(-width / 2.0, width / 2.0, round(width / spacing) + 1)
     X, Y = np.meshgrid(s, s)
     return PLACE + np.c_[X.ravel(), Y.ravel()] @ np.asarray(axes, float)
@@ -60,7 +60,7 @@ def test_the_pressure_between_the_samples_is_more_even(shape: Any) -> None:
 @each
 @pytest.mark.parametrize("pressure", [5.0, 30.0])
 def test_the_evidence_is_that_of_the_problem_that_was_asked(shape: Any, pressure: float) -> None:
-    """Bound, phases and multipliers are those of the first solve; the objective is that of the returned gains."""
+    """Bound, phases and multipliers are from the first solve; the objective is that of the returned gains."""
     _, first = solve(shape, pressure, 0)
     session, solution = solve(shape, pressure, 2)
     assert solution.targets.amplitudes == pytest.approx(first.targets.amplitudes)
@@ -114,7 +114,7 @@ def test_isolated_points_have_none() -> None:
 
 
 def test_what_contradicts_itself_stays_in_the_middle() -> None:
-    """Two regions at one place, one four times as strong: no correction takes the side of either."""
+    """Two regions are at one place, one four times as strong. No correction favours either."""
     q = plane(0.02, 0.003, [(1, 0, 0), (0, 1, 0)])
     t = pc.sound_pressure(np.repeat([4.0, 16.0], len(q)), AIR)
     solution = pc.solve(ARRAY, np.r_[q, q], t, regions=np.repeat([0, 1], len(q)), medium=AIR)

@@ -26,7 +26,7 @@ def norm(x: Any) -> float:
 
 
 def matrix(M: int, N: int, seed: int, rank: int = 99, decades: float = 1.0) -> Any:
-    """Singular values 1 to 10^-decades, `rank` of them."""
+    """Return a matrix with `rank` singular values from 1 to 10^-decades."""
     rng = np.random.default_rng(seed)
     r = min(rank, M, N)
     U, V = np.linalg.qr(normal(rng, M, r))[0], np.linalg.qr(normal(rng, N, r))[0]
@@ -34,7 +34,7 @@ def matrix(M: int, N: int, seed: int, rank: int = 99, decades: float = 1.0) -> A
 
 
 def spoiled(B: Any, seed: int, equal: int, zeros: int) -> Any:
-    """With some rows and columns equal to others, and some zero."""
+    """Return the matrix with some equal rows and columns, and some zero."""
     rng = np.random.default_rng(seed)
     for _ in range(2):
         B = B.T.copy()
@@ -120,7 +120,7 @@ def test_anything_goes_without_nan(
 
 @pytest.mark.parametrize(("decades", "due"), [(8.0, 10.0), (12.0, 10.0), (1.0, 1.0)])
 def test_no_step_starts_that_would_end_after_the_deadline(decades: float, due: float) -> None:
-    """By a clock that ticks at each look: singular values take 16 times as long as the first factor."""
+    """The clock advances at each call. Singular values take 16 times as long as the first factorisation."""
     squares = LeastSquares.of(matrix(40, 20, 0, decades=decades).astype(np.complex64))
     late = squares.solve_within(targets(40, 0), Budget(due, itertools.count().__next__))
     done = squares.solve_within(targets(40, 0), Budget(1e3, itertools.count().__next__))

@@ -1,4 +1,4 @@
-"""The propagator's caches give what a cold one gives, and count what they save."""
+"""The propagator's caches give the same results as a new propagator, and count their savings."""
 
 import numpy as np
 import pytest

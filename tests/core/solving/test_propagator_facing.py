@@ -1,4 +1,4 @@
-"""The propagator on skin: its caches give what a cold one gives, and rebuild no more than they must."""
+"""The propagator on skin: its caches give the same results as a new one, and rebuild only what has changed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def cold(points: np.ndarray, facing: SkinFacing | None) -> pc.Propagator:
 
 
 def scattered(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points between the two halves of the array, and normals."""
+    """Draw points between the two halves of the array, and normals."""
     n = rng.normal(size=(count, 3))
     q = rng.uniform((-0.05, -0.05, 0.07), (0.05, 0.05, 0.13), (count, 3))
     return q, n / np.linalg.norm(n, axis=1, keepdims=True)
@@ -77,20 +77,20 @@ def test_only_rows_for_which_other_sound_counts_are_rebuilt() -> None:
     propagator, facing = cold(q, SkinFacing(n, hand)), SkinFacing(n, hand)
     work = propagator.work
     assert propagator.facing is not None
-    assert propagator.set_points(q, facing) == 0  # the same, in other arrays
+    assert propagator.set_points(q, facing) == 0  # the same values in other arrays
     assert propagator.facing is facing
     n[3] = [0.0, 1.0, 0.0]
     assert propagator.set_points(q, SkinFacing(n, hand)) == 1
-    hand[0][6] = 0.02  # below all tangent planes but one
+    hand[0][6] = 0.02  # below all tangent planes except one
     version = propagator.version
     assert propagator.set_points(q, SkinFacing(n, hand)) == 1
     assert propagator.version == version + 1
-    hand[1][6] = 0.02  # above all
+    hand[1][6] = 0.02  # above all tangent planes
     assert propagator.set_points(q, SkinFacing(n, hand)) == 8
     q[5] += 0.001
     assert propagator.set_points(q, SkinFacing(n, hand)) == 1
     assert (work.rows_built, work.rows_kept) == (19, 29)
-    assert propagator.set_points(q) == 8  # without it all counts
+    assert propagator.set_points(q) == 8  # without facing, all sound counts
     assert propagator.set_points(q, SkinFacing(n, hand)) == 8
 
 

@@ -17,7 +17,7 @@ SEEDS = st.integers(0, 10**6)
 
 
 def draw(seed, M):
-    """Points near the array, their regions, amplitudes and given phases (NaN where free)."""
+    """Draw points near the array, with regions, amplitudes and given phases (NaN if free)."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.04, 0.04, (M, 2)), rng.uniform(0.14, 0.16, M)]
     regions = rng.choice([-2, -1, 0, 3, 7, 2**40], M, p=[0.1, 0.2, 0.3, 0.2, 0.1, 0.1])

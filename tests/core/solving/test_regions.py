@@ -1,4 +1,4 @@
-"""Regions: one wave's phases within, free between, and what is felt of them."""
+"""Regions have the phases of one wave inside, free phases between them, and measured quality."""
 
 import math
 
@@ -20,7 +20,7 @@ K = 2.0 * math.pi * 40e3 / 340.0  # [rad/m]
 
 
 def patch(x=0.0, y=0.0, z=0.15, count=4, spacing=0.0034):
-    """A square of points."""
+    """Return a square of points."""
     side = spacing * (np.arange(count) - (count - 1) / 2.0)
     X, Y = np.meshgrid(x + side, y + side)
     return np.c_[X.ravel(), Y.ravel(), np.full(count * count, z)]
@@ -36,7 +36,7 @@ def settled(q, regions, amplitudes=None, phases=None, warm=None, array=ARRAY):
 
 
 def off(a, b):
-    """By how much angles differ [rad]."""
+    """Return the difference of angles [rad]."""
     return np.abs(np.angle(np.exp(1j * (np.asarray(a) - b))))
 
 
@@ -55,9 +55,11 @@ def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
     propagator = Propagator(array, AIR)
     propagator.set_points(q, SkinFacing(normals, np.empty((0, 8))))
     t = np.linspace(0.2, 1.0, 9)
-    targets = Targets.make_checked(9, t, None, "max", np.zeros(9, int))  # which relaxes no phases
+    targets = Targets.make_checked(
+        9, t, None, "max", np.zeros(9, int)
+    )  # this solver relaxes no phases
     found = settle_phases(propagator, targets, None).phases
-    # not by amplitudes, so that the frames of a cycle have the same source
+    # independent of amplitudes, so that all frames of a cycle have the same source
     power = (np.abs(propagator.B) ** 2).sum(axis=0, dtype=float)
     source = power @ array.positions / power.sum()
     assert source[0] > 0.05
@@ -106,7 +108,7 @@ def test_regions_are_turned_to_where_they_take_the_least_power():
     wave = np.concatenate([pc.joint_phases(ARRAY, part, AIR) for part in (q[:16], q[16:])])
 
     def strength(turn):
-        """What comes back at the array."""
+        """Return the strength of each transducer for the back-propagated field."""
         return np.linalg.norm(B.conj().T @ np.exp(1j * (wave + turn * (regions == 8))))
 
     best = max(strength(turn) for turn in np.linspace(0.0, 2.0 * np.pi, 361))
@@ -181,7 +183,9 @@ def test_the_figures_of_what_is_felt():
 def test_a_region_of_few_samples_is_felt_too(count):
     q = patch()[:count]
     solution = pc.solve(ARRAY, q, np.full(count, 300.0), regions=np.zeros(count, int), medium=AIR)
-    assert solution.felt[0].force == pytest.approx(1.0, abs=0.15)  # more between two than at them
+    assert solution.felt[0].force == pytest.approx(
+        1.0, abs=0.15
+    )  # higher between samples than at them
 
 
 def test_free_phases_are_met_at_the_samples_and_not_between():
@@ -198,7 +202,7 @@ def test_free_phases_are_met_at_the_samples_and_not_between():
 
 
 def test_a_status_of_ok_holds_between_the_samples():
-    q = patch(count=4, spacing=0.012)  # too far apart to say anything of the field between
+    q = patch(count=4, spacing=0.012)  # too far apart for measurements between them
     solution = pc.solve(ARRAY, q, np.full(16, 150.0), regions=np.zeros(16, int), medium=AIR)
     assert solution.error < 0.03
     assert not solution.felt[0].even

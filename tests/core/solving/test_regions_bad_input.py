@@ -1,4 +1,4 @@
-"""Regions that are wrong, or that hardly are any: a clear error, or a defined answer."""
+"""Wrong regions give a clear error, and degenerate ones a defined result."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_a_region_without_an_area_is_what_one_point_is(count: int) -> None:
     assert found.status is pc.Status.ok
     assert found.felt[0].force == pytest.approx(1.0, abs=0.02)
     B = pc.matrix(ARRAY, place, AIR)[0]
-    least = t * B.conj() / np.vdot(B, B).real  # the gains of the least power
+    least = t * B.conj() / np.vdot(B, B).real  # the gains of least power
     alike = abs(np.vdot(least, found.gains)) / np.linalg.norm(least) / np.linalg.norm(found.gains)
     assert alike > 0.9999
 
@@ -112,7 +112,7 @@ def test_a_region_of_ten_metres_is_not_said_to_be_met() -> None:
 
 
 def test_a_region_at_the_array_s_own_place() -> None:
-    """On transducers it is refused; between them it has an answer, and so it has half a millimetre above."""
+    """On transducers it is rejected. Between them, and 0.5 mm above them, it has a result."""
     with pytest.raises(pc.PointOnTransducer):
         whole(ARRAY.positions[:9])
     between = (ARRAY.positions[0] + ARRAY.positions[1]) / 2.0
@@ -132,7 +132,7 @@ def mesh(vertices: Any, faces: Any) -> pc.Mesh:
 
 
 def boxes() -> pc.Mesh:
-    """Two boxes of 20 mm through one another, as one mesh."""
+    """Return two intersecting boxes of 20 mm as one mesh."""
     corners = 0.01 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))])
@@ -141,7 +141,7 @@ def boxes() -> pc.Mesh:
 
 
 def crossing() -> pc.Mesh:
-    """Two triangles through one another."""
+    """Return two intersecting triangles."""
     z = np.zeros(4)
     flat = 0.02 * np.c_[[-1.0, 1.0, -1.0, 1.0], [-0.5, 0.5, 0.5, -0.5], z]
     return mesh(flat, np.array([[0, 1, 2], [0, 1, 3]]))

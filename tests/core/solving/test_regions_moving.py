@@ -1,6 +1,6 @@
-"""Regions that split, merge and slide over one another, 0.4 mm a tick: no jump that is felt, and no hole.
+"""Regions that split, merge and slide over one another, 0.4 mm a tick, without jumps or holes that can be felt.
 
-Heard off the samples, by a field of its own, in each frame that a session solves or that the loop sends.
+An independent field is evaluated between samples, in each frame that a session solves or the loop sends.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 AIR, TICK, STEP = pc.Air(speed_of_sound=340.0, density=1.2), 1e-3, 4e-4  # [s], [m]
-RADIUS, HEIGHT = 0.008, 0.2  # [m] of discs
+RADIUS, HEIGHT = 0.008, 0.2  # radius and height of discs [m]
 ARRAYS = {"one": (pc.autd(), 0.3), "nine": (pc.autd(3, 3), 1.5)}  # and a pressure within reach [Pa]
 each = pytest.mark.parametrize(("array", "P"), ARRAYS.values(), ids=ARRAYS)
 
 
 def disc(radius: float, spacing: float, aside: float = 0.0) -> Any:
-    """Points of a disc on a grid."""
+    """Return points of a disc on a grid."""
     x = np.arange(-radius, radius + 1e-9, spacing)
     X, Y = np.meshgrid(x, x)
     inside = np.hypot(X, Y) <= radius + 1e-9
@@ -38,14 +38,14 @@ def at(array: pc.Array, places: Any) -> Any:
 
 
 class Felt(NamedTuple):
-    """Of the two discs, in the frame where it is the least: force and lowest pressure over what is asked."""
+    """Of the two discs: the smaller mean pressure and the lowest pressure, relative to the target."""
 
     force: float
     lowest: float
 
 
 def felt(array: pc.Array, gains: Any, half: float, P: float) -> Felt:
-    """half: of the distance between the discs' centres [m]."""
+    """Evaluate two discs. half: half of the distance between their centres [m]."""
     made = []
     for x in (-half, half):
         places = at(array, disc(0.9 * RADIUS, 0.0011, x) + np.array([0.0003, 0.0002, 0.0]))
@@ -54,7 +54,7 @@ def felt(array: pc.Array, gains: Any, half: float, P: float) -> Felt:
 
 
 def split(half: float) -> tuple[Any, Any]:
-    """Samples of two discs that touch, and their regions: one until they are a spacing apart."""
+    """Return samples of two discs and their regions: one region until the discs are a spacing apart."""
     spacing = 0.0025
     left, right = disc(RADIUS, spacing, -half), disc(RADIUS, spacing, half)
     away = np.linalg.norm(right[:, None] - left, axis=2).min(axis=1)
@@ -68,7 +68,7 @@ def split(half: float) -> tuple[Any, Any]:
 def test_a_region_that_splits_or_merges_is_felt_all_the_while(
     array: pc.Array, P: float, merges: bool
 ) -> None:
-    """Gains change at once, since each half has a wave of its own: but on the way there is no hole either."""
+    """Gains jump, because each half gets its own wave, but there is no hole between old and new gains either."""
     session = pc.Session(array, AIR)
     ways = [0.0075 + 0.5 * STEP * i for i in range(15)]
     before: Any = None
@@ -85,7 +85,9 @@ def test_a_region_that_splits_or_merges_is_felt_all_the_while(
         forces.append(now.force)
         if before is not None:
             turn = np.vdot(solution.gains, before)
-            after = turn / abs(turn) * solution.gains  # as the loop does: the global phase is free
+            after = (
+                turn / abs(turn) * solution.gains
+            )  # as in the loop, because the global phase is free
             for share in np.linspace(0.1, 0.9, 9):
                 way = felt(array, (1.0 - share) * before + share * after, half, P)
                 assert way.force > 0.87
@@ -101,7 +103,7 @@ def test_a_region_that_splits_or_merges_is_felt_all_the_while(
 def frames(
     array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int
 ) -> list[tuple[float, Any]]:
-    """The time of each row that is sent, and its gains, (N,)."""
+    """Yield the time of each row that is sent, and its gains, (N,)."""
     sent: list[tuple[float, Any]] = []
     clock = ManualClock()
     with pc.Renderer(array, scene, clock=clock, medium=AIR) as renderer:
@@ -116,7 +118,7 @@ def frames(
 
 @each
 def test_two_surfaces_that_slide_over_one_another(array: pc.Array, P: float) -> None:
-    """From 14 mm apart to nearly one place: two regions, each of its own wave, with the loop's ramps."""
+    """Two regions move from 14 mm apart to nearly one place, each with its own wave, with the loop's ramps."""
 
     def half(t: float) -> float:
         return 0.015 - 0.5 * STEP * t / TICK
@@ -143,11 +145,11 @@ def test_two_surfaces_that_slide_over_one_another(array: pc.Array, P: float) -> 
 
 
 HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, HEIGHT)))
-PALM = np.array([0.0, 0.0, 0.175])  # below it [m]
+PALM = np.array([0.0, 0.0, 0.175])  # below the hand [m]
 
 
 def balls(P: float) -> Callable[[float], pc.Scene]:
-    """A hand that slides over two balls of 12 mm, 20 mm apart: contacts meet, part, come and go."""
+    """Return a scene: a hand slides over two balls of 12 mm, 20 mm apart; contacts merge, split, come and go."""
     items = tuple(
         pc.Volume(
             shape=pc.Sphere(0.012), pose=pc.Pose((x, *PALM[1:].tolist())), radiation_pressure=P,
@@ -161,7 +163,7 @@ def balls(P: float) -> Callable[[float], pc.Scene]:
 
 
 def twins(P: float) -> Callable[[float], pc.Scene]:
-    """A hand that rises from, and sinks onto, one thing with two tops: its contact splits and merges."""
+    """Return a scene: a hand rises from and sinks onto an object with two tops; contacts split and merge."""
     parts = tuple(pc.Placed(pc.Sphere(0.02), pc.Pose((x, 0.0, 0.0))) for x in (-0.015, 0.015))
     item = pc.Volume(
         shape=pc.Union(parts), pose=pc.Pose(tuple(PALM.tolist())), radiation_pressure=P
@@ -172,7 +174,7 @@ def twins(P: float) -> Callable[[float], pc.Scene]:
 
 
 class Skin(NamedTuple):
-    """On the touched skin: force asked and made [N], and how much of it has less than half."""
+    """Values on touched skin: target and achieved force [N], and the share with less than half of the target."""
 
     asked: float
     made: float
@@ -180,7 +182,7 @@ class Skin(NamedTuple):
 
 
 def on_skin(array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int) -> list[Skin]:
-    """Of each row that is sent, at points of the skin that no sampler has."""
+    """Yield these values for each row that is sent, at skin points that no sampler uses."""
     sampler = pc.Sampler(1_000_000, FINEST, perception=False)
     sampler.skin = fine_skin()
     sampler.prepare(array, AIR)
@@ -199,7 +201,7 @@ def on_skin(array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int) -> 
 
 @pytest.mark.parametrize("make", [balls, twins])
 def test_a_hand_on_which_contacts_split_and_merge(make: Any) -> None:
-    """Nine units, 3 Pa. The force follows what is asked, and changes from row to row by little more than that."""
+    """With nine units and 3 Pa, the force follows the target, and changes little more than it from row to row."""
     rows = on_skin(ARRAYS["nine"][0], make(3.0), 60)[12:]
     asked, made = np.array([row.asked for row in rows]), np.array([row.made for row in rows])
     most = asked.max()

@@ -1,4 +1,4 @@
-"""Regions beside, over, behind and around one another: heard by B in double precision, off the samples."""
+"""Regions beside, over, behind and around one another, evaluated by B in double precision between samples."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ each = pytest.mark.parametrize(("array", "P"), ARRAYS.values(), ids=ARRAYS)
 
 
 def square(side: float, spacing: float, x: float = 0.0, z: float = 0.0) -> Any:
-    """Points of a square, the edges among them, relative to a place above the array's middle."""
+    """Return points of a square with its edges, relative to a point above the array's middle."""
     s = np.linspace(-side / 2.0, side / 2.0, round(side / spacing) + 1)
     X, Y = np.meshgrid(x + s, s)
     return np.c_[X.ravel(), Y.ravel(), np.full(X.size, z)]
 
 
 def fine(side: float, x: float = 0.0, z: float = 0.0) -> Any:
-    """Places in a square, off the samples of any."""
+    """Return points in a square that are not samples."""
     return square(side, 0.0011, x + 0.0002, z)
 
 
@@ -31,7 +31,7 @@ def at(array: pc.Array, places: Any) -> Any:
 
 
 def solve(array: pc.Array, parts: list[Any], P: list[float], **how: Any) -> pc.Solution:
-    """Each part as a region of a pressure of its own."""
+    """Solve with each part as a region with its own pressure."""
     counts = [len(part) for part in parts]
     t = pc.sound_pressure(np.repeat(P, counts), AIR)
     regions = np.repeat(np.arange(len(parts)), counts)
@@ -39,7 +39,7 @@ def solve(array: pc.Array, parts: list[Any], P: list[float], **how: Any) -> pc.S
 
 
 def press(array: pc.Array, solution: pc.Solution, places: Any, asked: float) -> Any:
-    """Radiation pressure at places, over what is asked."""
+    """Return the radiation pressure at points, relative to the target."""
     p = pc.matrix(array, at(array, places), AIR) @ solution.gains.astype(complex)
     return pc.radiation_pressure(p, AIR) / asked
 
@@ -53,7 +53,7 @@ def rms(P: Any) -> float:
 def test_regions_side_by_side_are_each_as_strong_as_asked(
     array: pc.Array, P: float, times: float
 ) -> None:
-    """Squares of 12 mm, 3 mm apart: the strength changes over what the array resolves, from one to the other."""
+    """Squares of 12 mm are 3 mm apart. Pressure changes from one to the other over the array's resolution."""
     parts = [square(0.012, 0.003, x) for x in (-0.0075, 0.0075)]
     found = solve(array, parts, [P, times * P])
     assert found.status is pc.Status.ok
@@ -70,7 +70,7 @@ def test_regions_side_by_side_are_each_as_strong_as_asked(
 def test_where_regions_overlap_it_is_as_loud_as_both_in_the_mean(
     array: pc.Array, P: float, times: float
 ) -> None:
-    """The mean of both sound pressures is nearest to both; elsewhere each is as asked, and if not it is said."""
+    """The mean of both sound pressures is closest to both. Elsewhere each meets its target, or reports its error."""
     parts = [square(0.015, 0.003, x) for x in (-0.004, 0.004)]
     found = solve(array, parts, [P, times * P])
     both = ((1.0 + times**0.5) / 2.0) ** 2
@@ -86,7 +86,7 @@ def test_where_regions_overlap_it_is_as_loud_as_both_in_the_mean(
 @each
 @pytest.mark.parametrize("gap", [0.004, 0.0085, 0.05])
 def test_of_one_region_behind_another_both_are_there(array: pc.Array, P: float, gap: float) -> None:
-    """Nearer than the array resolves in depth they are less even, and that is said."""
+    """Closer than the depth resolution they are less even, and that is reported."""
     found = solve(array, [square(0.012, 0.003), square(0.012, 0.003, z=gap)], [P, P])
     for n, z in enumerate((0.0, gap)):
         made = press(array, found, fine(0.01, z=z), P)
@@ -101,7 +101,7 @@ def test_of_one_region_behind_another_both_are_there(array: pc.Array, P: float, 
 
 
 def shell(radius: float, count: int) -> Any:
-    """Points all around a ball, evenly: a spiral."""
+    """Return even points around a ball, on a spiral."""
     i = np.arange(count) + 0.5
     polar, round_ = np.arccos(1.0 - 2.0 * i / count), np.pi * (1.0 + 5.0**0.5) * i
     flat = np.sin(polar)
@@ -109,7 +109,7 @@ def shell(radius: float, count: int) -> Any:
 
 
 def half_tube(radius: float, length: float, turns: int, rows: int, inset: float = 0.0) -> Any:
-    """Points of a fingertip from below: half of a cylinder, along y."""
+    """Return points of a fingertip from below: half of a cylinder along y."""
     a = np.linspace(inset - np.pi / 2.0, np.pi / 2.0 - inset, turns)
     y = (0.5 - inset) * np.linspace(-length, length, rows)
     A, Y = (grid.ravel() for grid in np.meshgrid(a, y))
@@ -141,7 +141,7 @@ def test_a_region_that_curves_round_is_even_all_around(
 def test_a_region_that_faces_away_is_left_and_said_to_be_unreachable(
     array: pc.Array, P: float
 ) -> None:
-    """Skin that faces up hears nothing of an array below; the region beside it is as ever."""
+    """Skin that faces up gets no sound from an array below. The region beside it is unaffected."""
     parts = [square(0.012, 0.003, x) for x in (-0.015, 0.015)]
     down, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
     alone = solve(array, parts[:1], [P], facing=pc.SkinFacing(np.tile(up, (25, 1))))

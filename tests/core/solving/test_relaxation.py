@@ -1,4 +1,4 @@
-"""The bound over phases: against exact arithmetic, CVXPY, and many attempts to be below it."""
+"""The bound over phases, against exact arithmetic, CVXPY, and many attempts to get below it."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ ARRAY = pc.lattice(0.05, 0.05)  # 36 ideal transducers
 
 
 def problem(count: int, level: float, seed: int, array: pc.Array = ARRAY) -> tuple[Any, Any, Any]:
-    """Points, B, and targets whose 2-norm is `level` times what one focus could reach."""
+    """Return points, B, and targets whose 2-norm is `level` times that of the strongest focus."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.05, 0.05, (count, 2)), np.full(count, 0.1)]
     B = pc.matrix(array, q, pc.Air())
@@ -60,7 +60,7 @@ def test_what_multipliers_prove_is_true_in_exact_arithmetic(
 )
 @settings(max_examples=6)
 def test_no_gains_are_below_it(count: int, level: float, seed: int) -> None:
-    """Not the best of many starts, nor gains at random."""
+    """Neither the best of many starts nor random gains are below it."""
     q, B, t = problem(count, level, seed)
     bound = least_error(B, t)
     best = pc.solve(ARRAY, q, t, solver=pc.solver("lagrange", starts=40)).error
@@ -84,7 +84,7 @@ def test_what_nothing_reaches_is_missed_altogether() -> None:
 
 
 def test_it_is_the_relaxation_s_optimum() -> None:
-    """Against CVXPY with Clarabel, on the matrix of all unknowns."""
+    """The reference is CVXPY with Clarabel, on the matrix of all unknowns."""
     _, B, t = problem(3, 1.4, 2, pc.lattice(0.02, 0.02))  # 9 transducers
     size = float(np.linalg.norm(t))
     D, A = np.diag(t / size), B / size

@@ -1,4 +1,4 @@
-"""Phases on skin that relax from those of a wave, against the same steps in double precision, and their cost."""
+"""Phases on skin, relaxed from those of a wave, against the same steps in double precision, and their cost."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from pacinian.solving.skin_phases import (
     relax_phases,
 )
 
-AIR, ARRAY = pc.Air(), pc.autd()  # all of whose transducers count
+AIR, ARRAY = pc.Air(), pc.autd()  # all transducers count
 K = AIR.wavenumber(ARRAY.transducer.frequency)
-ASIDE = 0.1, 0.05, 0.0  # where a poor wave comes from, seen from the array's centre [m]
+ASIDE = 0.1, 0.05, 0.0  # source of a poor wave, relative to the array's centre [m]
 
 
 def bulge(count: int, silent: int = 0) -> tuple[Propagator, Targets, np.ndarray]:
-    """Skin that curves as a fingertip does, pressed less towards its rim; targets, and the phases of a poor wave."""
+    """Return skin curved like a fingertip, with lower targets towards its rim, and the phases of a poor wave."""
     chance = np.random.default_rng(count)
     aside = chance.uniform(-0.006, 0.006, (count + silent, 2))
     aside[count:] *= 2.0
@@ -63,7 +63,7 @@ def cost(R: np.ndarray, targets: Targets, phases: np.ndarray) -> float:
 
 
 def relaxed(R: np.ndarray, targets: Targets, phases: np.ndarray, steps: int) -> np.ndarray:
-    """The same steps in double precision, written out."""
+    """Return the same steps, computed in double precision."""
     size, own = targets.amplitudes / targets.amplitudes.max(), targets.amplitudes > 0.0
     for _ in range(steps):
         p = size * np.exp(1j * phases)
@@ -76,7 +76,7 @@ def relaxed(R: np.ndarray, targets: Targets, phases: np.ndarray, steps: int) -> 
 
 
 def off(a: np.ndarray, b: np.ndarray) -> float:
-    """By how much angles differ at most [rad]."""
+    """Return the largest difference of angles [rad]."""
     return float(np.abs(np.angle(np.exp(1j * (a - b)))).max())
 
 
@@ -93,7 +93,7 @@ def test_the_steps_are_those_of_double_precision(count: int, silent: int) -> Non
 
 
 def test_the_gradient_is_that_of_the_cost() -> None:
-    """At phases where no step reduces the cost any more, no small turn of one phase does."""
+    """At phases where no step reduces the cost, no small change of one phase does either."""
     propagator, targets, wave = bulge(30)
     R = inverse(propagator, targets)
     phases = relaxed(R, targets, wave, 300)

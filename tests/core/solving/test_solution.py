@@ -1,4 +1,4 @@
-"""A solution keeps its problem: fields, pressures, forces and tables are of its own array and air."""
+"""A solution keeps its problem: fields, pressures, forces and tables use its own array and air."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_its_radiation_pressure_is_that_of_its_air(solution: pc.Solution) -> Non
 def test_its_force_is_that_of_the_radiation_stress_on_a_rigid_plate(
     solution: pc.Solution, turn: float
 ) -> None:
-    """Before the plate, p and the velocity along it are twice those of the free field; the one across it is 0."""
+    """At the plate, p and the parallel velocity are twice those of the free field; the normal velocity is 0."""
     pose = pc.Pose((0.01, 0.0, 0.15)).rotate("x", turn)
     plate = pc.Surface(shape=pc.Rectangle(0.06, 0.04), pose=pose, radiation_pressure=1.0)
     x, y, h = np.linspace(-0.03, 0.03, 81), np.linspace(-0.02, 0.02, 61), 1e-5
@@ -83,7 +83,7 @@ def test_its_force_is_that_of_the_radiation_stress_on_a_rigid_plate(
 
 
 def test_a_body_shades_its_own_far_side() -> None:
-    """A plane wave of energy density E presses the near half of a ball with 2 E cos^2, in all 4 pi r^2 E / 3."""
+    """A plane wave of energy density E presses the near half of a ball with 2 E cos^2, in total 4 pi r^2 E / 3."""
     array = pc.Array([[0.0, 0.0, 0.0]])
     solution = pc.solve(array, (0.0, 0.0, 3.0), 1.0, scale="max", medium=COLD)
     ball = pc.Volume(shape=pc.Sphere(0.01), pose=pc.Pose((0.0, 0.0, 3.0)), force=0.001)
@@ -157,7 +157,7 @@ def test_a_dataset_has_points_and_transducers_with_units(
     assert g.to_numpy() == pytest.approx(solution.gains, rel=1e-5)
     assert data["transducer_x"].to_numpy() == pytest.approx(ARRAY.positions[:, 0])
     assert all(data[name].attrs["units"] for name in data.variables)
-    data.to_netcdf(tmp_path / "solution.nc", engine="scipy")  # no complex numbers, no NaN
+    data.to_netcdf(tmp_path / "solution.nc", engine="scipy")  # without complex numbers and NaN
     with xr.open_dataset(tmp_path / "solution.nc", engine="scipy") as again:
         assert again.attrs["solver"] == solution.solver
         assert again["target"].to_numpy() == pytest.approx([400.0, 300.0])

@@ -1,4 +1,4 @@
-"""`check_backend` passes those that are right, and catches each kind of wrong one."""
+"""`check_backend` accepts correct backends, and detects each kind of mistake."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ N = len(ARRAY)
 
 
 class Right(pc.Backend):
-    """One that does what is promised; the others differ from it in one thing."""
+    """A correct backend. The wrong ones differ from it in one thing."""
 
     name: ClassVar[str] = "right"
-    claimed: ClassVar[set[str]] = set()  # the device, which one at a time may hold
+    claimed: ClassVar[set[str]] = set()  # claimed devices; only one backend at a time may hold one
 
     def __init__(self) -> None:
         self.is_open = self.gone = False
@@ -88,7 +88,7 @@ def open_loud(device: Right, array: pc.Array) -> None:
 
 
 def then(spoil: Callable[[Any, pc.Frame], object]) -> Callable[[Right, pc.Frame], None]:
-    """A `send` that does something after it has sent."""
+    """Return a `send` that does something after it has sent."""
 
     def send(device: Right, frame: pc.Frame) -> None:
         Right.send(device, frame)
@@ -204,7 +204,7 @@ WRONG: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def make_wrong(how: str) -> Any:
-    """A backend that is right but for this."""
+    """Return a backend that is correct except for this."""
     return type("Wrong", (Right,), {"__doc__": "Wrong in one thing.", **WRONG[how][1]})
 
 
@@ -214,7 +214,7 @@ def _free() -> None:
 
 
 class Slept:
-    """Time that passes while it is slept, and at no other time."""
+    """A fake `time` that advances only by `sleep`."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -267,7 +267,7 @@ def test_a_hang_ends_the_trial() -> None:
     end = threading.Event()
 
     class Hangs(Right):
-        """Waits for a device that does not answer."""
+        """A backend that waits for a device that does not answer."""
 
         def silence(self) -> None:
             end.wait()

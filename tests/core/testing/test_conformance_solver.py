@@ -1,4 +1,4 @@
-"""`check_solver` passes the installed ones, and catches each kind of wrong one."""
+"""`check_solver` accepts the installed solvers, and detects each kind of mistake."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ARRAY = pc.lattice(0.09, 0.09)
 
 
 class Given(NamedTuple):
-    """What a solver was given, and its right answer."""
+    """The arguments of a solver, and its correct result."""
 
     solver: Any
     result: Any
@@ -33,7 +33,7 @@ class Given(NamedTuple):
 
 
 class Right(pc.Solver):
-    """One that does what is promised; the others differ from it in one thing."""
+    """A correct solver. The wrong ones differ from it in one thing."""
 
     name: ClassVar[str] = "right"
     last: Any = None
@@ -47,7 +47,7 @@ class Right(pc.Solver):
 
     @staticmethod
     def spoil(given: Given) -> Any:
-        """Do something wrong; the result in place of the right one, or None."""
+        """Do something wrong. Return a result that replaces the correct one, or None."""
 
 
 def wrong_shape(given: Given) -> None:
@@ -93,7 +93,7 @@ def moves_points(given: Given) -> None:
 
 
 def scales_B(given: Given) -> None:
-    given.propagator._B *= 0.5  # behind its seal: all pressures told are wrong
+    given.propagator._B *= 0.5  # changes read-only data, so that all reported pressures are wrong
 
 
 def single_only(given: Given) -> None:
@@ -106,7 +106,7 @@ def not_linear(given: Given) -> None:
 
 
 def boasts(given: Given) -> pc.Result:
-    """A bound above the optimum."""
+    """Return a bound above the optimum."""
     y = np.zeros(len(given.targets.amplitudes), complex)
     return pc.Result(bound=float(given.targets.norm) ** 2, multipliers=y, mu=1e-4)
 
@@ -121,14 +121,14 @@ def inexact(given: Given) -> None:
 
 
 def tilts_regions(given: Given) -> None:
-    """Keeps no phases that it was given where there are regions: a wave from aside."""
+    """Use a wave from the side for regions instead of the given phases."""
     if given.targets.regions is not None:
         tilt = 200.0 * given.propagator.points[:, 0]
         solve_again(given, given.targets.phases + tilt)
 
 
 def ignores_regions(given: Given) -> None:
-    """As if all phases of their points were free."""
+    """Treat all phases in regions as free."""
     if given.targets.regions is not None:
         free = dataclasses.replace(given.targets, phases=np.full(len(given.targets.phases), np.nan))
         solve_again(given, np.angle(choose_phases(given.propagator, free, None)))
@@ -140,7 +140,7 @@ def solve_again(given: Given, phases: Any) -> None:
 
 
 def no_regions(given: Given) -> None:
-    """Fails at samples in one place."""
+    """Fail at samples in one place."""
     if given.targets.regions is not None and not np.ptp(given.propagator.points, axis=0).any():
         given.out[0] = np.inf
 
@@ -174,7 +174,7 @@ WRONG: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def make_wrong(given: dict[str, Any]) -> Any:
-    """A solver that is right but for this."""
+    """Return a solver that is correct except for this."""
     functions = {k: staticmethod(v) if k == "spoil" else v for k, v in given.items()}
     return type("Wrong", (Right,), {"__doc__": "Wrong in one thing.", **functions})
 

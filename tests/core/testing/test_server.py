@@ -1,4 +1,4 @@
-"""`pacinian.testing.run_server`: a real server, found while it runs, and gone afterwards."""
+"""`pacinian.testing.run_server`: a real server that clients find while it runs, and that leaves nothing behind."""
 
 from __future__ import annotations
 

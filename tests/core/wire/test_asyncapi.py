@@ -102,7 +102,7 @@ def test_the_references_of_the_document_lead_somewhere() -> None:
 
 
 def test_the_document_is_asyncapi_3() -> None:
-    """The rules of https://www.asyncapi.com/docs/reference/specification/v3.0.0 that concern it."""
+    """The document follows the rules of https://www.asyncapi.com/docs/reference/specification/v3.0.0 that apply."""
     assert DOCUMENT["asyncapi"] == "3.0.0"
     assert DOCUMENT.keys() <= {
         *("asyncapi", "id", "info", "servers", "defaultContentType"),
@@ -112,16 +112,16 @@ def test_the_document_is_asyncapi_3() -> None:
     for operation in DOCUMENT["operations"].values():
         assert operation["action"] in ("send", "receive")
         channel = operation["channel"]["$ref"]
-        for message in operation["messages"]:  # must be of that channel
+        for message in operation["messages"]:  # must belong to that channel
             assert message["$ref"].startswith(channel + "/messages/")
     assert set(DOCUMENT["channels"]) == set(CHANNELS) == {"command", "control", "state"}
     for schema in DOCUMENT["components"]["schemas"].values():
         jsonschema.Draft7Validator.check_schema(schema)
-        assert "discriminator" not in json.dumps(schema)  # another thing in AsyncAPI
+        assert "discriminator" not in json.dumps(schema)  # has another meaning in AsyncAPI
 
 
 def textual(value: Any) -> Any:
-    """A message as JSON Schema sees it: a character for each byte of a `bin`."""
+    """Return a message for JSON Schema, with a character for each byte of a `bin`."""
     if isinstance(value, dict):
         return {key: textual(item) for key, item in value.items()}
     if isinstance(value, list):

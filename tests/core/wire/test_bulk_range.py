@@ -24,7 +24,7 @@ numbers = st.floats(-11.0, 11.0, width=32) | st.just(float("nan")) | st.just(flo
 @settings(max_examples=200)
 @given(st.lists(numbers, min_size=7, max_size=7), st.integers(1, 5))
 def test_few_numbers_and_many_are_checked_alike(pose: list[float], count: int) -> None:
-    """Few are looked at one by one, many all at once."""
+    """A few numbers are checked one by one, many together."""
     poses = binary_arrays.pack([pose] * count)
     names = tuple("abcde"[:count])
     x = np.array(pose)
@@ -41,7 +41,7 @@ HEAD: dict[str, Any] = {"session": b"k" * 16, "sequence": 1, "time": 0.0}
 SHOWN: dict[str, Any] = {"scene": "a", "version": 1, "names": ("a",) * 3, "objects": {}}
 STILL = binary_arrays.pack(np.zeros((3, 7)))
 FACE = binary_arrays.pack_indices([0, 1, 2])
-# what holds so many numbers, these [m, m/s, rad/s, 0..1 or as scaled], and from where to where they may be
+# owner of the numbers, their count, the numbers [m, m/s, rad/s, 0..1 or as scaled], and their range
 BOUNDED: dict[str, tuple[Callable[[bytes], object], int, float, float]] = {
     "poses": (lambda x: Move(**HEAD, names=("a",) * 3, poses=x), 21, -10.0, 10.0),
     "velocities": (
@@ -86,7 +86,7 @@ def test_a_hand_has_a_row_for_each_joint_or_none_or_one_velocity_for_all(
 ) -> None:
     for count in range(30):
         given: dict[str, Any] = {name: binary_arrays.pack(np.full((count, width), np.nan))}
-        if count in counts | {0}:  # NaN: the tracker has lost it
+        if count in counts | {0}:  # NaN is a lost hand
             assert getattr(HandFrame(**given), name) == given[name]
         else:
             with pytest.raises(ValueError, match=f"`{name}` must be 26 rows of {width} float32"):

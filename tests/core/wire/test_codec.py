@@ -42,7 +42,7 @@ def test_a_message_is_the_same_after_the_wire() -> None:
 
 @contextmanager
 def allocating(most: int) -> Iterator[None]:
-    """Less than so many bytes at any time."""
+    """Check that less than this number of bytes is allocated at any time."""
     tracemalloc.start()
     try:
         yield
@@ -58,7 +58,7 @@ def refused(decode: Callable[[Any], object], data: bytes, path: str = "$") -> Wi
     return caught.value
 
 
-# what MessagePack readers were seen to do wrong, one by one
+# known mistakes of MessagePack readers
 
 
 @pytest.mark.parametrize("head", [b"\xdd", b"\xdf", b"\xc6", b"\xdb"])
@@ -82,7 +82,7 @@ def test_what_is_nested_deeply_is_refused_or_skipped(wrap: bytes, depth: int) ->
     try:
         skipped = decode_control(unknown) == control.Stop(id=5)
     except WireError:
-        skipped = depth > 100  # as deep as Python's own limit
+        skipped = depth > 100  # near Python's recursion limit
     assert skipped
 
 
@@ -113,7 +113,9 @@ def test_a_message_of_many_small_things_takes_a_few_times_its_length() -> None:
     item = objects.Volume(shape=shapes.Union(parts), force=1.0)
     many = {str(i): item for i in range(protocol.MAX_OBJECTS)}
     data = encode(commands.Put(session=bytes(16), sequence=1, time=0.0, objects=many))
-    least = data.replace(b"\xcb\x00" + bytes(7), b"\x00")  # zeros in one byte: as short as can be
+    least = data.replace(
+        b"\xcb\x00" + bytes(7), b"\x00"
+    )  # zeros in one byte, as the shortest encoding
     with allocating(8 * len(least)):
         decode_command(least)
 

@@ -54,7 +54,7 @@ ALL = [(socket, plain, list(places(plain))) for socket, plain in PLAIN]
 
 
 def survives(data: bytes) -> None:
-    """The decoders either understand bytes, and then the same again, or raise WireError with a path."""
+    """Check that decoders either read bytes, and read their own encoding equally, or raise WireError with a path."""
     assert 0 <= id_of(data) < 2**32
     for decode in DECODE.values():
         try:
@@ -88,7 +88,7 @@ def test_messages_with_any_value_anywhere_are_survived(
         try:
             plain = changed(plain, tuple(new), value)
         except (AttributeError, TypeError, IndexError, KeyError):
-            continue  # a change before took that place away
+            continue  # an earlier change has removed that place
     survives(msgpack.packb(plain, strict_types=False))
 
 

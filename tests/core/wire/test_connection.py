@@ -130,7 +130,7 @@ def test_a_folder_in_which_others_could_replace_it_is_refused(
     folder = tmp_path / "all" / "mine"
     folder.mkdir(parents=True)
     check_folder(folder)
-    folder.parent.chmod(0o1777)  # each may remove only what is theirs, as in /tmp
+    folder.parent.chmod(0o1777)  # users may remove only their own files, as in /tmp
     check_folder(folder)
     folder.parent.chmod(0o777)
     link = tmp_path / "link"

@@ -138,7 +138,7 @@ def test_what_is_no_object_is_refused() -> None:
     [
         (ValueError("the grid is too fine"), "the grid is too fine"),
         (ZeroDivisionError("division by zero"), "division by zero"),
-        (MemoryError(), "MemoryError"),  # it has no words
+        (MemoryError(), "MemoryError"),  # it has no text
         (ArgumentError("radius", "must be above 0"), "`radius` must be above 0"),
         (WireError("is no volume", ".shape"), "is no volume"),
     ],

@@ -1,4 +1,4 @@
-"""What a person sees of a state: no raw bytes, the cause of silence, and what is wrong before what is normal."""
+"""States as text for people: no raw bytes, the cause of silence, and problems before normal values."""
 
 import sys
 from typing import Any
@@ -85,7 +85,7 @@ def test_a_share_is_none_only_of_nothing() -> None:
 
 
 def test_states_are_decoded_without_loading_scenes() -> None:
-    """A light client prints a state only when a person looks."""
+    """A light client does not need scenes, and prints a state only for a person."""
     import subprocess
 
     code = "import sys, pacinian.wire.codec; print('pacinian.wire.wording' in sys.modules)"

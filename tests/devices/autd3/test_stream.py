@@ -1,4 +1,4 @@
-"""What sounds is what was asked, row by row, and what the units can play by themselves is not sent."""
+"""Every row sounds as requested, and rows that the units can repeat by themselves are not sent."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ PERIODS = 40  # of the ultrasound in a tick of 1 ms
 
 
 def played(it: Emulated, rows: Sequence[int | None], per_tick: int = 1) -> list[int]:
-    """Send these kinds of rows, so many each millisecond, and require that they sound; messages of each tick.
+    """Send rows of these kinds, `per_tick` each millisecond, and check that they sound.
 
-    A tick whose first row is None is left out.
+    A tick whose first row is None is left out. Returns the number of messages of each tick.
     """
     sent: list[int] = []
     begin, periods = it.clock.time, PERIODS // per_tick
@@ -108,7 +108,7 @@ def test_a_silence_forgets_the_cycle() -> None:
         2,
         4,
         *[0] * 6,
-    ]  # it was seen; the units have it no more
+    ]  # the cycle is still known, but the units no longer hold it
 
 
 def test_rows_of_a_tick_are_spread_over_it_and_come_ahead_by_the_lead() -> None:

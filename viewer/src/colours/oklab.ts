@@ -1,8 +1,8 @@
-/** OKLab (B. Ottosson, 2020): a space in which equal distances look about equally far. */
+/** OKLab (B. Ottosson, 2020): a colour space in which equal distances look about equal. */
 
 export type Colour = [number, number, number];
 
-/** To linear sRGB; parts outside of 0..1 cannot be shown. */
+/** Convert to linear sRGB. A screen cannot show components outside 0..1. */
 export function linear([L, a, b]: Colour): Colour {
   const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
   const m = (L - 0.1055613458 * a - 0.0638541728 * b) ** 3;
@@ -14,7 +14,7 @@ export function linear([L, a, b]: Colour): Colour {
   ];
 }
 
-/** From linear sRGB. */
+/** Convert from linear sRGB. */
 export function oklab([r, g, b]: Colour): Colour {
   const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
   const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
@@ -26,14 +26,14 @@ export function oklab([r, g, b]: Colour): Colour {
   ];
 }
 
-/** One part of linear sRGB as a byte of sRGB. */
+/** Convert a component of linear sRGB to a byte of sRGB. */
 export function byte(x: number): number {
   const held = Math.min(Math.max(x, 0), 1);
   const y = held <= 0.0031308 ? 12.92 * held : 1.055 * held ** (1 / 2.4) - 0.055;
   return Math.round(255 * y);
 }
 
-/** One byte of sRGB as a part of linear sRGB. */
+/** Convert a byte of sRGB to a component of linear sRGB. */
 export function part(x: number): number {
   const y = x / 255;
   return y <= 0.04045 ? y / 12.92 : ((y + 0.055) / 1.055) ** 2.4;

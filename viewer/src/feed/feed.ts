@@ -1,11 +1,11 @@
-/** The connection to the viewer's server: it opens again by itself, and says how it is. */
+/** The connection to the viewer's server. It reconnects by itself, and reports when it opens and closes. */
 
 import { decode, encode } from "@msgpack/msgpack";
 
 import type { Batch, FromServer, ToServer } from "./messages";
 
-const FIRST = 250; // [ms] until the next try
-const LONGEST = 2000; // [ms]
+const FIRST = 250; // delay before the first retry [ms]; it doubles with each
+const LONGEST = 2000; // longest delay [ms]
 
 export interface Listener {
   opened(): void;
@@ -22,7 +22,7 @@ export class Feed {
     private readonly listener: Listener,
   ) {}
 
-  /** Connect; from then on it keeps trying. */
+  /** Connect, and reconnect after every loss. */
   open(): void {
     const socket = new WebSocket(this.address);
     socket.binaryType = "arraybuffer";
@@ -44,7 +44,7 @@ export class Feed {
     this.socket = socket;
   }
 
-  /** Whether it was sent: not while there is no connection. */
+  /** Send a message. Return false if there is no connection. */
   send(message: ToServer): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
     this.socket.send(encode(message));
@@ -52,7 +52,7 @@ export class Feed {
   }
 }
 
-/** A message of the server; null where it is none, which is told on the console. */
+/** Decode a message of the server. Return null, and log an error, if it is not valid. */
 export function read(data: ArrayBuffer): FromServer | Batch | null {
   try {
     const message = decode(data) as FromServer | Batch | null;
@@ -64,7 +64,7 @@ export function read(data: ArrayBuffer): FromServer | Batch | null {
   }
 }
 
-/** Where the feed of this page is: same host, same token. */
+/** Return the address of the feed: the host and the token of the page. */
 export function address(page: Location): string {
   const token = new URLSearchParams(page.search).get("token") ?? "";
   const scheme = page.protocol === "https:" ? "wss:" : "ws:";

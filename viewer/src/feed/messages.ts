@@ -1,12 +1,12 @@
-/** Messages between the viewer's server and the page: MessagePack maps with a `type`. Lengths in metres. */
+/** Messages between the viewer's server and the page: MessagePack maps with a `type`. Lengths are in metres. */
 
 import type { Thing } from "./objects";
 
-/** Bulk numbers, little-endian. */
+/** Packed little-endian numbers. */
 export type Bytes = Uint8Array<ArrayBuffer>;
 export type Triple = [number, number, number];
 
-/** recording: name of the file that is replayed; empty where a server is watched. */
+/** recording: name of the file that is replayed; empty if the viewer watches a server. */
 export interface Hello {
   type: "hello";
   version: number;
@@ -14,15 +14,15 @@ export interface Hello {
   recording: string;
 }
 
-/** What can be selected. */
+/** A plug-in that can be selected. */
 export interface Plugin {
   name: string;
   summary: string;
 }
 
 /**
- * How transducers sound. sizes: amplitude of each level, 0..1, float32; empty: evenly spaced. speed_of_sound: [m/s].
- * temperature: of the air [degC], as the server was told or else assumes.
+ * The transducers' sound. sizes: amplitude of each level, 0..1, float32; empty if levels are evenly spaced.
+ * speed_of_sound: [m/s]. temperature: of the air [degC], as given to the server or assumed by it.
  */
 export interface Sound {
   sizes: Bytes;
@@ -30,7 +30,7 @@ export interface Sound {
   temperature?: number | null;
 }
 
-/** The array and what there is to select. */
+/** The array, and the plug-ins that can be selected. */
 export interface Arrayed {
   type: "array";
   server: string;
@@ -50,7 +50,7 @@ export interface Arrayed {
   sound?: Sound | null;
 }
 
-/** The viewer as the server's client. mine: armed by this page, which must say `alive` oftener than `lease` [s]. */
+/** The viewer's session. mine: whether this page armed; it must then send `alive` more often than every `lease` [s]. */
 export interface Session {
   type: "session";
   name: string;
@@ -86,7 +86,7 @@ export interface State {
   solver: string;
   backend: string;
   technique: string;
-  /** The technique with its parameters, of servers that tell them. */
+  /** The technique with its parameters, if the server sends them. */
   presentation?: { frequency?: number } | null;
   intensity: number;
   points: Bytes;
@@ -96,9 +96,9 @@ export interface State {
   index: Bytes;
   objects: string[];
   hands: Bytes;
-  /** Of the sound pressures at the samples. */
+  /** Relative error of the sound pressures at the samples. */
   error: number;
-  /** Force, rms, holes, spill of each object between its samples, 4 float32; NaN without a region. */
+  /** For each object: force, rms error, holes and spill, 4 float32; NaN without a region. */
   felt: Bytes;
   status: string;
   ticks: number;
@@ -114,7 +114,7 @@ export interface State {
   clients: ClientState[];
 }
 
-/** The wire's `FrameState`: levels of all transducers, uint16; empty in silence. */
+/** The wire's `FrameState`: levels of all transducers, uint16; empty if silent. */
 export interface Frame {
   type: "frame";
   sequence: number;
@@ -125,7 +125,7 @@ export interface Frame {
   amplitude: Bytes;
 }
 
-/** The scene that is felt. objects: those that are new. poses: of all that are there, 7 float32. */
+/** The rendered scene. objects: only the new ones. poses: of all objects, 7 float32 each. */
 export interface Scenery {
   type: "scenery";
   version: number;
@@ -134,7 +134,7 @@ export interface Scenery {
   poses: Record<string, Bytes>;
 }
 
-/** A rectangle in space, and the middles of `shape` cells of it: rows along v, columns along u, from -u -v. */
+/** A rectangle of `shape` cells: rows along v, columns along u, beginning at the corner -u -v. */
 export interface Plane {
   centre: Triple;
   u: Triple;
@@ -143,13 +143,13 @@ export interface Plane {
   shape: [number, number];
 }
 
-/** What a slice is of: radiation pressure, or its error on regions, made minus asked. */
+/** The quantity of a slice: radiation pressure, or its error on regions (achieved minus target). */
 export type Quantity = "pressure" | "error";
 
-/** Which pressure, of the frames of the last moments. */
+/** How a pressure combines the last frames. */
 export type Over = "mean" | "peak" | "instant";
 
-/** Radiation pressure on a plane, or its error [Pa]; NaN where there is none. frames: how many count. */
+/** Radiation pressure on a plane, or its error [Pa]; NaN where it is undefined. frames: number of frames combined. */
 export interface Slice extends Plane {
   type: "slice";
   id: number;
@@ -160,7 +160,7 @@ export interface Slice extends Plane {
   time: number;
 }
 
-/** What is felt on the skin behind a plane, and what is asked there [Pa]; NaN where there is none. */
+/** Achieved and target pressure on the skin behind a plane [Pa]; NaN where there is no skin. */
 export interface Skin extends Plane {
   type: "skin";
   id: number;
@@ -169,7 +169,7 @@ export interface Skin extends Plane {
   time: number;
 }
 
-/** Points from `origin` on, `spacing` apart along x, y and z; z is the fastest. */
+/** A grid of points that begins at `origin`, with `spacing` along x, y and z; z varies fastest. */
 export interface Box {
   origin: Triple;
   spacing: number;
@@ -191,14 +191,14 @@ export interface Histogram {
   deadline_ms: number;
 }
 
-/** Why the output is silent, and what to do; both empty while it sounds. */
+/** Why the output is silent, and what to do; both are empty while it sounds. */
 export interface Silence {
   type: "silence";
   cause: string;
   text: string;
 }
 
-/** Of a recording: drive and error before the time that is shown. times: float64 [s]; others 0..1, float32; NaN: none. */
+/** Drive and error of a recording, up to the time shown. times: float64 [s]; others: 0..1, float32, NaN if unknown. */
 export interface Past {
   type: "history";
   times: Bytes;
@@ -252,7 +252,7 @@ export type FromServer =
   | Recording
   | Replay;
 
-/** The end of what was new: it is answered with `ready`. */
+/** The end of a batch of messages. The page answers with `ready`. */
 export interface Batch {
   type: "batch";
 }

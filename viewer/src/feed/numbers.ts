@@ -1,23 +1,23 @@
-/** Bulk numbers: bytes that may begin anywhere in a message, as arrays of numbers that may not. */
+/** Packed numbers of messages as typed arrays. They are copied, because typed arrays need aligned bytes. */
 
 import type { Bytes } from "./messages";
 
-/** float64 numbers, a copy. */
+/** Copy float64 numbers. */
 export function doubles(data: Bytes): Float64Array<ArrayBuffer> {
   return new Float64Array(copied(data, 8));
 }
 
-/** float32 numbers, a copy. */
+/** Copy float32 numbers. */
 export function floats(data: Bytes): Float32Array<ArrayBuffer> {
   return new Float32Array(copied(data, 4));
 }
 
-/** uint32 numbers, a copy. */
+/** Copy uint32 numbers. */
 export function indices(data: Bytes): Uint32Array<ArrayBuffer> {
   return new Uint32Array(copied(data, 4));
 }
 
-/** Write bytes over the numbers of an array, as many as both have. */
+/** Overwrite the numbers of an array with packed ones, as far as both reach. */
 export function into(
   target: Float32Array<ArrayBuffer> | Uint16Array<ArrayBuffer>,
   data: Bytes,
@@ -27,7 +27,7 @@ export function into(
   new Uint8Array(target.buffer, target.byteOffset, bytes).set(data.subarray(0, bytes));
 }
 
-/** Whether these of two messages are byte for byte the same. */
+/** Return whether these fields of two messages have the same bytes. */
 export function same<K extends string>(a: Record<K, Bytes>, b: Record<K, Bytes>, ...names: K[]): boolean {
   return names.every((name) => {
     const [x, y] = [a[name], b[name]];

@@ -1,4 +1,4 @@
-/** Objects and shapes as they are on the wire. */
+/** Objects and shapes, as the wire has them. */
 
 import type { Bytes, Triple } from "./messages";
 
@@ -50,7 +50,7 @@ export type Curve =
 
 export type Shape = Shell | Solid;
 
-/** A factor on pressure over x and y: rows as in a picture that is looked at from +z. */
+/** A factor on pressure over x and y. Rows are those of a picture seen from +z. */
 export interface Texture {
   values: Bytes;
   grid: [number, number];

@@ -1,8 +1,9 @@
 /**
- * The newest of all that has come; who wants to know is told.
+ * Keeps the newest message of each type, and calls the listeners.
  *
- * What is drawn is told of each message; what people read, of the newest a few times a second, together and before a
- * frame: nobody reads faster, and each change of a text costs more than a message.
+ * Drawing code (`on`) gets each message. Code that updates text (`onBeat`) gets only the newest of each type, a few
+ * times a second, all at once before a frame: people read no faster, and changing a text costs more than handling a
+ * message.
  */
 
 import type {
@@ -24,7 +25,7 @@ import type {
   Volume,
 } from "./messages";
 
-/** live: all is well. lost: the array's server has gone. closed: the viewer's own server has. */
+/** live: connected. lost: the array's server is gone. closed: the viewer's own server is gone. */
 export type Link = "connecting" | "live" | "lost" | "closed";
 
 export interface Events {
@@ -46,7 +47,7 @@ export interface Events {
   replay: Replay;
 }
 
-const BEAT = 200; // [ms] from what is first unread until it is read, at least
+const BEAT = 200; // shortest time from the first unread message until the readers are called [ms]
 
 type Listeners = Map<keyof Events, ((value: never) => void)[]>;
 
@@ -58,20 +59,20 @@ export class Store {
   private readonly readers: Listeners = new Map();
   private readonly unread = new Set<keyof Events>();
 
-  /** later: calls what it is given before a frame to come. */
+  /** later: calls its argument before a later frame. */
   constructor(private readonly later: (read: () => void) => void = beforeFrame) {}
 
-  /** To be told of each. */
+  /** Call `listener` with each message of this type. */
   on<K extends keyof Events>(type: K, listener: (value: Events[K]) => void): void {
     add(this.listeners, type, listener);
   }
 
-  /** To be told of the newest, a few times a second. */
+  /** Call `reader` with the newest message of this type, a few times a second. */
   onBeat<K extends keyof Events>(type: K, reader: (value: Events[K]) => void): void {
     add(this.readers, type, reader);
   }
 
-  /** Another state of the connection. */
+  /** Set the state of the connection. */
   linked(link: Link, reason = ""): void {
     if (link === this.link && reason === this.reason) return;
     this.link = link;
@@ -86,7 +87,7 @@ export class Store {
     }
     if (message.type === "array" && this.link !== "live") {
       for (const type of ["silence", "state"] as const) {
-        delete this.newest[type]; // of before: it is not so any more
+        delete this.newest[type]; // from before the loss; no longer valid
         this.unread.delete(type);
       }
       this.linked("live");
@@ -114,7 +115,7 @@ function add(listeners: Listeners, type: keyof Events, listener: (value: never) 
   else listeners.set(type, [listener]);
 }
 
-/** One that fails, of a message that cannot be, does not keep others from hearing. */
+/** Call all listeners, even if one of them throws, as on a malformed message. */
 function call(listeners: ((value: never) => void)[] | undefined, value: unknown): void {
   for (const listener of listeners ?? []) {
     try {

@@ -1,4 +1,4 @@
-/** Numbers of requests for slices and volumes, which must not share them. */
+/** Numbers for requests. Slices, volumes and skin maps must not share numbers. */
 
 let last = 0;
 

@@ -1,10 +1,10 @@
-/** A scale from nothing to a round number, which does not change with every value. */
+/** A scale from 0 to a round number that does not change with every value. */
 
 const ROUND = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
-const FADE = 0.8; // of what is held, each second
-const ROOM = 0.5; // share of a scale below which it is too large
+const FADE = 0.8; // factor by which the largest value seen decays each second
+const ROOM = 0.5; // the scale shrinks if the largest value is below this share of it
 
-/** The next round number that is not below x; 1 of nothing. */
+/** Return the smallest round number that is not below x; 1 if x is not positive. */
 export function round(x: number): number {
   if (!(x > 0) || !Number.isFinite(x)) return 1;
   const power = 10 ** Math.floor(Math.log10(x));
@@ -13,14 +13,14 @@ export function round(x: number): number {
 }
 
 export class Scale {
-  /** The top of it. */
+  /** Top of the scale. */
   most = 1;
-  /** Whether it follows what is seen. */
+  /** Whether the scale follows the values seen. */
   auto = true;
   private held = 0;
   private seen = -Infinity;
 
-  /** Another most has been seen, at a time [s]; whether the scale is another. */
+  /** Note the largest value seen at `time` [s]; return whether the top of the scale has changed. */
   see(most: number, time = performance.now() / 1000): boolean {
     if (!Number.isFinite(most)) return false;
     this.held = Math.max(most, FADE ** (time - this.seen) * this.held);

@@ -1,4 +1,4 @@
-/** Where the skin is looked at for what is felt on it: a square before a contact, along its normal. */
+/** Chooses the square for the maps of a contact: perpendicular to the contact's mean normal, around its samples. */
 
 import { Vector3 } from "three";
 
@@ -7,17 +7,17 @@ import { floats, indices } from "../feed/numbers";
 import { nextId } from "./request-ids";
 
 const CELLS = 64;
-const BESIDE = 0.009; // [m] beside the samples
-const SMALLEST = 0.024; // [m] side of the square
-const STAYS = 0.002; // [m] that the contact may move before the square does
-const TURNS = Math.cos(0.1); // of its normal
-const OFTEN = 250; // [ms]
+const BESIDE = 0.009; // margin around the samples [m]
+const SMALLEST = 0.024; // shortest side of the square [m]
+const STAYS = 0.002; // distance by which the contact may move before the square does [m]
+const TURNS = Math.cos(0.1); // cosine of the angle by which a side may turn before the square is requested again
+const OFTEN = 250; // shortest time between two checks [ms]
 
 export class SkinPlane {
   on = true;
-  /** The object whose contact it is. */
+  /** The object whose contact the square shows. */
   object = "";
-  /** The object whose contact is wanted; empty for the one that is asked for most. */
+  /** The object that the user chose; empty for the one with the largest sum of targets. */
   wanted = "";
   private plane: Plane | undefined;
   private next = 0;
@@ -30,7 +30,7 @@ export class SkinPlane {
     if (!on) this.send({ type: "hide", what: "skin" });
   }
 
-  /** Follow the contact; ask for another square where it has moved. */
+  /** Follow the contact: request another square if it has moved. */
   follow(state: State): void {
     const now = performance.now();
     if (!this.on || now < this.next) return;
@@ -43,19 +43,19 @@ export class SkinPlane {
     this.send({ type: "skin", id: nextId(), ...found.plane });
   }
 
-  /** Look at the contact with that object; empty for the one that is asked for most. */
+  /** Show the contact with `object`; if it is empty, with the object whose targets have the largest sum. */
   choose(object: string): void {
     this.wanted = object;
     this.next = 0;
   }
 
-  /** Ask again, of a server that is back. */
+  /** Forget the square, so that it is requested again, for example from a server that is back. */
   forget(): void {
     this.plane = undefined;
   }
 }
 
-/** What is asked of each object in all, or -1 where it has no region: points and paths. */
+/** Return the sum of the targets of each object; -1 for objects without a region, such as points and paths. */
 export function sumAsked(state: State): number[] {
   const [asked, felt] = [state.asked, state.felt ?? new Uint8Array()].map(floats);
   const sums = state.objects.map((_, i): number => (Number.isFinite(felt?.[4 * i]) ? 0 : -1));
@@ -65,7 +65,10 @@ export function sumAsked(state: State): number[] {
   return sums;
 }
 
-/** Before the contact with that object, if it is felt, or else the one that is asked for most; null without a region. */
+/**
+ * Return the square at the contact with `wanted` if that object is felt, otherwise with the object whose targets have
+ * the largest sum; null if no surface or volume is felt.
+ */
 export function square(state: State, wanted = ""): { plane: Plane; object: string } | null {
   const [points, normals] = [state.points, state.normals].map(floats);
   const index = indices(state.index);

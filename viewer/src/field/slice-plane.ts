@@ -1,21 +1,21 @@
-/** Which slice of the field is wanted: told to the server when it changes, at most once a frame. */
+/** The slice that the user wants. Each change is sent to the server, at most once a frame. */
 
 import type { Over, Plane, Quantity, ToServer, Triple } from "../feed/messages";
 import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./request-ids";
 
-const COARSE = 2; // while it is dragged
-const FARTHEST = 10; // [m]
-const NEAR = 0.002; // [m] that the contact may move before the slice does
+const COARSE = 2; // divisor of the resolution during a drag
+const FARTHEST = 10; // largest coordinate [m]
+const NEAR = 0.002; // distance by which the contact may move before the slice does [m]
 
 export class SlicePlane {
   axis: Axis = "y";
   of: Quantity = "pressure";
   over: Over = "mean";
   on = true;
-  /** Whether it stays at the contact. */
+  /** Whether the slice follows the contact. */
   follows = true;
-  /** Whether it turns to the axis that faces the viewer. */
+  /** Whether the slice turns to the axis that faces the user. */
   faces = true;
   private readonly centre: Triple = [0, 0, 0.2];
   private side = 0.2; // [m]
@@ -26,13 +26,12 @@ export class SlicePlane {
 
   constructor(private readonly send: (message: ToServer) => void) {}
 
-  /** What is wanted. */
   get plane(): Plane {
     const cells = this.moving ? Math.max(Math.round(this.cells / COARSE), 2) : this.cells;
     return across(this.axis, [...this.centre], this.side, cells);
   }
 
-  /** Where it is along its axis [m]. */
+  /** Position along the axis [m]. */
   get position(): number {
     return this.centre[number(this.axis)];
   }
@@ -41,7 +40,7 @@ export class SlicePlane {
     this.listeners.push(listener);
   }
 
-  /** The contact is here [m], and this axis faces the viewer. */
+  /** Follow a contact at `centre` [m], and turn to the `axis` that faces the user, where these are switched on. */
   attend(centre: Triple, axis: Axis): void {
     const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
     const goes = this.follows && !this.moving && away > NEAR;
@@ -51,14 +50,14 @@ export class SlicePlane {
     if (goes || turns) this.change();
   }
 
-  /** Whether to stay at the contact from now on. */
+  /** Start or stop following the contact, which is at `centre` [m]. */
   follow(on: boolean, centre: Triple): void {
     this.follows = on;
     if (on) this.centre.splice(0, 3, ...centre);
     this.change();
   }
 
-  /** Along its normal to a position [m]; moving: it goes on. It stays there. */
+  /** Move the slice to a position along its normal [m], and stop following. moving: whether the drag goes on. */
   move(position: number, moving = false): void {
     this.follows = false;
     this.centre[number(this.axis)] = Math.min(Math.max(position, -FARTHEST), FARTHEST);
@@ -66,27 +65,25 @@ export class SlicePlane {
     this.change();
   }
 
-  /** Across another axis; without one, across the one that faces the viewer. */
+  /** Turn the slice across `axis`; without one, let it follow the axis that faces the user. */
   turn(axis?: Axis): void {
     this.faces = !axis;
     this.axis = axis ?? this.axis;
     this.change();
   }
 
-  /** Mean, peak or instant. */
   take(over: Over): void {
     this.over = over;
     this.change();
   }
 
-  /** Its side [m] and how many values there are along it. */
+  /** Set the side [m] and the number of values along it. */
   resize(side: number, cells: number): void {
     this.side = side;
     this.cells = cells;
     this.change();
   }
 
-  /** Pressure, or its error. */
   choose(of: Quantity): void {
     this.of = of;
     this.change();
@@ -97,7 +94,7 @@ export class SlicePlane {
     this.change();
   }
 
-  /** Ask for it; again after each new connection. */
+  /** Request the slice. Call it again after each new connection. */
   ask(): void {
     this.due = false;
     if (!this.on) {

@@ -1,13 +1,13 @@
-/** Which box of the field is wanted, for the surface of equal pressure. */
+/** The box in which the isosurface is computed. */
 
 import type { Over, ToServer, Triple } from "../feed/messages";
 import { nextId } from "./request-ids";
 
-const STAYS = 0.02; // [m] that what is looked at may move before the box does
+const STAYS = 0.02; // distance by which the contact may move before the box does [m]
 
 export class SurfaceBox {
   on = false;
-  /** Share of the colour scale's top at which the surface is. */
+  /** Level of the surface, as a share of the top of the colour scale. */
   share = 0.3;
   over: Over = "mean";
   private side = 0.1; // [m]
@@ -26,7 +26,7 @@ export class SurfaceBox {
     this.ask();
   }
 
-  /** What is looked at has moved [m]. */
+  /** Move the box to `centre` [m], if that is far enough away. */
   follow(centre: Triple): void {
     const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
     if (away < STAYS) return;
@@ -34,7 +34,7 @@ export class SurfaceBox {
     if (this.on) this.ask();
   }
 
-  /** Ask for it; again after each new connection. */
+  /** Request the volume. Call it again after each new connection. */
   ask(): void {
     if (!this.on) {
       this.send({ type: "hide", what: "volume" });

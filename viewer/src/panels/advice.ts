@@ -1,4 +1,4 @@
-/** What to do about a refusal, where the server does not say. */
+/** Advice on a refusal, if the server gives none. */
 
 const BY_MESSAGE: [RegExp, string][] = [
   [/owns the output/, "Take over first, or change it in the program that owns the output."],

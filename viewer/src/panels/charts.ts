@@ -1,4 +1,4 @@
-/** Drive and error over the last half minute, and how long ticks took. */
+/** Charts of drive and error over the last half minute, and of the tick times. */
 
 import uPlot from "uplot";
 
@@ -10,11 +10,11 @@ import { element, say } from "./dom";
 import { History, SPAN } from "./history";
 import { digits, percent } from "./format";
 
-const SELDOM = 1000; // [ms] between two drawings where the processor draws
-const ERRORS = [1e-4, 0.01, 1, 100] as const; // [%] ticks; less is as good as nothing
+const SELDOM = 1000; // time between two drawings with software rendering [ms]
+const ERRORS = [1e-4, 0.01, 1, 100] as const; // tick marks [%]; smaller errors are drawn at the first one
 const COUNTS = [0, 10, 100, 1000, 10_000];
-const SHORTEST = 0.01; // [ms] of a tick
-const LONGEST = 100; // [ms]
+const SHORTEST = 0.01; // lower end of the axis of tick times, which has no 0 [ms]
+const LONGEST = 100; // upper end before the first histogram [ms]
 const INK = "#8b96a6";
 const LINE = "#8fc7ff";
 const FAINT = "#4b6d93";
@@ -32,7 +32,7 @@ export class Charts {
   private readonly apart = drawnBySoftware() ? SELDOM : 0;
   private due = 0;
 
-  /** driven: mean and maximum of the amplitudes now, 0..1. */
+  /** driven: returns the present mean and maximum of the amplitudes, 0..1. */
   constructor(store: Store, driven: () => { mean: number; most: number }) {
     this.plots = {
       drive: plot("chart-drive", over([LINE, FAINT], { range: [0, 100] })),
@@ -55,7 +55,7 @@ export class Charts {
     });
   }
 
-  /** Of a recording: what was before the time that is shown. */
+  /** Replace the data by those of a recording up to the time that is shown. */
   private fill({ times, drive_mean, drive_max, error }: Past): void {
     const [at, mean, max, wrong] = [doubles(times), floats(drive_mean), floats(drive_max), floats(error)];
     this.drive.clear();
@@ -156,7 +156,7 @@ function axis(more: Partial<uPlot.Axis> = {}): uPlot.Axis {
   return { filter: (_plot, ticks) => ticks, stroke: INK, grid: GRID, ticks: { ...GRID, size: 4 }, font: FONT, gap: 4, size: 44, ...more };
 }
 
-/** A chart that fills what its figure has below the caption. */
+/** Make a chart that fills its figure below the caption. */
 function plot(id: string, options: Omit<uPlot.Options, "width" | "height">): uPlot {
   const figure = element(id);
   const caption = figure.querySelector("figcaption");

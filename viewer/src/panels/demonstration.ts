@@ -1,11 +1,11 @@
-/** Where there is nothing to feel: a demonstration that the viewer plays as a client of the server. */
+/** The demonstration, offered while there is nothing to feel. The viewer plays it as a client of the server. */
 
 import type { State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, element, say } from "./dom";
 
-export const DEMONSTRATION = "demonstration"; // the client's name
-const OFTEN = 250; // [ms] between two words that this page is looked at
+export const DEMONSTRATION = "demonstration"; // name of the client
+const OFTEN = 250; // time between two `alive` messages [ms]
 
 export class DemonstrationPanel {
   private timer = 0;

@@ -1,6 +1,6 @@
-/** The page's elements, as what they are. */
+/** Access to the page's elements, with their types. */
 
-/** The element of an id. Throws where the page has none of that kind. */
+/** Return the element with an id. Throws if the page has none of this type. */
 export function get<T extends HTMLElement>(id: string, kind: new () => T): T {
   const found = document.getElementById(id);
   if (!(found instanceof kind)) throw new Error(`no ${kind.name} #${id}`);
@@ -12,23 +12,23 @@ export const button = (id: string): HTMLButtonElement => get(id, HTMLButtonEleme
 export const input = (id: string): HTMLInputElement => get(id, HTMLInputElement);
 export const select = (id: string): HTMLSelectElement => get(id, HTMLSelectElement);
 
-/** Text, only where it is another. */
+/** Set a text if it differs. */
 export function say(target: Element, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
-/** Text in which what stands between backticks is code, only where it is another. */
+/** Set a text if it differs; parts between backticks become code. */
 export function sayMarked(target: Element, text: string): void {
   if (target.textContent === text.replaceAll("`", "")) return;
   target.replaceChildren(...marked(text));
 }
 
-/** Texts and elements of code, which stands between backticks. */
+/** Split a text at backticks into texts and code elements. */
 export function marked(text: string): (string | Node)[] {
   return text.split("`").map((part, k) => (k % 2 ? made("code", part) : part));
 }
 
-/** A new element with text, or with others. */
+/** Make an element with texts or other elements in it. */
 export function made<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   ...content: (string | Node)[]
@@ -38,7 +38,7 @@ export function made<K extends keyof HTMLElementTagNameMap>(
   return created;
 }
 
-/** The choices of a select, only where they are others; the value stays where it can. */
+/** Set the choices of a select if they differ. Keeps the value if it is still a choice. */
 export function choices(target: HTMLSelectElement, names: readonly string[]): void {
   const known = [...target.options].map((option) => option.value);
   if (known.length === names.length && known.every((name, k) => name === names[k])) return;
@@ -47,7 +47,7 @@ export function choices(target: HTMLSelectElement, names: readonly string[]): vo
   if (names.includes(value)) target.value = value;
 }
 
-/** Rows of a table as texts, only those that are others. The first cell is a heading. */
+/** Set the texts of a table's rows where they differ. The first cell of each row is a heading. */
 export function rows(target: HTMLElement, texts: readonly (readonly string[])[]): void {
   while (target.children.length > texts.length) target.lastElementChild?.remove();
   texts.forEach((cells, r) => {

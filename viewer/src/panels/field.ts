@@ -1,4 +1,4 @@
-/** What of the field is wanted: slice, surface, colour scale. */
+/** Controls of the field: slice, isosurface, colour scale. */
 
 import type { SurfaceBox } from "../field/surface-box";
 import { round, type Scale } from "../field/scale";
@@ -114,7 +114,7 @@ export class FieldPanel {
     });
   }
 
-  /** Of what is wanted. */
+  /** The colour scale of the chosen quantity. */
   private get scale(): Scale {
     return this.scales[this.slicePlane.of];
   }

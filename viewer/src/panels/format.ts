@@ -1,8 +1,8 @@
-/** Numbers as people read them. */
+/** Numbers as texts for people. */
 
 const DIGITS = 3;
 
-/** Three digits, without a needless power of ten. */
+/** Format a number with `count` digits, with a power of ten only if it is very large or small. */
 export function digits(x: number, count = DIGITS): string {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";
@@ -12,7 +12,7 @@ export function digits(x: number, count = DIGITS): string {
   return x.toFixed(Math.min(after, 6)).replace("-", "−");
 }
 
-/** A whole number with thin spaces between thousands. */
+/** Format a whole number with thin spaces between thousands. */
 export function whole(x: number): string {
   return Math.round(x).toString().replace(/\B(?=(\d{3})+$)/g, "\u2009").replace("-", "−");
 }
@@ -21,7 +21,7 @@ export function percent(share: number): string {
   return `${digits(100 * share)} %`;
 }
 
-/** Seconds. */
+/** Format a time [s]. */
 export function seconds(t: number): string {
   return t < 1 ? `${whole(1000 * t)} ms` : `${digits(t)} s`;
 }

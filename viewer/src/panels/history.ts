@@ -1,19 +1,19 @@
-/** Values over the last seconds, for a chart: of each short time their mean, or the largest. */
+/** Values of the last seconds, for a chart: the mean or the maximum of each short interval. */
 
 import type { AlignedData } from "uplot";
 
-export const SPAN = 30; // [s]
-const BIN = 0.25; // [s]: as short as a pixel or two
-const WINDOW = 1; // [s] that each value is of: with fewer frames of a modulation, their mean scatters
-const BACK = 0.2; // [s]
-const GAP = 1; // [s] over which no line is drawn
+export const SPAN = 30; // time that the charts show [s]
+const BIN = 0.25; // interval of one point of the chart, one or two pixels wide [s]
+const WINDOW = 1; // time that each point covers [s]; the mean of fewer frames of a modulation would scatter
+const BACK = 0.2; // largest step back between messages [s]
+const GAP = 1; // time without values from which the line is broken [s]
 
 export type Kind = "mean" | "max";
 
 export class History {
   private readonly times: number[] = [];
   private readonly values: (number | null)[][];
-  /** How many values each bin has. */
+  /** Number of values in each bin. */
   private readonly counts: number[][];
   private last: number | undefined;
 
@@ -22,7 +22,10 @@ export class History {
     this.counts = kinds.map(() => []);
   }
 
-  /** moment: of the server's clock [s]; one that goes back by more than messages do begins anew. A value that is no number leaves a gap. */
+  /**
+   * Add values. moment: by the server's clock [s]; if it lies more than BACK before the last one, the history starts
+   * again. A value that is not finite leaves a gap.
+   */
   add(moment: number, ...values: number[]): void {
     if (this.last !== undefined && moment < this.last - BACK) this.clear();
     const { last } = this;
@@ -41,13 +44,13 @@ export class History {
     this.last = undefined;
   }
 
-  /** With times before the newest [s]. */
+  /** The data of the chart, with times relative to the newest [s]. */
   get data(): AlignedData {
     const now = this.last ?? 0;
     return [this.times.map((t) => t - now), ...this.kinds.map((_, k) => this.times.map((_time, bin) => this.over(k, bin)))];
   }
 
-  /** The newest of each; NaN without any. */
+  /** The newest value of each kind; NaN if there is none. */
   get latest(): number[] {
     return this.kinds.map((_, k) => this.over(k, this.times.length - 1) ?? NaN);
   }
@@ -68,7 +71,7 @@ export class History {
     counts[counts.length - 1] = count + 1;
   }
 
-  /** Over the window up to a bin, without what is before a gap; null in a gap. */
+  /** Return the mean or maximum over the window that ends at a bin, back to the last gap; null in a gap. */
   private over(k: number, bin: number): number | null {
     const [values, counts] = [this.values[k] ?? [], this.counts[k] ?? []];
     const end = this.times[bin] ?? 0;

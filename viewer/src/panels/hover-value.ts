@@ -1,10 +1,10 @@
-/** The value under the mouse. */
+/** Shows the value under the mouse. */
 
 import type { HoverValue } from "../space/pointer";
 import { element, say } from "./dom";
 import { digits, millimetres } from "./format";
 
-const BESIDE = 14; // [px]
+const BESIDE = 14; // distance from the mouse [px]
 
 export function showHoverValue(told: HoverValue | null): void {
   const note = element("told");

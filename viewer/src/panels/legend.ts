@@ -1,4 +1,4 @@
-/** What the colours mean: the wheel of phases, the bar of pressures, the sizes of samples. */
+/** The legend: the wheel of phases, the bar of pressures, the scale of the samples. */
 
 import { COLOURS } from "../colours/maps";
 import { opacity, shareAt, type ScaleLaw } from "../field/scale-law";
@@ -7,7 +7,7 @@ import { ERRORS, PHASES, PRESSURES } from "../space/map-textures";
 import { element, get, made, say } from "./dom";
 import { digits } from "./format";
 
-const HOLE = 0.62; // of the wheel's radius
+const HOLE = 0.62; // radius of the hole, relative to the wheel's
 const TICKS = 5;
 const CAPTIONS: Record<Over, string> = {
   mean: "mean pressure [Pa]",
@@ -15,10 +15,10 @@ const CAPTIONS: Record<Over, string> = {
   instant: "pressure now [Pa]",
 };
 
-/** What the bar shows. */
+/** The quantity that the bar shows. */
 let painted: Quantity | undefined;
 
-/** Drawn once. */
+/** Draw the wheel and the bar. */
 export function drawLegend(): void {
   const canvas = get("wheel", HTMLCanvasElement);
   const draw = canvas.getContext("2d");
@@ -41,7 +41,7 @@ export function drawLegend(): void {
   scaleBar(1, "pressure");
 }
 
-/** most: top of the colour scale [Pa]; an error goes as far below zero. */
+/** Label the bar. most: top of the colour scale [Pa]; the scale of an error begins at -most. */
 export function scaleBar(most: number, of: Quantity, law: ScaleLaw = "linear", over: Over = "mean"): void {
   if (of !== painted) paintBar(of);
   painted = of;
@@ -68,7 +68,7 @@ function paintBar(of: Quantity): void {
   paint.putImageData(image, 0, 0);
 }
 
-/** most: pressure of the largest ring [Pa]. */
+/** Label the samples. most: pressure of the largest ring [Pa]. */
 export function scaleSamples(most: number): void {
   say(element("sample-scale"), most ? `largest ${digits(most)} Pa` : "");
 }

@@ -1,4 +1,4 @@
-/** Samples by object, what was left out, faults with their times, clients. */
+/** Lists of samples by object, of work left out, of faults with their times, and of clients. */
 
 import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
@@ -7,11 +7,11 @@ import { element, made, rows, say } from "./dom";
 import { split } from "./reasons";
 import { digits, plural, seconds, whole } from "./format";
 
-const OBJECTS = 8; // that are listed
-const KEPT = 50; // faults
+const OBJECTS = 8; // number of objects listed
+const KEPT = 50; // number of faults listed
 
 export class Lists {
-  /** How many faults there were. */
+  /** Number of faults known so far; undefined before the first state of a server. */
   private known: number | undefined;
 
   constructor(store: Store) {
@@ -47,7 +47,7 @@ export class Lists {
     rows(body("clients"), clients);
   }
 
-  /** Faults are told with the time at which they were seen first. */
+  /** List new faults, with the time at which the page first saw them. */
   private watch(state: State): void {
     const { known } = this;
     const { faults, fault_count: count } = state;
@@ -73,7 +73,7 @@ function body(table: string): HTMLElement {
   return element(table).querySelector("tbody") ?? element(table);
 }
 
-/** Object, samples, mean asked, mean achieved, and between the samples: force, rms error and spill of what is felt. */
+/** Return a row for each object: samples, mean target, mean achieved; between the samples: force, rms error, spill. */
 function sampled(state: State): string[][] {
   const asked = floats(state.asked);
   const achieved = floats(state.achieved);

@@ -1,4 +1,4 @@
-/** What must be noticed: the connection is gone; the output is faulted; something was refused. */
+/** Notices: the connection is lost, the output is faulted, or a request was refused. */
 
 import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
@@ -6,7 +6,7 @@ import { advice as advise, title } from "./advice";
 import { element, made, marked, say, sayMarked } from "./dom";
 import { forPage } from "./output";
 
-const STAYS = 15_000; // [ms]
+const STAYS = 15_000; // time that a notice stays [ms]
 const MAX_NOTES = 2;
 
 export function notices(store: Store): void {
@@ -38,14 +38,14 @@ function words(link: Link, reason: string, before: boolean): [string, string] {
       return ["Connecting …", "to the viewer, and through it to the server"];
     case "lost":
       return before
-        ? ["The server has gone; waiting", `${ended(reason)} What was seen last stays, grey, until it is back.`]
+        ? ["The server has gone; waiting", `${ended(reason)} The last data stay visible in grey until the server is back.`]
         : ["No server yet; waiting", `${ended(reason)} Once \`pacinian serve\` runs, this page goes on by itself.`];
     case "closed":
       return ["The viewer has gone; waiting", "Start `pacinian view` again: it opens a page of its own. The server goes on."];
   }
 }
 
-/** As a sentence. */
+/** End a text with a full stop, if it has none. */
 function ended(text: string): string {
   return /[.?!]$/.test(text) || !text ? text : `${text}.`;
 }

@@ -1,11 +1,11 @@
-/** How the output is, who owns it, and what ends or begins sound. */
+/** The state and the owner of the output, and the buttons that start and end sound. */
 
 import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./format";
 
-/** Of recordings, which do not hold the server's own explanation. */
+/** Explanations for recordings, which do not contain those of the server. */
 const WHY: Record<Output, string> = {
   silent: "not armed, or nothing can be felt",
   sounding: "something can be felt",
@@ -21,18 +21,18 @@ const NOT = {
   other: "This page has not armed.",
   free: "Nothing is stopped or faulted.",
 } as const;
-const MIN_TICKS = 1000; // from which a share of them says something
-const OFTEN = 4; // times a lease that the page says it is alive
+const MIN_TICKS = 1000; // number of ticks from which the share of late ones is shown
+const OFTEN = 4; // `alive` messages per lease
 const CONTROLS = "button, input, select, textarea, summary, a, [role=switch]";
 
-/** The air that the field is computed for. */
+/** Describe the air for which the field is computed. */
 function air({ speed_of_sound: speed, temperature }: Sound): string {
   return `${typeof temperature === "number" ? `${digits(temperature)} °C, ` : ""}${digits(speed)} m/s`;
 }
 
 export class OutputPanel {
   private session: Session | undefined;
-  /** From whom this page has taken the output. */
+  /** The client from which this page has taken the output. */
   private taken = "";
   private timer = 0;
 
@@ -77,7 +77,7 @@ export class OutputPanel {
     else this.send({ type: "arm", scene: select("scene").value, take: false });
   }
 
-  /** Who else owns the output. */
+  /** The other client that owns the output; empty if there is none. */
   private get others(): string {
     const owner = this.store.newest.state?.owner ?? "";
     return this.session?.mine || owner === this.session?.name ? "" : owner;
@@ -93,7 +93,7 @@ export class OutputPanel {
       ? `Then the scene “${scene}” is felt, for as long as this page is open and in view.`
       : "Then nothing is felt: this viewer's own scene is empty.";
     say(element("take-title"), `Take the output from “${others}”?`);
-    say(element("take-text"), `It falls silent, and is told so. ${then} “Give back” ends that, and “${others}” can arm again.`);
+    say(element("take-text"), `Its sound ends, and it receives a message. ${then} “Give back” ends that, and “${others}” can arm again.`);
     button("take-no").focus();
   }
 
@@ -103,7 +103,7 @@ export class OutputPanel {
     this.ask(false);
   }
 
-  /** The lease goes on for as long as this page is alive and looked at. */
+  /** Store the session. While this page owns the output and is visible, renew the lease with `alive`. */
   private agree(session: Session | undefined): void {
     if (!session?.mine && this.session?.mine) this.taken = "";
     this.session = session;
@@ -118,7 +118,7 @@ export class OutputPanel {
     this.show(this.store.newest.state);
   }
 
-  /** The server's own explanation of silence, where there is one. */
+  /** Explain the output, with the server's own explanation of silence if there is one. */
   private why(output: Output): string {
     const told = output === "sounding" ? "" : this.store.newest.silence?.text;
     return told ? forPage(told) : WHY[output];
@@ -133,7 +133,7 @@ export class OutputPanel {
     say(element("output-name"), name(shown));
     const why = live && output ? this.why(output) : "";
     say(element("output-why"), why);
-    element("output-why").title = why; // where the line is too short
+    element("output-why").title = why; // for a line that is cut off
     const held = output === "stopped" || output === "faulted";
     const mine = Boolean(this.session?.mine);
     const { others } = this;
@@ -160,7 +160,7 @@ export class OutputPanel {
   }
 }
 
-/** What a program would call, as what is pressed on this page. */
+/** Replace API calls in an advice by the controls of this page. */
 export function forPage(text: string): string {
   return text
     .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
@@ -171,14 +171,14 @@ export function forPage(text: string): string {
     .replaceAll("`", "");
 }
 
-/** A button that can act; or cannot, and says why. */
+/** Enable a button, or disable it and show the reason. */
 function enable(id: string, cannot: string | false, does: string): void {
   button(id).disabled = Boolean(cannot);
   button(id).title = cannot || does;
   button(id).setAttribute("aria-description", cannot || does);
 }
 
-/** Not one of a client's own. */
+/** Return whether a game named the scene, so that it is not a client's own. */
 function named(scene: string): boolean {
   return scene !== "" && !scene.startsWith("own ");
 }

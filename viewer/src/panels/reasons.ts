@@ -1,9 +1,12 @@
-/** What the server leaves out: work that is saved, and problems; each with what it means. */
+/**
+ * The reasons why the server leaves work out: saved work and problems, each with its meaning. Keep them equal to
+ * docs/touch.md ("Reasons in skipped") and to pacinian/rendering/skip_reasons.py.
+ */
 
 const SAVED: Record<string, string> = {
   "solve, nothing moved": "The last solution still holds.",
   "solve, still under way": "A solve takes longer than a tick, and runs beside the ticks: frames move evenly to its result.",
-  "solve, not due": "Frames move evenly to the next solution, some 100 of which a second suffice.",
+  "solve, not due": "Frames are interpolated up to the next solution; about 100 solutions a second are enough.",
   "solve, step of a modulation known": "This step of a modulation was solved before.",
   "drive, nothing changed": "The device already plays this frame.",
   "objects away from hands": "No hand is near these objects.",
@@ -13,8 +16,8 @@ const SAVED: Record<string, string> = {
 
 const PROBLEMS: Record<string, string> = {
   "missed ticks": "The machine was too busy for a tick: close other programs.",
-  "samples coarsened": "So much is touched that places lie farther apart than the finest: lower the number of objects, or raise the budget.",
-  "samples over budget": "More places are touched than can be solved in time: lower the number of objects, or raise the budget.",
+  "samples coarsened": "So much skin is touched that samples lie farther apart than at the finest spacing: use fewer objects, or raise the budget.",
+  "samples over budget": "More places are touched than can be solved in time: use fewer objects, or raise the budget.",
   "samples too far from the array": "The array cannot send sound there: bring the object nearer.",
   "samples hardly reached": "Little sound arrives there: bring the object nearer, or turn the hand to the array.",
   "samples on a transducer": "An object touches the array.",
@@ -29,7 +32,7 @@ export interface Reason {
   meaning: string;
 }
 
-/** Those that count, the most frequent first. */
+/** Split the reasons with a count above 0 into saved work and problems, most frequent first. */
 export function split(skipped: Record<string, number>): { saved: Reason[]; problems: Reason[] } {
   const all = Object.entries(skipped)
     .filter(([, count]) => count > 0)

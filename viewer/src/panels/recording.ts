@@ -1,4 +1,4 @@
-/** To record what is shown, and to go through a recording. */
+/** Controls to record the feed, and to play a recording. */
 
 import type { Replay, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
@@ -8,7 +8,7 @@ export class RecordingPanel {
   private replay: Replay | undefined;
   private held = false;
   private due = false;
-  private wanted = 0; // [s], by the slider
+  private wanted = 0; // position of the slider [s]
 
   constructor(
     store: Store,
@@ -50,10 +50,10 @@ export class RecordingPanel {
     this.send({ type: "replay", playing: !this.replay?.playing });
   }
 
-  /** At most once a frame. */
+  /** Send the position of the slider, at most once a frame. */
   private scrub(): void {
     this.held = true;
-    this.wanted = Number(input("scrub").value); // `show` may move the slider before it is sent
+    this.wanted = Number(input("scrub").value); // read now, because `show` may move the slider before it is sent
     if (this.due) return;
     this.due = true;
     requestAnimationFrame(() => {

@@ -1,11 +1,11 @@
-/** Switches of the running server: what is chosen is asked for, and shown once the server has it. */
+/** Controls for the running server: each choice is requested, and shown once the server uses it. */
 
 import type { Arrayed, Plugin, Selection, State, Technique, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { choices, element, input, say, select } from "./dom";
 
-const PATIENCE = 15_000; // [ms] for a choice to be followed, after which the server's own is shown
-const STROKE = 0.002; // [m] to either side, of lateral modulation
+const PATIENCE = 15_000; // time until a choice that the server does not follow is replaced by its own [ms]
+const STROKE = 0.002; // amplitude of lateral modulation [m]
 const FREQUENCIES: Record<string, number> = { am: 200, stm: 100, lm: 100 };
 const NAMES: Record<string, string> = {
   simultaneous: "all at once",
@@ -15,7 +15,7 @@ const NAMES: Record<string, string> = {
 };
 
 export class ServerChoices {
-  /** What was asked for and has not been followed yet, and until when that is waited for [ms]. */
+  /** Choices that the server does not use yet, and the time until which the page waits for each [ms]. */
   private readonly waiting = new Map<string, { value: string; until: number }>();
   private intensity: number | undefined;
   /** Whether the viewer has armed. */
@@ -51,7 +51,7 @@ export class ServerChoices {
     this.allow(undefined);
   }
 
-  /** What cannot be chosen now is disabled, and says why. */
+  /** Enable the controls, or disable them and show the reason. */
   private allow(state: State | undefined): void {
     const why = this.store.newest.hello?.recording
       ? "This is a recording: nothing can be changed."
@@ -79,7 +79,7 @@ export class ServerChoices {
     this.rates(type);
   }
 
-  /** At most once a frame. */
+  /** Send the intensity, at most once a frame. */
   private strength(): void {
     const asked = this.intensity !== undefined;
     this.intensity = Number(input("intensity").value) / 100;
@@ -126,7 +126,7 @@ export class ServerChoices {
     say(element("solver-summary"), (chosen?.summary ?? "").replaceAll("`", ""));
   }
 
-  /** Whether something was asked for that the server does not have yet. */
+  /** Return whether the server does not use the chosen value yet. */
   private pending(kind: string, now: string): boolean {
     const asked = this.waiting.get(kind);
     if (asked && (asked.value === now || performance.now() > asked.until)) this.waiting.delete(kind);

@@ -1,4 +1,4 @@
-/** What is felt on the skin beside what is asked: two pictures of the contact, with one scale. */
+/** Maps of a contact: target and achieved pressure side by side, on the same scale. */
 
 import { COLOURS } from "../colours/maps";
 import { sumAsked, type SkinPlane } from "../field/skin-plane";
@@ -56,7 +56,7 @@ export class SkinPanel {
     element("skin-maps").hidden = !this.skinPlane.on || !this.last;
   }
 
-  /** The contacts to choose from: what is chosen stays there, also while it is not felt. */
+  /** Offer the contacts. The chosen one stays in the list while it is not felt. */
   private offer(state: State): void {
     const sums = sumAsked(state);
     const { wanted } = this.skinPlane;

@@ -1,4 +1,4 @@
-/** Buttons for directions to look from, and the help on keys. */
+/** Buttons that set the direction of view, and the help on keys. */
 
 import type { Space } from "../space/space";
 import { button, element } from "./dom";

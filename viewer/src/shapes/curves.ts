@@ -1,14 +1,14 @@
-/** Curves as points, closed or not. */
+/** Curves of the wire as three's curves. */
 
 import { CatmullRomCurve3, CurvePath, LineCurve3, Vector3, type Curve as Way } from "three";
 
 import { floats } from "../feed/numbers";
 import type { Curve } from "../feed/objects";
 
-const AROUND = 128; // points of a closed curve
-const FEWEST = 1e-6; // [m] between two points that count as two
+const AROUND = 128; // number of points of a closed curve
+const FEWEST = 1e-6; // distance up to which two points count as one [m]
 
-/** A curve as three has it. */
+/** Convert a curve to one of three. */
 export function way(curve: Curve): Way<Vector3> {
   const points = placed(curve);
   if (curve.type === "circle" || curve.type === "lissajous") {

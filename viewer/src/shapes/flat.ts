@@ -1,4 +1,4 @@
-/** Surfaces that are open: rectangles, discs, height maps. */
+/** Open surfaces: rectangles, discs, height maps. */
 
 import { BufferAttribute, BufferGeometry, CircleGeometry, PlaneGeometry } from "three";
 
@@ -13,7 +13,7 @@ export function isFlat(shape: { type: string }): shape is Flat {
   return ["rectangle", "disc", "height-map"].includes(shape.type);
 }
 
-/** In its own frame, facing +z. */
+/** Return the geometry of an open surface in its own frame, facing +z. */
 export function flat(shape: Flat): BufferGeometry {
   switch (shape.type) {
     case "rectangle":
@@ -25,7 +25,7 @@ export function flat(shape: Flat): BufferGeometry {
   }
 }
 
-/** Rows as in a picture: the first one is at the far end of y. */
+/** Rows are those of a picture: the first one has the largest y. */
 function heightMap(shape: Extract<Flat, { type: "height-map" }>): BufferGeometry {
   const { width, height, depth } = shape;
   const [rows, columns] = shape.grid;

@@ -1,4 +1,4 @@
-/** An object of the scene as something to be drawn, in its own frame. */
+/** Makes three's objects for the objects of the scene, in their own frames. */
 
 import {
   Box3,
@@ -27,17 +27,17 @@ const SOLID = "#6f9ed6";
 const OPEN = "#7fb8c9";
 const LINE = "#9ad0e0";
 const BODY = 0.34;
-const THIN = 0.0011; // [m] radius of a drawn line
-const PIECES = 256; // of a tube
+const THIN = 0.0011; // radius of a drawn line [m]
+const PIECES = 256; // number of segments of a tube
 
-/** What is drawn. drawn: false where only its outline is. reach: of its farthest point from its origin [m]. */
+/** A drawn object. drawn: false if only its outline is. reach: distance from the origin to the farthest point [m]. */
 export interface Made {
   object: Object3D;
   drawn: boolean;
   reach: number;
 }
 
-/** Never throws: of what cannot be meshed the outline is left. */
+/** Make the object, or only its outline if it cannot be meshed. Never throws. */
 export function made(thing: Thing): Made {
   try {
     const object = model(thing);
@@ -75,7 +75,7 @@ function model(thing: Thing): Object3D {
   }
 }
 
-/** The geometry of a shape in its own frame. */
+/** Return the geometry of a shape in its own frame. */
 export function shaped(shape: Shape): BufferGeometry {
   return isFlat(shape) ? flat(shape) : solid(shape);
 }
@@ -96,7 +96,7 @@ function plain(color: string, opacity = 1): MeshBasicMaterial {
   return new MeshBasicMaterial({ color, opacity, transparent: opacity < 1, depthWrite: true });
 }
 
-/** The box around the parts of what cannot be drawn itself. */
+/** Return the box around the parts of an object that cannot be drawn. */
 function outline(thing: Thing): Box3Helper {
   const box = new Box3();
   if (thing.type === "surface" || thing.type === "volume") {
@@ -109,7 +109,7 @@ function outline(thing: Thing): Box3Helper {
   return new Box3Helper(box, new Color(LINE));
 }
 
-/** Of its farthest point from its origin [m]. */
+/** Return the distance from the origin to the farthest corner of the bounding box [m]. */
 function reach(object: Object3D): number {
   const box = new Box3().setFromObject(object);
   return Math.max(box.min.length(), box.max.length());

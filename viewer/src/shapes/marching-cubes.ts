@@ -1,11 +1,11 @@
-/** Marching cubes (Lorensen and Cline, 1987), with three's tables: where numbers on a grid are so much. */
+/** Marching cubes (Lorensen and Cline, 1987) with three's tables: the surface at which values equal a level. */
 
 import { BufferAttribute, BufferGeometry } from "three";
 import { edgeTable, triTable } from "three/addons/objects/MarchingCubes.js";
 
 import type { Triple } from "../feed/messages";
 
-/** Numbers at points of a grid, z the fastest; values that are not numbers count as nothing. */
+/** Values at the points of a grid; z varies fastest. NaN counts as 0. */
 export interface Grid {
   values: Float32Array;
   shape: Triple;
@@ -13,7 +13,7 @@ export interface Grid {
   spacing: number;
 }
 
-// Corners of a cell in the tables' order, and the two corners of each edge.
+// Corners of a cell in the order of the tables, and the two corners of each edge.
 const CORNERS = [
   [0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1],
 ] as const; // prettier-ignore
@@ -21,7 +21,7 @@ const EDGES = [
   [0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7],
 ] as const; // prettier-ignore
 
-/** The surface, whose normals point to where there is less; empty where there is none. */
+/** Return the surface at `level`, with normals towards lower values; empty if the level is not crossed. */
 export function surface(grid: Grid, level: number): BufferGeometry {
   const { values, shape, origin, spacing } = grid;
   const [X, Y, Z] = shape;
@@ -32,7 +32,7 @@ export function surface(grid: Grid, level: number): BufferGeometry {
   };
   const points: number[] = [];
   const faces: number[] = [];
-  const made = new Map<number, number>(); // vertices by their edge
+  const made = new Map<number, number>(); // index of each vertex, by its edge
   const offsets = CORNERS.map(([x, y, z]) => x * step[0] + y * step[1] + z * step[2]);
   const cell = new Int32Array(12);
 

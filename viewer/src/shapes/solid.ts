@@ -1,4 +1,4 @@
-/** Solids as closed triangle meshes; those made of others by three-bvh-csg. */
+/** Solids as closed triangle meshes. three-bvh-csg combines them. */
 
 import {
   BoxGeometry,
@@ -16,14 +16,14 @@ import { floats, indices } from "../feed/numbers";
 import type { Part, Pose, Primitive, Solid } from "../feed/objects";
 import { surface } from "./marching-cubes";
 
-/** What a solid is made of, each by itself; none where even that is not possible. */
+/** Return the meshes of a combined solid's parts, of a difference only the first; none for other solids. */
 export function parts(shape: Solid): BufferGeometry[] {
   if (shape.type === "difference") return [part(shape.of)];
   if (shape.type === "union" || shape.type === "intersection") return shape.parts.map(part);
   return [];
 }
 
-/** In its own frame. Throws what the library throws where parts are not closed. */
+/** Return the mesh in the solid's own frame. Throws three-bvh-csg's error if a part is not closed. */
 export function solid(shape: Solid): BufferGeometry {
   switch (shape.type) {
     case "union":
@@ -63,12 +63,12 @@ function mesh(points: Float32Array, faces: Uint32Array, scale: number): BufferGe
   geometry.setAttribute("position", new BufferAttribute(points, 3));
   geometry.setIndex(new BufferAttribute(faces, 1));
   geometry.scale(scale, scale, scale);
-  const free = geometry.toNonIndexed(); // edges stay sharp
+  const free = geometry.toNonIndexed(); // so that edges stay sharp
   free.computeVertexNormals();
   return free;
 }
 
-/** With a rim of nothing around the grid, so that it closes. */
+/** Return the surface of voxels. The grid gets a border of zeros, so that the surface is closed. */
 function voxels(shape: Extract<Primitive, { type: "voxels" }>): BufferGeometry {
   const { grid, pitch, level } = shape;
   const values = floats(shape.values);
@@ -106,7 +106,7 @@ function combined(parts: Part[], how: typeof ADDITION): BufferGeometry {
   return others.reduce((made, next) => evaluator.evaluate(made, next, how), first).geometry;
 }
 
-/** As a matrix. */
+/** Convert a pose to a matrix. */
 export function matrix({ position, rotation }: Pose): Matrix4 {
   return new Matrix4().compose(
     new Vector3(...position),

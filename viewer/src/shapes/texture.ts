@@ -1,4 +1,4 @@
-/** A texture on pressure, as the graphics card wants it. */
+/** Textures on pressure, for the graphics card. */
 
 import {
   ClampToEdgeWrapping,
@@ -12,7 +12,7 @@ import {
 import { floats } from "../feed/numbers";
 import type { Texture } from "../feed/objects";
 
-/** One byte a value; the first row is the last of the wire's, as v grows with y. */
+/** Convert a texture, with one byte for each value. Rows are reversed, because v grows with y. */
 export function image(texture: Texture): DataTexture {
   const [rows, columns] = texture.grid;
   const values = floats(texture.values);

@@ -13,30 +13,30 @@ import {
 import { Label } from "./labels";
 
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
-const LINES = 7; // on the longer side, at most, about
-const BELOW = 0.006; // [m] under the array
-const NAMES = 3; // the last labels: x, y, z
-const AWAY = 0.018; // of the diagonal: from an axis to its numbers
+const LINES = 7; // largest number of steps on the longer side, roughly
+const BELOW = 0.006; // distance of the floor below the array [m]
+const NAMES = 3; // the last labels are the names x, y, z
+const AWAY = 0.018; // distance from an axis to its numbers, relative to the diagonal
 const GRID = new LineBasicMaterial({ color: "#2a323d" });
 const AXIS = new LineBasicMaterial({ color: "#55606f" });
 
-/** What is to be seen [m]. */
+/** Bounds of the visible space [m]. */
 export interface Extent {
   low: readonly [number, number, number];
   high: readonly [number, number, number];
 }
 
-/** The step of a scale of so long [m]. */
+/** Return the step of a scale of this length [m]. */
 export function step(length: number): number {
   return STEPS.find((each) => length / each <= LINES) ?? 1;
 }
 
 export class Axes extends Group {
   readonly labels: Label[] = [];
-  /** What is between them [m]. */
+  /** The box that the axes enclose [m]. */
   readonly box = new Box3();
 
-  /** Around another array. */
+  /** Draw the axes around an array. */
   place({ low, high }: Extent): void {
     for (const label of this.labels) label.dispose();
     this.labels.length = 0;
@@ -73,7 +73,7 @@ export class Axes extends Group {
     this.label("z [mm]", left, far, top + 1.6 * away, true);
   }
 
-  /** Hide numbers that would cover a name or another number. project: where a point is on the page [px]. */
+  /** Hide numbers that would cover a name or another number. project: returns where a point is on the page [px]. */
   separate(project: (point: Vector3) => { x: number; y: number }): void {
     const kept: { x: number; y: number; label: Label }[] = [];
     for (const label of [...this.labels.slice(-NAMES), ...this.labels.slice(0, -NAMES)]) {
@@ -97,7 +97,7 @@ export class Axes extends Group {
   }
 }
 
-/** Multiples of a step that hold a range between them. */
+/** Return the multiples of a step that enclose a range. */
 export function ticks(low: number, high: number, apart: number): number[] {
   const first = Math.floor(low / apart + 1e-6);
   const last = Math.ceil(high / apart - 1e-6);

@@ -1,4 +1,4 @@
-/** Hands: a capsule around each bone, and some that fill the palm, as the server's own hands have them. */
+/** Hands: a capsule around each bone, and capsules that fill the palm, as in the server's hand model. */
 
 import {
   Box3,
@@ -24,18 +24,18 @@ import { pressureMap } from "./map-textures";
 import { matrix } from "./planes";
 import { drawnBySoftware } from "./software-rendering";
 
-const JOINTS = 26; // of OpenXR
+const JOINTS = 26; // joints of OpenXR
 const PALM = 0;
-const DEEP = 0.025; // [m] before and behind the painted square
+const DEEP = 0.025; // range of the painting, before and behind its square [m]
 const SKIN = "#f2c4a4";
 
-/** From each joint to the skin, an adult's [m]. */
+/** Distance from each joint to the skin of an adult [m]. */
 const RADII = [
   20, 21, 19, 12.5, 10, 8.5, 20, 10.5, 8.5, 7.5, 6.5, 20, 11, 8.5, 7.5, 6.5, 19, 10, 8, 7.5,
   6.5, 18, 8.5, 7, 6.5, 5.5,
 ].map((millimetres) => millimetres / 1000);
 
-/** A line from the middle of two joints to the middle of two others. */
+/** Four joints; the bone goes from the middle of the first two to the middle of the others. */
 type Bone = readonly [number, number, number, number];
 
 function between(a: number, b: number): Bone {
@@ -48,7 +48,7 @@ const BONES: Bone[] = [
   between(3, 4),
   between(4, 5),
   ...DIGITS.flatMap((first) => [0, 1, 2, 3].map((k) => between(first + k, first + k + 1))),
-  ...[6, 11, 16].map((j): Bone => [j, j + 5, j + 1, j + 6]), // among the metacarpals
+  ...[6, 11, 16].map((j): Bone => [j, j + 5, j + 1, j + 6]), // between the metacarpals
   ...[2, 6, 11, 21].map((j) => between(1, j)), // the wrist
   [2, 3, 6, 7], // the web of the thumb
 ];
@@ -56,11 +56,11 @@ const THICK = BONES.map((joints) => joints.reduce((sum, j) => sum + (RADII[j] ??
 
 const VERTEX = `
 attribute float bone;
-uniform vec4 base[${BONES.length}]; // and how thick it is
+uniform vec4 base[${BONES.length}]; // position and radius
 uniform vec3 tip[${BONES.length}];
 ${SHADED}
-uniform mat4 square; // from the world to the painted square
-uniform vec3 before; // the direction from which it is looked at
+uniform mat4 square; // from world coordinates to those of the painted square
+uniform vec3 before; // normal of the painted square
 varying vec4 spot;
 void main() {
   vec4 from = base[int(bone)];
@@ -79,7 +79,7 @@ void main() {
   gl_Position = projectionMatrix * p;
 }`;
 
-/** A capsule for each bone; its vertices only tell the end and the direction. */
+/** Make a capsule for each bone. The shader reads only the end and the direction of each vertex. */
 function bones(): BufferGeometry {
   const [along, around] = drawnBySoftware() ? [4, 10] : [6, 14];
   const capsule = new CapsuleGeometry(1, 1, along, around);
@@ -91,7 +91,7 @@ function bones(): BufferGeometry {
   );
 }
 
-/** What is felt on the skin, for all hands. */
+/** Uniforms of the painted pressure, which all hands share. */
 interface Painting {
   [name: string]: IUniform;
   paint: IUniform<DataTexture | null>;
@@ -103,7 +103,7 @@ interface Painting {
 }
 
 class Hand extends Translucent implements Turned {
-  /** Where the palm is. */
+  /** Position of the palm [m]. */
   readonly middle = new Vector3();
   private readonly base: Vector4[];
   private readonly tip: Vector3[];
@@ -117,7 +117,7 @@ class Hand extends Translucent implements Turned {
     this.tip = tip;
   }
 
-  /** Where its joints are, one after the other [m]. */
+  /** Set the positions of the joints, three numbers each [m]. */
   show(joints: Float32Array): void {
     const middle = (i: number, j: number, axis: number): number =>
       ((joints[3 * i + axis] ?? 0) + (joints[3 * j + axis] ?? 0)) / 2;
@@ -131,10 +131,10 @@ class Hand extends Translucent implements Turned {
 
 export class Hands {
   readonly group = new Group();
-  /** What all joints are in [m]. */
+  /** Box around all joints [m]. */
   readonly box = new Box3();
   count = 0;
-  /** Whether a painting on the side that is turned away shines through. */
+  /** Whether the painted pressure shines through from the far side of the hand. */
   through = true;
   private readonly all: Hand[] = [];
   private readonly geometry = bones();
@@ -148,12 +148,12 @@ export class Hands {
     before: { value: new Vector3(0, 0, 1) },
   };
 
-  /** Those that are there. */
+  /** The visible hands. */
   get shown(): Turned[] {
     return this.all.slice(0, this.count);
   }
 
-  /** What is felt, on all of them. top: of the colours [Pa]. */
+  /** Paint the achieved pressure on all hands. top: top of the colour scale [Pa]. */
   paint(plane: Plane, felt: Float32Array<ArrayBuffer>, top: number): void {
     const { painting } = this;
     const [rows, columns] = plane.shape;
@@ -168,7 +168,7 @@ export class Hands {
     painting.square.value.copy(placed).invert();
   }
 
-  /** Plain again. */
+  /** Remove the painting. */
   unpaint(): void {
     this.painting.top.value = 0;
   }
@@ -177,7 +177,7 @@ export class Hands {
     return this.count > 0 && this.painting.top.value > 0;
   }
 
-  /** Their joints, (hands, 26, 3) float32 [m]. */
+  /** Show hands. data: joints, (hands, 26, 3) float32 [m]. */
   show(data: Bytes): void {
     const joints = floats(data);
     this.count = Math.floor(joints.length / (3 * JOINTS));

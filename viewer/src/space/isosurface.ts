@@ -1,4 +1,4 @@
-/** Where radiation pressure is so much, as a surface. */
+/** The surface at which the radiation pressure equals a level. */
 
 import { BufferGeometry, Vector3 } from "three";
 
@@ -17,7 +17,7 @@ export class Isosurface implements Turned {
     this.glass.turn = turn;
   }
 
-  /** How many triangles it has. */
+  /** Number of triangles. */
   get triangles(): number {
     return (this.glass.meshes[0]?.geometry.getIndex()?.count ?? 0) / 3;
   }
@@ -30,7 +30,7 @@ export class Isosurface implements Turned {
     this.middle.fromArray(half);
   }
 
-  /** The surface of a level [Pa], in a colour. */
+  /** Compute the surface of a level [Pa], and set its colour. */
   cut(level: number, colour: string): void {
     if (!this.volume || !(level > 0)) return;
     for (const mesh of this.glass.meshes) mesh.geometry.dispose();

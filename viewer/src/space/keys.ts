@@ -1,11 +1,11 @@
-/** The keyboard in the view: turn, come nearer, move the slice. */
+/** Keys of the 3-D view: turn, zoom, move the slice. */
 
 import type { SlicePlane } from "../field/slice-plane";
 import type { Space } from "./space";
 
-const NEARER = 1.1;
-const FINE = 0.001; // [m]
-const COARSE = 0.01; // [m]
+const NEARER = 1.1; // factor of one key press
+const FINE = 0.001; // step of the slice [m]
+const COARSE = 0.01; // step with Shift [m]
 
 export function listen(space: Space, slicePlane: SlicePlane): void {
   const { view } = space;

@@ -1,8 +1,8 @@
-/** Words in space: always upright, of one size on the page, drawn over everything. */
+/** Text in space: always upright, of constant size on the page, drawn over everything else. */
 
 import { CanvasTexture, LinearFilter, NoColorSpace, Sprite, SpriteMaterial } from "three";
 
-const FINE = 2; // pixels of the texture for one of the page
+const FINE = 2; // pixels of the texture per pixel of the page
 const FONT = "system-ui, sans-serif";
 const PADDING = 3; // [px]
 
@@ -24,7 +24,7 @@ export class Label extends Sprite {
     const high = 1.4 * size + 2;
     canvas.width = Math.ceil(across * FINE);
     canvas.height = Math.ceil(high * FINE);
-    draw.font = `${weight} ${size * FINE}px ${FONT}`; // forgotten with the size
+    draw.font = `${weight} ${size * FINE}px ${FONT}`; // again, because setting the size has reset it
     draw.textBaseline = "middle";
     draw.lineJoin = "round";
     draw.lineWidth = 3 * FINE;
@@ -42,12 +42,12 @@ export class Label extends Sprite {
     this.renderOrder = 9500;
   }
 
-  /** perPixel: size of a pixel at distance 1, in parts of it. */
+  /** Set the size. perPixel: size of a pixel at distance 1. */
   fit(perPixel: number): void {
     this.scale.set(this.across * perPixel, this.high * perPixel, 1);
   }
 
-  /** Whether it covers nothing of another label, from middle to middle so far away [px]. */
+  /** Return whether this label does not overlap another whose middle lies at this distance [px]. */
   clears(other: Label, across: number, along: number): boolean {
     const touches = across < (this.across + other.across) / 2 - PADDING && along < 0.4 * (this.high + other.high);
     return !touches;

@@ -1,4 +1,4 @@
-/** Colour maps as textures of one row. Colours are used as they are: our shaders convert nothing. */
+/** Colour maps as textures of one row. Our shaders use the colours without conversion. */
 
 import {
   ClampToEdgeWrapping,

@@ -1,4 +1,4 @@
-/** The objects of the scene that is felt, each where it is now. */
+/** The objects of the rendered scene, at their present poses. */
 
 import { Group, InstancedMesh, Texture, Vector3, type Mesh, type Object3D, type ShaderMaterial } from "three";
 
@@ -9,8 +9,8 @@ import { made, type Made } from "../shapes/geometry";
 import { Translucent, type Turned } from "./translucent";
 import { Label } from "./labels";
 
-const LABELLED = 12; // objects of which the names are shown
-const OVER = 0.006; // [m] of a name over its object
+const LABELLED = 12; // largest number of objects whose names are shown
+const OVER = 0.006; // distance of a name above its object [m]
 
 export class Placed extends Group implements Turned {
   readonly middle = new Vector3();
@@ -27,7 +27,7 @@ export class Placed extends Group implements Turned {
     this.add(shown.object);
   }
 
-  /** How far it goes from its middle [m]. */
+  /** Distance from its origin to its farthest point [m]. */
   get reach(): number {
     return this.shown.reach;
   }
@@ -40,7 +40,7 @@ export class Placed extends Group implements Turned {
     if (this.shown.object instanceof Translucent) this.shown.object.turn = turn;
   }
 
-  /** x, y, z [m], quaternion x, y, z, w. */
+  /** Set the pose: x, y, z [m], quaternion x, y, z, w. */
   move(pose: Bytes): void {
     into(this.numbers, pose);
     this.position.fromArray(this.numbers);
@@ -72,7 +72,7 @@ export class Objects {
     for (const placed of this.all.values()) placed.label.visible = few;
   }
 
-  /** None any more. */
+  /** Remove all objects. */
   clear(): void {
     for (const name of [...this.all.keys()]) this.remove(name);
   }
@@ -92,7 +92,7 @@ export class Objects {
   }
 }
 
-/** What the graphics card has of an object. */
+/** Free the memory of an object on the graphics card. */
 function free(object: Object3D): void {
   const { geometry, material } = object as Partial<Mesh>;
   geometry?.dispose();

@@ -1,4 +1,4 @@
-/** Planes in space: where they are, how they move, and what is seen in them at a place. */
+/** Planes in space: their geometry, rays that meet them, and the values on them. */
 
 import { Matrix4, Vector3, type Ray } from "three";
 
@@ -6,7 +6,7 @@ import type { Plane, Triple } from "../feed/messages";
 
 export type Axis = "x" | "y" | "z";
 
-/** Directions of a plane across an axis: to the right and up, as it is usually drawn. */
+/** Directions to the right and up in a plane across an axis, as such planes are usually drawn. */
 const SIDES: Record<Axis, readonly [Triple, Triple]> = {
   x: [[0, 1, 0], [0, 0, 1]], // prettier-ignore
   y: [[1, 0, 0], [0, 0, 1]], // prettier-ignore
@@ -14,7 +14,7 @@ const SIDES: Record<Axis, readonly [Triple, Triple]> = {
 };
 export const AXES = ["x", "y", "z"] as const;
 
-/** A plane across an axis. */
+/** Return a square plane across an axis. */
 export function across(axis: Axis, centre: Triple, size: number, cells: number): Plane {
   const [u, v] = SIDES[axis];
   return { centre, u, v, size: [size, size], shape: [cells, cells] };
@@ -24,7 +24,7 @@ export function number(axis: Axis): 0 | 1 | 2 {
   return axis === "x" ? 0 : axis === "y" ? 1 : 2;
 }
 
-/** The matrix that takes a square of side 1 about the origin to a plane. */
+/** Return the matrix that maps a square of side 1 around the origin to a plane. */
 export function matrix(plane: Plane, into: Matrix4): Matrix4 {
   const u = new Vector3(...plane.u).multiplyScalar(plane.size[0]);
   const v = new Vector3(...plane.v).multiplyScalar(plane.size[1]);
@@ -32,7 +32,7 @@ export function matrix(plane: Plane, into: Matrix4): Matrix4 {
   return into.makeBasis(u, v, n).setPosition(...plane.centre);
 }
 
-/** Where a ray meets a plane: share of its width and height, 0..1; null beside it. */
+/** Return where a ray meets a plane, as shares of its width and height, 0..1; null if it misses the plane. */
 export function hit(plane: Plane, ray: Ray): { s: number; t: number; at: Vector3 } | null {
   const u = new Vector3(...plane.u);
   const v = new Vector3(...plane.v);
@@ -49,7 +49,7 @@ export function hit(plane: Plane, ray: Ray): { s: number; t: number; at: Vector3
   return s < 0 || s > 1 || t < 0 || t > 1 ? null : { s, t, at };
 }
 
-/** The value at shares of width and height, linear between the cells' middles. */
+/** Interpolate the value at shares of width and height, linearly between the middles of cells. */
 export function value(plane: Plane, values: Float32Array, s: number, t: number): number {
   const [rows, columns] = plane.shape;
   const x = Math.min(Math.max(s * columns - 0.5, 0), columns - 1);
@@ -65,7 +65,7 @@ export function value(plane: Plane, values: Float32Array, s: number, t: number):
   );
 }
 
-/** The largest size of a value of a plane, and where it is; what is no number does not count. */
+/** Return the largest magnitude of the values on a plane, and its position. NaN is ignored. */
 export function peak(plane: Plane, values: Float32Array): { most: number; at: Triple } {
   let most = 0;
   let best = 0;
@@ -81,7 +81,7 @@ export function peak(plane: Plane, values: Float32Array): { most: number; at: Tr
   return { most, at: [along(0), along(1), along(2)] };
 }
 
-/** The least and the most of values, neither on the other side of zero; null if none is a number. */
+/** Return the range of the values and 0; null if all values are NaN. */
 export function range(values: Float32Array): { low: number; high: number } | null {
   let [low, high] = [0, 0];
   let known = false;

@@ -1,4 +1,4 @@
-/** The mouse over the slice: it tells values, and drags the slice along its normal. */
+/** The mouse over the slice: shows values, and drags the slice along its normal. */
 
 import { Raycaster, Vector2, Vector3 } from "three";
 
@@ -7,14 +7,14 @@ import type { SlicePlane } from "../field/slice-plane";
 import { hit, number, value } from "./planes";
 import type { Space } from "./space";
 
-const NEAR = 22; // [px] from the arrow
-const HEADLONG = 0.97; // cosine: looked at along the normal, the mouse goes up and down instead
+const NEAR = 22; // distance from the arrow within which the mouse grips it [px]
+const HEADLONG = 0.97; // cosine of the angle to the normal, above which moving the mouse up and down drags the slice
 
-/** What is told of a place on the slice. */
+/** A value of the slice under the mouse. */
 export interface HoverValue {
   x: number;
   y: number;
-  /** Of what is shown [Pa]; NaN where there is none. */
+  /** Value of the quantity shown [Pa]; NaN where it is undefined. */
   value: number;
   of: Quantity;
   at: Vector3;
@@ -27,7 +27,7 @@ export class Pointer {
   private over: PointerEvent | undefined;
   private drag: { to: (event: PointerEvent) => number; from: number; start: number } | undefined;
 
-  /** tell: of the place under the mouse, or null. */
+  /** tell: receives the value under the mouse; null if there is none. */
   constructor(
     private readonly space: Space,
     private readonly slicePlane: SlicePlane,
@@ -70,7 +70,7 @@ export class Pointer {
     this.look(event);
   }
 
-  /** The values have changed, not the place. */
+  /** Report the value again, because the slice has changed under the mouse. */
   tellAgain(): void {
     if (!this.over) return;
     this.aim(this.over);
@@ -99,7 +99,7 @@ export class Pointer {
     view.urge();
   }
 
-  /** Tell of the place under the mouse. */
+  /** Report the value under the mouse. */
   private look(event: PointerEvent): void {
     const { plane, values } = this.space.slice;
     const found = plane && this.slicePlane.on ? hit(plane, this.caster.ray) : null;
@@ -127,7 +127,7 @@ export class Pointer {
     this.caster.setFromCamera(this.mouse, view.camera);
   }
 
-  /** Where along the slice's normal the mouse is: nearest to the ray through it [m]. */
+  /** Return the position along the slice's normal that is nearest to the mouse's ray [m]. */
   private along(): number {
     const { ray } = this.caster;
     const away = this.base().sub(ray.origin);
@@ -136,7 +136,7 @@ export class Pointer {
     return this.slicePlane.position + further / Math.max(1 - slope * slope, 1 - HEADLONG ** 2);
   }
 
-  /** As `along`, where the slice is looked at along its normal: up is to the front. */
+  /** Like `along`, for a camera that looks along the normal: moving the mouse up increases the position. */
   private upwards(event: PointerEvent): number {
     const { view } = this.space;
     return -event.clientY * view.pixel * this.base().distanceTo(view.camera.position);
@@ -146,7 +146,7 @@ export class Pointer {
     return new Vector3(...this.slicePlane.plane.centre);
   }
 
-  /** Cosine of the angle between the mouse's ray and the normal. */
+  /** Return the cosine of the angle between the mouse's ray and the normal. */
   private slope(): number {
     this.normal.set(0, 0, 0).setComponent(number(this.slicePlane.axis), 1);
     return this.caster.ray.direction.dot(this.normal);

@@ -1,8 +1,7 @@
 /**
- * Many squares in one geometry, each with numbers of its own.
+ * Many squares in one geometry, each with its own attributes.
  *
- * Their corners are written out, not drawn as copies of one square: where the processor draws, each copy would be a
- * drawing of its own.
+ * All corners are stored, instead of instances of one square, because software rendering draws each instance by itself.
  */
 
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from "three";
@@ -10,7 +9,7 @@ import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from "three";
 const CORNERS = [-1, -1, 1, -1, 1, 1, -1, 1];
 const FACES = [0, 1, 2, 0, 2, 3];
 
-/** GLSL: a point of a square that faces a direction. */
+/** GLSL function: returns a point of a square that faces a direction. */
 export const FACED = `
 vec3 faced(vec3 facing, vec2 at) {
   vec3 other = abs(facing.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(0.0, 1.0, 0.0);
@@ -19,24 +18,24 @@ vec3 faced(vec3 facing, vec2 at) {
 }`;
 
 export class Quads {
-  /** Attributes: `corner`, from -1 to 1, and those of each square. */
+  /** Attributes: `corner`, from -1 to 1, and those of the squares. */
   readonly geometry = new BufferGeometry();
   count = 0;
   private capacity = 0;
 
-  /** widths: of each attribute, how many numbers a square has. */
+  /** widths: for each attribute, its number of components. */
   constructor(private readonly widths: Record<string, number>) {
     this.resize(0);
   }
 
-  /** How many there are from now on; room for more is made at once for twice as many. */
+  /** Set the number of squares. If there is no room, allocate room for at least twice as many as before. */
   resize(count: number): void {
     if (count > this.capacity || !this.capacity) this.allocate(Math.max(2 * this.capacity, count, 1));
     this.count = count;
     this.geometry.setDrawRange(0, FACES.length * count);
   }
 
-  /** Numbers of an attribute, one square's after the other's. */
+  /** Set an attribute of all squares. values: the components of one square after those of another. */
   write(name: string, values: ArrayLike<number>): void {
     const attribute = this.geometry.getAttribute(name) as BufferAttribute;
     const { array, itemSize } = attribute;
@@ -53,7 +52,7 @@ export class Quads {
 
   private allocate(capacity: number): void {
     this.capacity = capacity;
-    this.geometry.dispose(); // what the graphics card has of it is too small
+    this.geometry.dispose(); // the buffers on the graphics card are too small
     const squares = Array.from({ length: capacity }, (_, k) => k);
     this.geometry.setIndex(squares.flatMap((k) => FACES.map((corner) => 4 * k + corner)));
     this.set("corner", Float32Array.from(squares.flatMap(() => CORNERS)), 2);

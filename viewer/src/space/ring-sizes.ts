@@ -1,12 +1,12 @@
-/** How large the rings of samples may be, so that neighbours do not cover each other. */
+/** Sizes of the rings of samples, chosen so that neighbours do not cover each other. */
 
-const SHARE = 0.55; // of the distance of neighbours: rings of equal pressure just overlap
-const LEAST = 0.0007; // [m]
-const SAME = 1e-4; // [m]: no farther apart is in one place
+const SHARE = 0.55; // radius relative to the distance of neighbours; rings of equal pressure just overlap
+const LEAST = 0.0007; // smallest radius [m]
+const SAME = 1e-4; // distance up to which two samples are at one place [m]
 
 /**
- * The radius of each object's largest ring [m], for each sample: by the median distance of its samples to the nearest
- * other one, and at most `most`. points: three numbers of each [m]. index: which object each is of.
+ * Return, for each sample, the radius of its object's largest ring [m]. It follows from the median distance between the
+ * object's nearest samples, and is at most `most`. points: three numbers each [m]. index: the object of each sample.
  */
 export function radii(points: Float32Array, index: ArrayLike<number>, most: number): Float32Array {
   const count = Math.floor(points.length / 3);

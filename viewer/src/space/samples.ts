@@ -1,4 +1,7 @@
-/** Samples: a ring whose area is the pressure asked, filled as far as it is achieved; of one size for each object. */
+/**
+ * Samples: rings whose area is the target pressure, with a fill whose area is the achieved pressure. All rings of an
+ * object have the same scale.
+ */
 
 import {
   Box3,
@@ -17,9 +20,9 @@ import { floats, indices } from "../feed/numbers";
 import { radii } from "./ring-sizes";
 import { FACED, Quads } from "./quads";
 
-const LARGEST = 0.0045; // [m] radius of the strongest, where there is room
-const ABOVE = 0.0012; // [m] over the skin
-const BEHIND = 0.3; // opacity where something is before it
+const LARGEST = 0.0045; // largest radius [m]
+const ABOVE = 0.0012; // distance above the skin [m]
+const BEHIND = 0.3; // opacity behind something else
 
 const VERTEX = `
 attribute vec2 corner;
@@ -57,11 +60,11 @@ void main() {
 
 export class Samples {
   readonly group = new Group();
-  /** The pressure of the largest ring [Pa]. */
+  /** Pressure of the largest ring [Pa]. */
   most = 0;
-  /** The mean place of all. */
+  /** Mean position of the samples [m]. */
   readonly middle = new Vector3();
-  /** What all are in [m]. */
+  /** Box around the samples [m]. */
   readonly box = new Box3();
   private readonly discs = new Quads({ centre: 3, facing: 3, asked: 1, achieved: 1, size: 1 });
   private readonly scale = { value: 1 };

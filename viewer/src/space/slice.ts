@@ -1,4 +1,4 @@
-/** The slice: what is known of the field, where it was computed, and a frame where it is wanted. */
+/** The slice: the last computed field, drawn at the plane it was computed for, and a frame at the plane requested. */
 
 import {
   ConeGeometry,
@@ -27,8 +27,8 @@ import { errorMap, pressureMap } from "./map-textures";
 import { matrix } from "./planes";
 
 const ACCENT = "#8fc7ff";
-const OVER = 7000; // what is drawn over all but frame, arrow and samples
-const GRIP = 52; // [px] length of the arrow that is dragged
+const OVER = 7000; // render order of an error slice: over everything but frame, arrow and samples
+const GRIP = 52; // length of the arrow [px]
 
 const VERTEX = `
 varying vec2 at;
@@ -69,15 +69,15 @@ void main() {
 export class FieldSlice implements Turned {
   readonly group = new Group();
   readonly middle = new Vector3();
-  /** What is shown, and its values [Pa]. */
+  /** The plane that is shown, and its values [Pa]. */
   plane: Plane | undefined;
   values = new Float32Array(0);
   of: Quantity = "pressure";
   over: Over = "mean";
-  /** How many frames count, and when the newest of them was emitted [s]. */
+  /** Number of frames combined, and the time at which the newest was emitted [s]. */
   frames = 1;
   time = -Infinity;
-  /** How many there were. */
+  /** Number of slices shown so far. */
   count = 0;
   private readonly field: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly frame: Mesh<PlaneGeometry, ShaderMaterial>;
@@ -85,7 +85,7 @@ export class FieldSlice implements Turned {
   private readonly placing = new Matrix4();
   private last = 0;
 
-  /** smooth: whether the graphics card can look between float numbers. */
+  /** smooth: whether the graphics card can interpolate float textures. */
   constructor(private readonly smooth: boolean) {
     const square = new PlaneGeometry(1, 1);
     this.field = new Mesh(
@@ -117,12 +117,12 @@ export class FieldSlice implements Turned {
     this.field.renderOrder = this.of === "error" ? OVER : 2 * turn;
   }
 
-  /** What is white on the colour bar [Pa]. */
+  /** Pressure, or magnitude of the error, at the end of the colour bar [Pa]. */
   set most(most: number) {
     this.set(this.field, "most", most || 1);
   }
 
-  /** How pressure becomes colour; an error stays linear. */
+  /** Set how pressure becomes colour. An error is always linear. */
   set law(law: ScaleLaw) {
     this.set(this.field, "law", this.of === "error" ? 0 : SCALE_LAWS.indexOf(law));
   }
@@ -138,12 +138,12 @@ export class FieldSlice implements Turned {
     }
   }
 
-  /** Where the arrow is that it is dragged by. */
+  /** Position of the arrow by which the slice is dragged. */
   get gripped(): Vector3 {
     return this.grip.position;
   }
 
-  /** Where it is wanted. */
+  /** Move frame and arrow to the plane requested. */
   want(plane: Plane): void {
     matrix(plane, this.frame.matrix);
     this.frame.matrixWorldNeedsUpdate = true;
@@ -152,7 +152,7 @@ export class FieldSlice implements Turned {
     this.grip.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), n));
   }
 
-  /** What has been computed. */
+  /** Show a computed slice. */
   show(slice: Slice): void {
     const [rows, columns] = slice.shape;
     if (slice.pressure.length !== 4 * rows * columns) return;
@@ -160,7 +160,7 @@ export class FieldSlice implements Turned {
       this.of = slice.of;
       this.set(this.field, "map", this.of === "error" ? errorMap : pressureMap);
       this.set(this.field, "signed", this.of === "error" ? 1 : 0);
-      this.field.material.depthTest = this.of === "pressure"; // regions lie on hands and in objects
+      this.field.material.depthTest = this.of === "pressure"; // hands and objects would hide an error
       this.turn = this.last;
       this.values = new Float32Array(rows * columns);
       this.texture?.dispose();
@@ -180,13 +180,13 @@ export class FieldSlice implements Turned {
     this.field.visible = true;
   }
 
-  /** Nothing is known any more. */
+  /** Hide the field, because no computed slice is valid. */
   clear(): void {
     this.field.visible = false;
     this.plane = undefined;
   }
 
-  /** perPixel: length that is one pixel at the arrow [m]. */
+  /** Set the size of the arrow. perPixel: length of one pixel at the arrow [m]. */
   fit(perPixel: number): void {
     this.grip.scale.setScalar(GRIP * perPixel);
   }
@@ -197,7 +197,7 @@ export class FieldSlice implements Turned {
 
   private made(rows: number, columns: number): DataTexture {
     const texture = new DataTexture(this.values, columns, rows, RedFormat, FloatType);
-    const smooth = this.smooth && this.of === "pressure"; // beside an error there is none
+    const smooth = this.smooth && this.of === "pressure"; // interpolation would spread the NaN beside an error
     texture.minFilter = texture.magFilter = smooth ? LinearFilter : NearestFilter;
     return texture;
   }

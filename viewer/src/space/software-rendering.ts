@@ -1,4 +1,4 @@
-/** Whether frames are drawn by the processor, which the server may need more than we do. */
+/** Whether the browser renders in software, on a processor that the server may need. */
 
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
@@ -9,7 +9,7 @@ export function drawnBySoftware(): boolean {
   return known;
 }
 
-/** Whether the address says `power=all`: frames one after the other, changed or not, to see how many there can be. */
+/** Return whether the address contains `power=all`: frames then follow without pause, to measure their rate. */
 export function allPower(): boolean {
   return new URLSearchParams(location.search).get("power") === "all";
 }

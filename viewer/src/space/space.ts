@@ -1,4 +1,4 @@
-/** All that is seen in space, kept as the newest messages say. */
+/** Everything in the 3-D view, kept up to date with the newest messages. */
 
 import { Box3, Vector3 } from "three";
 
@@ -22,15 +22,15 @@ import { FieldSlice } from "./slice";
 import { Transducers } from "./transducers";
 import { View } from "./view";
 
-const AHEAD = 0.3; // [m] before the array that is looked at
-const FOCUS = 0.2; // [m] before the array, where there is no sample
-const ROOM = 0.02; // [m] around the array
-const BRIGHT = 2; // of the most that is asked: stronger is as bright; waves are stronger beyond a region
-const AROUND = 0.03; // [m] around hands and objects
-const SMALLEST = 0.16; // [m] that is looked at
-const BESIDE = 0.15; // [m] from hand or contact, where an object is looked at, too
-const OFTEN = 250; // [ms] between two looks at where hands and objects are
-const OLD = 3000; // [ms] that a slice of another place, or of sound that has ended, is shown
+const AHEAD = 0.3; // depth of the visible space before the array [m]
+const FOCUS = 0.2; // distance of the middle from the array while there are no samples [m]
+const ROOM = 0.02; // margin around the array [m]
+const BRIGHT = 2; // largest top of a colour scale, relative to the largest target; waves are stronger beyond a region
+const AROUND = 0.03; // margin around hands and objects [m]
+const SMALLEST = 0.16; // smallest side of the box in view [m]
+const BESIDE = 0.15; // distance from hand or contact within which an object is kept in view, too [m]
+const OFTEN = 250; // shortest time between two moves of camera and slice [ms]
+const OLD = 3000; // time after which a slice that is out of date is hidden [ms]
 
 export class Space {
   readonly view: View;
@@ -41,24 +41,24 @@ export class Space {
   readonly axes = new Axes();
   readonly surface = new Isosurface();
   readonly slice: FieldSlice;
-  /** Whether the camera goes along with hands and objects. */
+  /** Whether the camera follows hands and objects. */
   follows = true;
   law: ScaleLaw = "linear";
   extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, AHEAD] };
   private readonly focus = new Vector3(0, 0, FOCUS);
   private met = false;
   private nextLook = 0;
-  /** The most that was asked when something was [Pa]. */
+  /** The largest target of the last state that had samples [Pa]. */
   private asked = 0;
-  /** Since when the slice shows what is not any more [ms]. */
+  /** Time from which the slice has been out of date [ms]. */
   private old: number | undefined;
-  /** Whether the objects that are shown are of a server that has gone. */
+  /** Whether the objects shown are those of a server that is gone. */
   private left = false;
   private readonly things: Turned[] = [];
-  /** What is drawn of what comes all the time. */
+  /** The frame and state that are drawn, so that equal ones are not drawn again. */
   private frame: Frame | undefined;
   private state: State | undefined;
-  /** Of the slice that is shown. */
+  /** The largest magnitude in the slice shown [Pa]. */
   private most = 0;
 
   constructor(
@@ -94,26 +94,26 @@ export class Space {
     store.on("volume", (volume) => this.changed(() => this.fill(volume)));
   }
 
-  /** The middle of what can be felt, or of what there is before the array [m]. */
+  /** The mean position of the samples; without samples, a point before the array [m]. */
   get middle(): Triple {
     const { x, y, z } = this.samples.count ? this.samples.middle : this.focus;
     return [x, y, z];
   }
 
-  /** Look at hand and object; at all where there is neither. */
+  /** Fit hands, contacts and nearby objects into the view; if there are none, fit everything. */
   fit(): void {
     const box = this.content();
     if (box) this.view.look(box);
     else this.view.all();
   }
 
-  /** Whether the camera goes along from now on. */
+  /** Set whether the camera follows hands and objects. */
   follow(on: boolean): void {
     this.follows = on;
     if (on) this.fit();
   }
 
-  /** What hands, contacts and the objects beside them are in; null where there are none. */
+  /** Return the box around hands, contacts and nearby objects; null if there are none. */
   private content(): Box3 | null {
     const box = new Box3().union(this.hands.box).union(this.samples.box);
     const known = !box.isEmpty();
@@ -128,7 +128,7 @@ export class Space {
     return box.expandByVector(small.multiplyScalar(0.5));
   }
 
-  /** Let camera and slice go where hand and object are, a few times a second. */
+  /** Let camera and slice follow hand and object, a few times a second. */
   private attend(): void {
     const now = performance.now();
     if (now < this.nextLook) return;
@@ -142,7 +142,10 @@ export class Space {
     this.age(now);
   }
 
-  /** A slice that is not of the plane that is wanted, or of sound that has ended, vanishes. */
+  /**
+   * Hide a slice that has been out of date for a while: because another plane is requested, or because the sound has
+   * ended.
+   */
   private age(now: number): void {
     const { plane } = this.slice;
     const { centre, u, v } = this.slicePlane.plane;
@@ -154,31 +157,31 @@ export class Space {
     this.view.urge();
   }
 
-  /** The colour scale of the slice that is shown. */
+  /** The colour scale of the slice shown. */
   get scale(): Scale {
     return this.scales[this.slice.of];
   }
 
-  /** The level of the surface [Pa]. */
+  /** Level of the isosurface [Pa]. */
   get level(): number {
     return this.surfaceBox.share * this.scales.pressure.most;
   }
 
-  /** The surface of another level, or none. */
+  /** Compute the isosurface for the present level, or remove it if it is switched off. */
   recut(): void {
     if (this.surfaceBox.on) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.surfaceBox.share));
     else this.surface.clear();
     this.view.urge();
   }
 
-  /** Another top of the colour scale. */
+  /** Apply a changed colour scale. */
   rescale(): void {
     this.slice.most = this.scale.most;
     this.slice.law = this.law;
     this.recut();
   }
 
-  /** Paint what is felt on the hands; return the top of its colours [Pa]: the most that is asked, and some more. */
+  /** Paint the achieved pressure on the hands. Return the top of its scale [Pa], at least the largest target. */
   paint(plane: Plane, felt: Float32Array<ArrayBuffer>, asked: Float32Array): number {
     const most = (values: Float32Array): number => values.reduce((a, b) => (b > a ? b : a), 0);
     const wanted = most(asked);
@@ -189,14 +192,14 @@ export class Space {
     return top;
   }
 
-  /** Hands are plain again. */
+  /** Remove the painting from the hands. */
   unpaint(): void {
     this.hands.unpaint();
     this.layer();
     this.view.change();
   }
 
-  /** Samples are drawn where nothing else tells of them. */
+  /** Show the samples, unless an error slice or the painted hands show the same. */
   private layer(): void {
     const error = this.slicePlane.on && this.slice.plane && this.slice.of === "error";
     this.samples.group.visible = !error && !this.hands.painted;
@@ -230,7 +233,7 @@ export class Space {
     this.axes.place(this.extent);
     const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
     this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
-    if (alike(before, this.extent)) return; // the server is back
+    if (alike(before, this.extent)) return; // the same array: the server is back
     this.view.whole = this.axes.box;
     if (!this.met) this.view.all();
     if (this.slicePlane.follows) this.slicePlane.follow(true, this.middle);
@@ -246,7 +249,7 @@ export class Space {
   private show(state: State): void {
     const before = this.state;
     this.state = state;
-    this.look(); // a field that stands sends no more slices
+    this.look(); // here too, because no slices come while the field does not change
     this.attend();
     if (before && same(before, state, "points", "normals", "asked", "achieved", "hands")) return;
     this.view.change();
@@ -264,11 +267,11 @@ export class Space {
     this.slice.most = this.scale.most;
     this.slice.law = this.law;
     this.old = undefined;
-    this.layer(); // an error tells of samples, and between them
+    this.layer(); // an error slice replaces the samples
     this.look();
   }
 
-  /** Let the scale follow the slice that is shown. */
+  /** Let the scale follow the slice shown. */
   private look(): void {
     this.asked = this.samples.most || this.asked;
     const asked = this.slice.of === "pressure" ? this.asked : 0;

@@ -8,10 +8,10 @@ import { FACED, Quads } from "./quads";
 import { phaseMap } from "./map-textures";
 
 const FILL = 0.46; // radius of a disc over the distance to its neighbour
-const ALONE = 0.005; // [m] radius of a single one
-const COMPARED = 64; // transducers whose neighbours are looked for
+const ALONE = 0.005; // radius of a single disc [m]
+const COMPARED = 64; // number of transducers that are compared with all others to find the smallest distance
 
-// The colour is looked up once a corner, not once a pixel: that is felt where the processor draws.
+// The colour is looked up per corner, not per pixel, which is noticeably faster in software rendering.
 const VERTEX = `
 attribute vec2 corner;
 attribute vec3 centre, facing;
@@ -43,11 +43,11 @@ void main() {
 
 export class Transducers {
   readonly mesh: Mesh;
-  /** Mean and most of the amplitudes, 0..1. */
+  /** Mean and maximum of the amplitudes, 0..1. */
   drive = { mean: 0, most: 0 };
   private readonly discs = new Quads({ centre: 3, facing: 3, phase: 1, amplitude: 1 });
   private readonly radius = { value: ALONE };
-  /** Amplitude of each level, 0..1; empty where they are evenly spaced. */
+  /** Amplitude of each level, 0..1; empty if they are evenly spaced. */
   private sizes: ArrayLike<number> = [];
   private levels = new Uint16Array(0);
 
@@ -68,7 +68,7 @@ export class Transducers {
     return this.discs.count;
   }
 
-  /** Another array, silent. */
+  /** Show an array, silent. */
   place({ positions, normals, sound }: Arrayed): void {
     const centres = floats(positions);
     this.sizes = sound ? floats(sound.sizes) : [];
@@ -80,7 +80,7 @@ export class Transducers {
     this.emit(new Float32Array(this.count));
   }
 
-  /** The levels that are emitted; silence if there are none, or another number of them. */
+  /** Show the levels of a frame; silence if the frame has none, or not one for each transducer. */
   show({ phase, amplitude, phases, amplitudes }: Frame): void {
     if (amplitude.length !== this.levels.byteLength || phase.length !== amplitude.length) {
       this.emit(new Float32Array(this.count));
@@ -103,7 +103,7 @@ export class Transducers {
   }
 }
 
-/** Of a disc: so that neighbours do not touch [m]. */
+/** Return a radius with which neighbouring discs do not touch [m]. */
 function radius(centres: Float32Array): number {
   const count = centres.length / 3;
   const apart = (i: number, j: number, axis: number): number =>

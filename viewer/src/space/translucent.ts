@@ -1,8 +1,8 @@
 /**
- * Things that can be seen through: hands, objects, surfaces of equal pressure.
+ * Translucent things: hands, objects, isosurfaces.
  *
- * Of each only the surface next to the eye is drawn: first its depth, then its colour. What is farther away is drawn
- * first, so that it shines through.
+ * Only the surface nearest to the eye is drawn of each thing: first its depth, then its colour. Things farther away are
+ * drawn first, so that they shine through.
  */
 
 import {
@@ -46,7 +46,7 @@ uniform sampler2D map;
 uniform vec2 extent;
 #endif
 #ifdef PAINTED
-varying vec4 spot; // across the painted square, before it, and how far the skin faces it
+varying vec4 spot; // position in the painted square, and cosine between its normal and the skin's
 uniform sampler2D paint, colours;
 uniform float top, deep;
 #endif
@@ -74,7 +74,7 @@ void main() {
   gl_FragColor = vec4(c, a);
 }`;
 
-// A painting on the side that is turned away shines through, or a palm over the array would hide it.
+// Painted pressure on the far side shines through, because a palm over the array would hide it.
 const BEHIND = `
 varying vec4 spot;
 uniform sampler2D paint, colours;
@@ -88,21 +88,21 @@ void main() {
 
 export interface Look {
   colour: string;
-  /** Opacity where it is looked at straight. */
+  /** Opacity where the surface faces the eye. */
   body: number;
-  /** Seen from both sides: not closed. */
+  /** Whether the surface is open, and so visible from both sides. */
   open?: boolean;
-  /** A factor on pressure over x and y, and how wide and high it is [m]. */
+  /** A factor on pressure over x and y, with its width and height [m]. */
   texture?: { map: Texture; size: [number, number] };
-  /** Whether it takes a painting: `paint`, `colours`, `top` and `deep` of its uniforms, at `spot` of its vertices. */
+  /** Whether pressure is painted on it, by uniforms `paint`, `colours`, `top`, `deep`, and `spot` of its vertices. */
   painted?: boolean;
-  /** Instead of a plain one. */
+  /** Vertex shader; a plain one by default. */
   vertex?: string;
-  /** Of that. */
+  /** Uniforms of the vertex shader. */
   uniforms?: Record<string, IUniform>;
 }
 
-/** One thing: the mesh of its depth, the mesh of its colour, and that of a painting behind it. */
+/** One thing: a mesh for its depth, one for its colour, and one for pressure painted on its far side. */
 export class Translucent extends Group {
   constructor(geometry: BufferGeometry, look: Look) {
     super();
@@ -115,7 +115,7 @@ export class Translucent extends Group {
       uniforms: { ...look.uniforms },
       side,
       colorWrite: false,
-      transparent: true, // so that it is drawn in its turn
+      transparent: true, // so that three sorts it with the other translucent meshes
     });
     const shown = new ShaderMaterial({
       vertexShader,
@@ -152,13 +152,12 @@ export class Translucent extends Group {
     return this.children as Mesh<BufferGeometry, ShaderMaterial>[];
   }
 
-  /** Whether a painting behind it shines through. */
+  /** Whether pressure painted on the far side shines through. */
   set through(on: boolean) {
     const behind = this.meshes[2];
     if (behind) behind.visible = on;
   }
 
-  /** Another geometry. */
   set geometry(geometry: BufferGeometry) {
     for (const mesh of this.meshes) mesh.geometry = geometry;
   }
@@ -168,20 +167,20 @@ export class Translucent extends Group {
     if (uniform) (uniform.value as Color).copy(plain(colour));
   }
 
-  /** Its turn among others. */
+  /** Position in the drawing order. */
   set turn(turn: number) {
     for (const [k, mesh] of this.meshes.entries()) mesh.renderOrder = 2 * turn + Math.min(k, 1);
   }
 }
 
-/** What is drawn in turns, the farthest first. */
+/** A thing in the drawing order, in which the farthest is first. */
 export interface Turned {
-  /** Where it is, for its turn. */
+  /** The position whose distance from the camera decides. */
   readonly middle: Vector3;
   turn: number;
 }
 
-/** Gives all things their turns, as they are seen by a camera. */
+/** Set the drawing order of all things, by their distance from a camera. */
 export function takeTurns(things: Turned[], camera: Camera): void {
   things.sort((a, b) => apart(b, camera) - apart(a, camera));
   for (let turn = 0; turn < things.length; turn++) {
@@ -194,7 +193,7 @@ function apart(thing: Turned, camera: Camera): number {
   return thing.middle.distanceToSquared(camera.position);
 }
 
-/** A colour as it is written: our shaders convert nothing. */
+/** Return a colour without conversion, because our shaders convert nothing. */
 function plain(colour: string): Color {
   return new Color().setStyle(colour, "srgb-linear");
 }

@@ -1,4 +1,4 @@
-/** The space that is looked at: camera, renderer, and frames only when something has changed. */
+/** Camera and renderer. A frame is drawn only when something has changed. */
 
 import {
   Box3,
@@ -14,23 +14,23 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { allPower, drawnBySoftware } from "./software-rendering";
 
 const FOV = 32; // [deg]
-const FINEST = 2; // pixels of the device for one of the page, at most
-const SELDOM = 120; // [ms] from frame to frame where the processor draws, but for what the user does
-const STEP = Math.PI / 36; // one press of a key
+const FINEST = 2; // largest number of device pixels per pixel of the page
+const SELDOM = 120; // shortest time between frames with software rendering, unless the user acts [ms]
+const STEP = Math.PI / 36; // angle of one key press [rad]
 const DAMPING = 0.12;
-const POLAR = 1.12; // [rad] from above
-const AZIMUTH = -0.62; // [rad] from the front
-const FILLED = 0.88; // of the view, by what is looked at
-const ROUNDS = 5; // until it does
-const STAYS = 0.12; // of the diagonal of what is looked at: so far it may leave the view before that follows
-const TURNS = 1.15; // times as much along another axis, before that one faces the viewer
+const POLAR = 1.12; // initial angle from above [rad]
+const AZIMUTH = -0.62; // initial angle from the front [rad]
+const FILLED = 0.88; // share of the view that a fitted box fills
+const ROUNDS = 5; // number of iterations to fit a box
+const STAYS = 0.12; // distance by which a box may leave the fitted one before the view follows, over its diagonal
+const TURNS = 1.15; // factor by which the view must lie more along another axis before that one faces the user
 
 export class View {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(FOV, 1, 0.02, 30);
   readonly size = new Vector2(1, 1);
   readonly controls: OrbitControls;
-  /** That were drawn. */
+  /** Number of frames drawn. */
   frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly before: (() => void)[] = [];
@@ -40,7 +40,7 @@ export class View {
   private readonly flat = new Box3();
   private readonly fitted = new Box3();
   private untouched = true;
-  /** Whether frames come seldom, but for what the user does. */
+  /** Whether frames are drawn seldom, unless the user acts. */
   readonly seldom: boolean;
   private readonly finest: number;
   private readonly always = allPower();
@@ -48,7 +48,7 @@ export class View {
   private timer = 0;
   private asked = false;
 
-  /** Throws where there is no WebGL. */
+  /** Throws if there is no WebGL. */
   constructor(readonly element: HTMLElement) {
     const software = drawnBySoftware();
     this.seldom = software && !this.always;
@@ -76,17 +76,17 @@ export class View {
     return this.renderer.domElement;
   }
 
-  /** Whether textures of float numbers can be smooth. */
+  /** Whether the graphics card can interpolate float textures. */
   get smooth(): boolean {
     return this.renderer.extensions.has("OES_texture_float_linear");
   }
 
-  /** Size of a pixel of the page at distance 1, in parts of it. */
+  /** Size of a pixel of the page at distance 1. */
   get pixel(): number {
     return (2 * Math.tan((FOV * Math.PI) / 360)) / this.size.y;
   }
 
-  /** Something is to be drawn anew, soon enough. */
+  /** Request a frame; with software rendering, no sooner than SELDOM after the last. */
   change(): void {
     if (this.timer || this.asked) return;
     const wait = this.seldom ? this.last + SELDOM - performance.now() : 0;
@@ -94,7 +94,7 @@ export class View {
     else this.urge();
   }
 
-  /** Something is to be drawn anew at once: the user does it. */
+  /** Request a frame at once, because the user caused the change. */
   urge(): void {
     clearTimeout(this.timer);
     this.timer = 0;
@@ -103,29 +103,29 @@ export class View {
     requestAnimationFrame(() => this.frame());
   }
 
-  /** Called before each frame that is drawn. */
+  /** Call `listener` before each frame. */
   onFrame(listener: () => void): void {
     this.before.push(listener);
   }
 
-  /** All that there is, (low, high) [m]. */
+  /** Set the box around everything [m]. */
   set whole(box: Box3) {
     this.home.copy(box);
   }
 
-  /** All that there is, from where it is seen first. */
+  /** Fit everything, seen from the initial direction. */
   all(): void {
     this.look(this.home);
   }
 
-  /** What is looked at, (low, high) [m], from where it is seen first. */
+  /** Fit a box [m], seen from the initial direction. */
   look(box: Box3): void {
     this.fitted.copy(box);
     this.fit(box, POLAR, AZIMUTH);
     this.untouched = true;
   }
 
-  /** What is looked at is here now [m]: it stays in view. A view that the user has turned goes along, no more. */
+  /** Keep the box [m] in view. If the user has changed the view, only move it with the box. */
   track(box: Box3): void {
     const room = this.fitted.getSize(this.offset).length() * STAYS;
     if (!this.fitted.isEmpty() && this.fitted.clone().expandByScalar(room).containsBox(box)) return;
@@ -140,7 +140,7 @@ export class View {
     this.urge();
   }
 
-  /** Which axis is looked along most; the last one while it is nearly so. */
+  /** Return the axis along which the camera looks most; `last` unless another is clearly ahead (TURNS). */
   facing(last: "x" | "y" | "z"): "x" | "y" | "z" {
     const way = this.camera.position.clone().sub(this.controls.target);
     const size = { x: Math.abs(way.x), y: Math.abs(way.y), z: Math.abs(way.z) };
@@ -148,7 +148,7 @@ export class View {
     return size[best] > TURNS * size[last] ? best : last;
   }
 
-  /** A box fills the view, as it is seen from a direction [rad], or from the one of now. */
+  /** Fit a box into the view, seen from the given direction [rad], or from the present one. */
   fit(box: Box3, polar?: number, azimuth?: number): void {
     this.current();
     const { phi, theta } = this.spherical;
@@ -178,12 +178,12 @@ export class View {
     this.untouched = false;
   }
 
-  /** From the front, the side or above. */
+  /** Look from the front (y), the side (x) or above (z). */
   from(side: "x" | "y" | "z"): void {
     this.fit(this.fitted.isEmpty() ? this.home : this.fitted, side === "z" ? 1e-3 : Math.PI / 2, side === "x" ? Math.PI / 2 : 0);
   }
 
-  /** Turn by steps of a key about the target, and come nearer by a factor. */
+  /** Turn around the target by steps of STEP, and come nearer by a factor. */
   orbit(right: number, up: number, nearer = 1): void {
     this.current();
     const { phi, theta, radius } = this.spherical;
@@ -191,7 +191,7 @@ export class View {
     this.untouched = false;
   }
 
-  /** Where a point is on the page [px]; z is its depth. */
+  /** Return where a point is on the page [px]; z is its depth. */
   project(point: Vector3): Vector3 {
     const { left, top } = this.canvas.getBoundingClientRect();
     const p = point.clone().project(this.camera);
@@ -202,7 +202,7 @@ export class View {
 
   private current(): void {
     const { x, y, z } = this.offset.copy(this.camera.position).sub(this.controls.target);
-    this.spherical.setFromCartesianCoords(x, z, -y); // three's own up is y
+    this.spherical.setFromCartesianCoords(x, z, -y); // because three's spherical coordinates have y up
   }
 
   private turn(polar: number, azimuth: number, radius: number): void {
@@ -231,7 +231,7 @@ export class View {
 
   private frame(): void {
     this.asked = this.always;
-    this.controls.update(); // what goes on turning asks for the next frame
+    this.controls.update(); // requests the next frame while the view still turns
     this.draw();
     if (this.always) requestAnimationFrame(() => this.frame());
   }

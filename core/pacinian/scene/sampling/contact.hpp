@@ -70,6 +70,8 @@ inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> some, f8 eno
     return total / static_cast<f8>(V);
 }
 
+// Find the pressed points among `which`, and the force on each. The pressure at a depth is the same law as
+// `Material.pressure` in scene/material.py, which points, paths and particles use: change both.
 inline Index press(View<const f8, 1> d, View<const i8, 1> which, f8 reach, f8 stiffness, f8 most, View<const f8, 2> points,
                    View<const f8, 2> normals, View<const f8, 1> area, View<const i8, 1> bone, View<const f8, 1> slack,
                    View<const f8, 2> capsules, View<const f8, 2> some, f8 hardly, f8 well, View<i8, 1> inside, View<f8, 1> force) {

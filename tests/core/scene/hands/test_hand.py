@@ -42,7 +42,7 @@ def test_the_open_hand_looks_down_with_its_thumb_at_the_left_of_the_right_hand()
     assert at(hand, "wrist")[1] < 0.0
     across = [at(hand, f"{finger} tip")[0] for finger in ("thumb", "index", "middle", "ring")]
     assert across == sorted(across)
-    assert at(hand, "thumb tip")[2] < 0.0  # the thumb lies on the palm's side, which is below
+    assert at(hand, "thumb tip")[2] < 0.0  # the thumb is on the palm's side, which is below
     # A right hand: fingers forward and palm down, the thumb points to the body's left.
     forward, down = at(hand, "middle tip") - at(hand, "wrist"), np.array([0.0, 0.0, -1.0])
     assert np.cross(forward, down) @ (at(hand, "thumb tip") - at(hand, "little tip")) > 0.0
@@ -55,7 +55,7 @@ def test_the_open_hand_is_an_adults() -> None:
     knuckles = at(hand, "little proximal") - at(hand, "index proximal")
     assert 0.07 < np.linalg.norm(knuckles) + 0.02 < 0.09
     middle = (at(hand, "middle metacarpal") + at(hand, "middle proximal")) / 2.0
-    np.testing.assert_allclose(middle, at(hand, "palm"), atol=1e-12)  # as OpenXR has it
+    np.testing.assert_allclose(middle, at(hand, "palm"), atol=1e-12)  # as in OpenXR
 
 
 def test_the_left_hand_is_the_mirror_image_of_the_right() -> None:
@@ -172,7 +172,7 @@ def test_a_hand_cannot_be_changed() -> None:
 
 
 def leap() -> dict[str, Any]:
-    """A hand as LeapC lays it out: digits along y at x = 0, 20 .. 80 mm, bones 50, 40, 30, 20 mm long."""
+    """Return a hand in LeapC's layout: digits along y at x = 0, 20 .. 80 mm, bones of 50, 40, 30, 20 mm."""
     bones, widths = np.zeros((5, 4, 2, 3)), np.zeros((5, 4))
     for digit in range(5):
         y = 0.0

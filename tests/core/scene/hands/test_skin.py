@@ -29,12 +29,12 @@ SKIN = get_skin(REST)
 ALL = np.arange(len(SKIN))
 SHOWN = np.flatnonzero(
     ~SKIN.hidden
-)  # the others are on the backs of joints, which bending uncovers
+)  # the others, on the backs of joints, are exposed only by bending
 LEVELS = range(len(SPACINGS))
 
 
 def bent(joints: Floats, turns: list[Any]) -> Floats:
-    """The joints with those beyond each of the fingers' joints turned about it."""
+    """Return the joints after turning, at each finger joint, the joints beyond it."""
     joints, turns = np.array(joints), list(turns)
     for first in (3, 7, 12, 17, 22):
         for joint in range(first, first + (2 if first == 3 else 3)):
@@ -46,7 +46,7 @@ def bent(joints: Floats, turns: list[Any]) -> Floats:
 
 @st.composite
 def hands(draw: st.DrawFn) -> Hand:
-    """Hands of any size, bent in any way."""
+    """Draw hands of any size, bent in any way."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     wild = draw(st.floats(0.0, 2.0))
     joints = bent(REST.joints, list(rng.normal(0.0, wild, (14, 3))))  # type: ignore[arg-type]
@@ -69,7 +69,7 @@ def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> Non
     np.testing.assert_allclose(placed.points, SKIN.surface.points, atol=1e-12)
     assert 6000 < len(SKIN) < 12_000
     out = distance_to_skin(placed.capsules, placed.points + 1e-4 * placed.normals)
-    # the others are in creases, where another part of the hand begins
+    # the others are in creases, inside another part of the hand
     assert (out[SHOWN] > 0.5e-4).mean() > 0.998
 
 
@@ -77,7 +77,7 @@ def test_at_rest_every_point_is_on_the_skin_faces_out_of_it_and_is_seen() -> Non
     ("longer", "thicker", "off"), [(1.0, 1.0, 0.015), (1.15, 1.0, 0.04), (1.0, 0.9, 0.04)]
 )
 def test_the_area_is_that_of_the_skin(longer: float, thicker: float, off: float) -> None:
-    """Of what lies within 0.5 mm of it, half is its area times 0.5 mm, but for terms of second order."""
+    """The volume within 0.5 mm of the skin is its area times 1 mm, apart from terms of second order."""
     placed = SKIN.place(Hand(longer * REST.joints, thicker * REST.radii))  # type: ignore[operator]
     low, high = placed.points.min(axis=0) - 1e-3, placed.points.max(axis=0) + 1e-3
     points = np.random.default_rng(2).uniform(low, high, (1_500_000, 3))
@@ -86,15 +86,15 @@ def test_the_area_is_that_of_the_skin(longer: float, thicker: float, off: float)
     shown = SKIN.find_exposed(placed, ALL)
     assert placed.area[shown].sum() == pytest.approx(
         area, rel=off
-    )  # other hands have folds elsewhere
+    )  # on other hands, folds are elsewhere
     if longer == thicker:  # a hand has 2 to 2.5 % of a body's skin, some 1.8 m^2
         assert 0.035 < area < 0.055  # [m^2]
 
 
 def test_a_bent_joint_has_skin_on_its_back() -> None:
-    """Wherever one comes from, at joints bent by 70 degrees, the skin one meets has a point near by."""
+    """With joints bent by 70 degrees, each point of the visible skin has a skin point nearby."""
     turns = [np.zeros(3)] * 14
-    turns[1:4] = [np.array([-1.2, 0.0, 0.0])] * 3  # of the ring finger
+    turns[1:4] = [np.array([-1.2, 0.0, 0.0])] * 3  # the ring finger
     hand = Hand(bent(REST.joints, turns))  # type: ignore[arg-type]
     placed = SKIN.place(hand)
     exposed = placed.points[SKIN.find_exposed(placed, ALL)]
@@ -106,7 +106,7 @@ def test_a_bent_joint_has_skin_on_its_back() -> None:
 
 
 def test_the_skin_has_no_holes() -> None:
-    """Wherever one comes from, the skin one meets has a point within the finest spacing."""
+    """Each point of the visible skin has a skin point within the finest spacing."""
     rng = np.random.default_rng(3)
     from_ = rng.uniform([-0.12, -0.1, -0.05], [0.08, 0.15, 0.05], (20_000, 3))
     flesh = make_capsules(REST)
@@ -157,12 +157,12 @@ def test_the_mirrored_hand_has_the_mirrored_skin(hand: Hand) -> None:
 
 
 def test_a_bent_finger_carries_its_skin_without_spinning_it() -> None:
-    """Bending the middle finger turns what is beyond each joint about x, and nothing else."""
+    """Bending the middle finger turns the parts beyond each joint about x, and nothing else."""
     angles = np.radians([80.0, 100.0, 70.0])
     middle = [np.zeros(3)] * 14
     for joint, angle in enumerate(angles):
         middle[14 - 1 - 5 - joint] = np.array([-angle, 0.0, 0.0])  # thumb 2, index 3, then middle
-    # Each joint is turned as it lies, after those nearer to the palm.
+    # Each joint turns in its present pose, after the joints nearer to the palm.
     placed = SKIN.place(Hand(bent(REST.joints, middle)))  # type: ignore[arg-type]
     for c, bone in enumerate(BONES):
         if bone.base[0] in (12, 13, 14) and bone.base[0] == bone.base[1]:
@@ -175,7 +175,7 @@ def test_a_bent_finger_carries_its_skin_without_spinning_it() -> None:
 
 def test_the_skin_moves_continuously_as_the_hand_closes() -> None:
     rng = np.random.default_rng(4)
-    # Fingers to a fist with some twist and spread, all the way past what a hand can do.
+    # From fingers to a fist, with twist and spread, beyond what a hand can do.
     axes = np.array([-1.0, 0.0, 0.0]) + rng.normal(0.0, 0.1, (14, 3))
     steps = [
         SKIN.place(Hand(bent(REST.joints, list(angle * axes)))).points  # type: ignore[arg-type]
@@ -186,9 +186,9 @@ def test_the_skin_moves_continuously_as_the_hand_closes() -> None:
 
 
 def area_density(rods: Floats) -> Floats:
-    """Of each point of the skin the area around it, if its share of its bone's mantle or cap stays, (K,) [m^2].
+    """Return the area of each skin point, up to its constant share of its bone's mantle or cap, (K,) [m^2].
 
-    Of the mantle that of a thin frustum there, between the rings in which spheres touch it; of a cap that of its zone.
+    On a mantle, this is the area of a thin frustum; on a cap, that of the cap's zone.
     """
     rod, h = rods[SKIN.bone], 1e-6
     length = np.linalg.norm(rod[:, 3:6] - rod[:, :3], axis=1)
@@ -216,11 +216,11 @@ def test_area_stretches_with_the_bone(longer: float, thicker: float) -> None:
 
 
 def test_the_skin_of_a_straight_finger_has_no_steps() -> None:
-    """Along the underside of each finger it slopes by no more than the finger tapers."""
+    """Along the underside of each finger, the slope is at most that by which the finger tapers."""
     joints, radii = REST.carriers, REST.radii
     flesh = make_capsules(REST)
     for knuckle in (7, 12, 17, 22):
-        s = np.linspace(0.7, 3.0, 400)  # nearer to the palm that is nearest
+        s = np.linspace(0.7, 3.0, 400)  # closer to the palm, the palm is nearest
         at = np.stack(
             [np.interp(s, range(4), joints[knuckle : knuckle + 4, k]) for k in range(3)], axis=-1
         )
@@ -251,7 +251,7 @@ def test_joints_that_coincide_give_numbers(kept: list[int]) -> None:
 
 def test_a_joint_bent_back_on_itself_gives_numbers() -> None:
     joints = np.array(REST.joints)
-    for first in (12, 7):  # the middle finger exactly, the index nearly
+    for first in (12, 7):  # the middle finger exactly, the index finger roughly
         joints[first + 1 : first + 4] = 2 * joints[first] - joints[first + 1 : first + 4]
     joints[8] += 1e-9
     placed = SKIN.place(Hand(joints))
@@ -261,7 +261,7 @@ def test_a_joint_bent_back_on_itself_gives_numbers() -> None:
 
 
 def least_apart(skin: Skin, points: Floats, nodes: Any, within: float) -> float:
-    """How near two of the nodes on the same side are [m], if nearer than `within` [m]; points: of the skin."""
+    """Return the smallest distance of nodes on the same side [m], up to `within` [m]. points: of the skin."""
     pairs = KDTree(points[nodes]).query_pairs(within, output_type="ndarray")
     i, j = nodes[pairs].T
     n, fingers = skin.surface.normals, skin.surface.fingers
@@ -275,7 +275,7 @@ def test_the_nodes_of_a_level_are_its_spacing_apart(level: int) -> None:
     nodes = np.intersect1d(np.arange(SKIN.counts[level]), SHOWN)
     near = least_apart(SKIN, SKIN.surface.points, nodes, 2.0 * SPACINGS[level])
     assert SPACINGS[level] <= near < 2.0 * SPACINGS[level]
-    area = SKIN.node_area[level]  # they stand for all the skin
+    area = SKIN.node_area[level]  # nodes stand for all the skin
     assert area.shape == (SKIN.counts[level],)
     assert area[nodes].sum() == pytest.approx(SKIN.area[SHOWN].sum())
     assert area.min() > 0.0
@@ -303,7 +303,7 @@ def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
     assert cosine[used].min() > 0.0
     mine, theirs = SKIN.surface.fingers[:, None], SKIN.surface.fingers[indices]
     assert not (used & (mine != theirs) & (mine > 0) & (theirs > 0)).any()
-    # The force stays near where it was.
+    # The force stays near its place.
     middle = (weights[..., None] * SKIN.surface.points[indices]).sum(axis=1)
     moved = np.linalg.norm(middle - SKIN.surface.points, axis=1)
     assert moved[SHOWN].mean() < 0.4 * SPACINGS[level]
@@ -311,7 +311,7 @@ def test_shares_keep_the_force_on_its_side_of_the_skin(level: int) -> None:
 
 
 def test_shares_change_smoothly_over_the_skin() -> None:
-    """A fine point's neighbours give to the nodes nearly as it does."""
+    """Neighbouring fine points share their force among nodes in nearly the same way."""
     indices, weights = SKIN.share[5]
     full = np.zeros((len(SKIN), SKIN.counts[5]), dtype=np.float32)
     np.add.at(full, (ALL[:, None], indices), weights)
@@ -342,7 +342,7 @@ def test_bounds_hold_each_bones_points(hand: Hand) -> None:
 
 
 def test_a_way_out_that_goes_round_in_circles_goes_straight_on() -> None:
-    """Of four bones of a crushed hand each leads into the next."""
+    """In this crushed hand, each of four bones leads into the next."""
     ends = 1e-3 * np.array(
         [
             [-29, 11, 16, 2, -2, -12, 11],
@@ -383,7 +383,7 @@ def test_the_closest_skin_is_on_the_union_and_no_other_is_closer(hand: Hand, see
 
 
 def blob() -> tuple[Floats, Any]:
-    """An ellipsoid of a hand's size."""
+    """Return an ellipsoid of a hand's size."""
     ball = trimesh.creation.icosphere(subdivisions=3)
     return np.array(ball.vertices) * [0.04, 0.09, 0.015], np.array(ball.faces)
 
@@ -491,7 +491,7 @@ def test_points_between_the_others_are_denser_level_by_level_and_have_all_the_ar
     assert between is not None
     placed = SKIN.place(REST)
     points, _, area = place_all_between(SKIN, REST, 0)
-    nearest = np.repeat(ALL, np.diff(between.first))  # of the others, to each
+    nearest = np.repeat(ALL, np.diff(between.first))  # the coarse point of each point in between
     assert np.linalg.norm(points - placed.points[nearest], axis=1).max() <= SPACINGS[0]
     counts = [np.count_nonzero(one) for one in between.area]
     assert counts == sorted(counts, reverse=True)
@@ -502,11 +502,11 @@ def test_points_between_the_others_are_denser_level_by_level_and_have_all_the_ar
         assert of_level.sum() == pytest.approx(SKIN.area.sum())
         used = of_level[len(SKIN) :] > 0.0
         np.testing.assert_array_equal(between.find(ALL, level), np.flatnonzero(used))
-        if level:  # the finest has all
+        if level:  # the finest level has all points
             shown = used & ~SKIN.hidden_between
             tree = KDTree(np.concatenate([placed.points[SHOWN], points[shown]]))
             apart = tree.query(points[shown], 2)[0][:, 1]
-            assert (apart > 0.99 * spacing).mean() > 0.97  # those on two sides of a gap are nearer
+            assert (apart > 0.99 * spacing).mean() > 0.97  # points on two sides of a gap are closer
     np.testing.assert_allclose(area, between.area[0][len(SKIN) :])
     some = np.array([3, 700, 4000])
     found = between.find(some, 1)

@@ -26,7 +26,7 @@ times = st.lists(st.floats(-1e6, 1e6) | st.floats(-1e300, 1e300), min_size=1, ma
 
 @st.composite
 def spans(draw: st.DrawFn) -> tuple[float, float]:
-    """A low and a high."""
+    """Draw a low and a high value."""
     low, high = sorted((draw(levels), draw(levels)))
     return low, high
 
@@ -107,7 +107,7 @@ def test_a_square_is_high_for_its_duty_of_each_period_and_then_low(
     low, high = span
     phase = (np.arange(1000) + 0.5) / 1000
     value = pc.Square(frequency, low, high, duty=duty).at((3 + phase) / frequency)
-    edge = min(EDGE * frequency, duty, 1.0 - duty)  # in periods
+    edge = min(EDGE * frequency, duty, 1.0 - duty)  # duration of an edge, in periods
     clear = (
         (phase > edge) & ((phase < duty) | (phase > duty + edge)) & (np.abs(phase - duty) > 1e-4)
     )
@@ -131,7 +131,7 @@ stepping = st.one_of(
 
 @given(envelope=stepping, rate=st.sampled_from([2000.0, 4000.0, 64_000.0]))
 def test_no_envelope_of_ours_steps(envelope: Any, rate: float) -> None:
-    """Its slope is that of half a cosine of 1.5 ms at most, or of as long as there is time for."""
+    """The slope is at most that of half a cosine of 1.5 ms, or of the available time if that is shorter."""
     e = envelope.at(np.arange(-0.02, 0.3, 1.0 / rate))
     edge = EDGE
     if isinstance(envelope, pc.Square):
@@ -209,13 +209,13 @@ def test_what_cannot_be_is_refused_by_name(argument: str, make: Any) -> None:
 def test_edges_due_on_a_frame_are_never_a_frame_late(frequency: float, begin: int) -> None:
     k = np.arange(400) + 2000 * begin
     period = round(2000 / frequency)
-    since, half = k % period, period // 2  # frames since the last edge up
+    since, half = k % period, period // 2  # frames since the last rising edge
     frames = min(EDGE * 2000.0, half)
     up, down = (np.clip((since - after) / frames, 0.0, 1.0) for after in (0, half))
     expected = (np.cos(np.pi * down) - np.cos(np.pi * up)) / 2.0
     np.testing.assert_allclose(pc.Square(frequency).at(k / 2000.0), expected, atol=1e-4)
     pulse = Pulse(width=0.5 / frequency, period=1.0 / frequency)
-    if begin < 2:  # later its period, as a float, has drifted
+    if begin < 2:  # later, the rounding of its period adds up
         np.testing.assert_allclose(pulse.at(k / 2000.0), expected, atol=1e-4)
 
 
@@ -232,7 +232,7 @@ def test_edges_due_on_a_frame_are_never_a_frame_late(frequency: float, begin: in
     ids=lambda e: type(e).__name__,
 )
 def test_the_paper_s_device_plays_an_envelope_to_within_a_level(envelope: Any) -> None:
-    """2 kHz and 320 levels of amplitude, of which the envelope is the square: radiation pressure."""
+    """The device has 2 kHz and 320 levels of amplitude. The envelope is radiation pressure, the square of amplitude."""
     N, t = 249, np.arange(2000) / 2000.0
     e = envelope.at(t)
     gains = np.exp(2j * np.pi * np.arange(N) / N).astype(np.complex64)
@@ -242,7 +242,7 @@ def test_the_paper_s_device_plays_an_envelope_to_within_a_level(envelope: Any) -
     frame = Quantiser(device, len(t), N).frame(modulated, 1.0, 0, 0.0)
     played, level = np.abs(frame.gains(device)), 1.0 / 319
     assert np.abs(played - np.sqrt(e)[:, None]).max() <= level
-    # together they are much nearer: some round up where others round down
+    # the mean is much closer: some transducers round up, and others down
     together = played.mean(axis=1)
     assert np.abs(together - np.sqrt(e)).max() <= 0.01 * level
     # (a + h)^2 - a^2 <= 2 a h + h^2
@@ -339,7 +339,7 @@ def test_noise_of_another_seed_is_other_noise_and_repeats() -> None:
 
 
 def spectrum(name: str) -> tuple[Any, Any]:
-    """Frequencies [Hz], and the share of the power at each, of 12 s."""
+    """Return frequencies [Hz] and the share of power at each, over 12 s."""
     x = Preset(name).at(np.arange(24_000) / 2000.0)  # type: ignore[arg-type]
     power = np.abs(np.fft.rfft(x - x.mean())) ** 2
     return np.fft.rfftfreq(len(x), 1 / 2000.0), power / power.sum()
@@ -357,7 +357,7 @@ def test_buzzing_is_a_vibration_where_pacinian_corpuscles_feel_best() -> None:
 def test_trembling_is_a_low_vibration_of_irregular_strength() -> None:
     assert share("trembling", 30.0, 50.0) > 0.5
     x = Preset("trembling").at(np.arange(24_000) / 2000.0)
-    peaks = x.reshape(-1, 50).max(axis=1)  # of each 25 ms, a period
+    peaks = x.reshape(-1, 50).max(axis=1)  # for each 25 ms, one period
     assert peaks.std() > 0.1
     assert len(np.unique(np.round(peaks, 3))) > 100
 
@@ -365,7 +365,7 @@ def test_trembling_is_a_low_vibration_of_irregular_strength() -> None:
 def test_rapturous_swells_and_fades() -> None:
     assert share("rapturous", 100.0, 200.0) > 0.4
     x = Preset("rapturous").at(np.arange(24_000) / 2000.0)
-    strength = x.reshape(-1, 200).max(axis=1)  # of each 0.1 s
+    strength = x.reshape(-1, 200).max(axis=1)  # for each 0.1 s
     assert strength.max() > 0.95
     assert strength.min() < 0.05
     assert np.abs(np.diff(strength)).max() < 0.25

@@ -24,12 +24,12 @@ RATE = 8000
 
 
 def tone(frequency: float, seconds: float = 1.0, rate: float = RATE, size: float = 0.8) -> Floats:
-    """A sine that starts at 0, in -1..1."""
+    """Return a sine that starts at 0, in -1..1."""
     return size * np.sin(2 * np.pi * frequency * np.arange(round(seconds * rate)) / rate)
 
 
 def write(path: Path, x: Floats, width: int, rate: int = RATE) -> str:
-    """A WAV file of whole numbers of `width` bytes, by the standard library; x: (L,) or (L, channels)."""
+    """Write a WAV file of integers of `width` bytes with the standard library. x: (L,) or (L, channels)."""
     channels = x.reshape(len(x), -1)
     if width == 1:
         data = np.round(channels * 127 + 128).astype(np.uint8).tobytes()
@@ -70,7 +70,7 @@ def test_what_scipy_writes_comes_back(tmp_path: Path, kind: str) -> None:
 def test_a_file_is_played_as_its_wave_read_once_and_again_when_it_has_changed(
     tmp_path: Path,
 ) -> None:
-    path, t = tmp_path / "a.wav", np.arange(4000) / 2000.0  # twice round
+    path, t = tmp_path / "a.wav", np.arange(4000) / 2000.0  # plays twice
     first = Wave(file=write(path, tone(100.0), 2))
     expected = (1 + 0.8 * np.sin(2 * np.pi * 100.0 * t)) / 2
     assert first.at(t) == pytest.approx(expected, abs=0.001)
@@ -163,7 +163,7 @@ def test_a_tone_comes_through_at_any_rate(rate: int, frequency: float) -> None:
 
 @pytest.mark.parametrize("rate", [8000, 44_100])
 def test_nothing_above_what_skin_feels_is_left_to_fold_down(rate: int) -> None:
-    """A tone of 1.8 kHz would be felt as one of 200 Hz at 2 kHz."""
+    """At 2 kHz, a tone of 1.8 kHz would alias to 200 Hz."""
     t = np.arange(4000) / 2000.0
     for frequency, left in ((500.0, 1.0), (890.0, 1.0), (1010.0, 0.0), (1800.0, 0.0)):
         x = Wave(samples=tuple(tone(frequency, 1.0, rate)), rate=rate).at(t)

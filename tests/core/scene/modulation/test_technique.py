@@ -38,7 +38,7 @@ ROUTES = ["samples", "outline", Circle(0.01), Line(0.03), Lissajous(0.02, 0.03, 
 
 
 def patch(M: int, seed: int = 0, flat: bool = False, item: int = 3) -> Samples:
-    """Samples of a bent patch of skin, 60 mm wide, facing -z more or less."""
+    """Return samples of a bent patch of skin, 60 mm wide, facing roughly -z."""
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(-0.03, 0.03, (2, M))
     bend = 0.0 if flat else 8.0
@@ -57,7 +57,7 @@ def patch(M: int, seed: int = 0, flat: bool = False, item: int = 3) -> Samples:
 
 
 def path(technique: Any, samples: Samples, K: int = 720, frame: Any = None) -> list[Samples]:
-    """What is presented over a period."""
+    """Return the samples presented over a period."""
     t = (np.arange(K) + 0.5) / (K * technique.frequency)
     more = () if frame is None else (frame,)
     return [present(technique, samples, float(s), *more) for s in t]
@@ -115,8 +115,8 @@ def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
 def test_repeat_rate_and_dwell_are_those_of_exact_arithmetic(
     frequency: int, places: int | None, off: float, rate: int, begin: int
 ) -> None:
-    """Frame by frame, against a schedule in fractions: place floor(n (f t mod 1)) of n."""
-    # a dwell that does not divide the period comes to the nearest that does
+    """The reference is exact: at time t, the place is floor(n (f t mod 1)) of n."""
+    # a dwell that does not divide the period is replaced by the nearest that does
     dwell = None if places is None else min(off / places, 1.0) / frequency
     technique = STM(float(frequency), dwell=dwell)
     n = technique.places
@@ -130,7 +130,7 @@ def test_repeat_rate_and_dwell_are_those_of_exact_arithmetic(
 @given(dwell=st.integers(1, 12), seed=seeds)
 @bounded
 def test_the_focus_stays_for_its_dwell_and_then_moves_on(dwell: int, seed: int) -> None:
-    """At 2 kHz, a place for every `dwell` frames, 5 places a repeat."""
+    """At 2 kHz, each of 5 places per repeat lasts `dwell` frames."""
     technique = STM(2000.0 / (5 * dwell), Circle(0.01), dwell=dwell / 2000.0)
     samples = patch(9, seed)
     shown = [present(technique, samples, k / 2000.0) for k in range(10 * dwell)]
@@ -171,7 +171,7 @@ def test_all_samples_are_visited_within_a_period_for_equal_times(M: int, seed: i
     times = np.bincount(visits, minlength=M)
     assert times.min() >= 720 // M
     assert times.max() <= -(-720 // M)
-    assert (np.diff(visits) != 0).sum() == M - 1  # one stay at each
+    assert (np.diff(visits) != 0).sum() == M - 1  # each is visited once
     assert visits[0] == samples.keys.argmin()
     for m, now in zip(visits, shown, strict=True):
         assert now.radiation_pressure[0] == samples.radiation_pressure[m]
@@ -180,7 +180,7 @@ def test_all_samples_are_visited_within_a_period_for_equal_times(M: int, seed: i
 
 
 def grid() -> Samples:
-    """6 by 6, 8 mm apart: many are as near as each other."""
+    """Return 6 by 6 samples, 8 mm apart, so that many distances are equal."""
     x, y = np.meshgrid(np.arange(6) * 0.008, np.arange(6) * 0.008)
     positions = np.stack([x.ravel(), y.ravel(), np.full(36, 0.2)], axis=-1)
     return replace(patch(36, flat=True), positions=positions, keys=np.arange(36, dtype=np.int64))
@@ -197,7 +197,7 @@ def test_rounding_does_not_change_the_route_round_a_grid(along: Any, seed: int) 
 
 
 def test_a_tour_is_short() -> None:
-    """No longer than a quarter more than there and back through the rows of a grid."""
+    """The tour is at most a quarter longer than a path through the rows of the grid and back."""
     samples = grid()
     steps = np.linalg.norm(np.diff(positions(path(STM(100.0), samples)), axis=0), axis=1)
     assert steps.sum() < 1.25 * 35 * 0.008
@@ -267,10 +267,12 @@ def test_an_outline_is_the_convex_hull_at_constant_speed(M: int, seed: int) -> N
     q = positions(path(STM(100.0, "outline"), samples))
     hull = ConvexHull(samples.positions[:, :2])
     off = hull.equations[:, :2] @ q[:, :2].T + hull.equations[:, 2:]
-    assert np.abs(off.max(axis=0)).max() < 1e-9  # on the border: on a side, outside of none
+    assert np.abs(off.max(axis=0)).max() < 1e-9  # on the border: on one side, and outside none
     assert q[:, 2] == pytest.approx(np.full(720, 0.2))
     steps = np.linalg.norm(np.diff(q, axis=0, append=q[:1]), axis=1)
-    assert steps.max() <= hull.area / 720 + 1e-9  # in two dimensions, its area is its perimeter
+    assert (
+        steps.max() <= hull.area / 720 + 1e-9
+    )  # in two dimensions, SciPy's `area` is the perimeter
     assert steps.sum() == pytest.approx(hull.area, rel=0.02)
     # facing -z, anticlockwise is clockwise in x and y
     x, y = (q[:, :2] - q[:, :2].mean(axis=0)).T
@@ -285,7 +287,7 @@ def test_an_outline_starts_towards_the_x_axis_and_turns_to_y(M: int, seed: int) 
     q = positions(path(STM(100.0, "outline"), samples))
     x, y, z = (q - q.mean(axis=0)).T
     assert x[0] > 0.0
-    assert y[0] == pytest.approx(0.0, abs=3e-4)  # within one place
+    assert y[0] == pytest.approx(0.0, abs=3e-4)  # within the length of one place
     assert y[5] > y[0]
     assert np.abs(z).max() < 1e-12
 
@@ -295,7 +297,7 @@ def test_an_outline_starts_towards_the_x_axis_and_turns_to_y(M: int, seed: int) 
 def test_samples_on_a_line_are_passed_there_and_back(direction: Any, facing: bool) -> None:
     d = np.array(direction) / max(1.0, float(np.linalg.norm(direction)))
     if facing and abs(d[2]) > 0.9:
-        return  # no skin is like that
+        return  # skin is never like that
     for M in (1, 2, 8):
         samples, s = patch(M), np.linspace(0.0, 0.03, M)
         samples = replace(samples, positions=s[:, None] * d + [0.0, 0.0, 0.2])

@@ -46,7 +46,7 @@ def test_shares_sum_to_one_and_bands_are_as_few_as_do(
         assert K == 1
     elif most > K:
         assert counts.max() <= budget + K
-    if K > 2:  # fewer would not have done
+    if K > 2:  # fewer bands would not suffice
         assert budget < M * WIDER / (K - 1)
     assert counts.max() <= M * WIDER / K + 2 or K == 1
 
@@ -82,10 +82,10 @@ def test_bands_stay_where_they_are_as_a_region_turns_and_shrinks() -> None:
     turned = samples(plate(0.098, 0.10))
     again = bands.shares(turned, 300, 8)
     assert again.shape[1] == first.shape[1]
-    for band in again.T:  # still cut across x, though y is longer now
+    for band in again.T:  # still divided along x, although y is longer now
         assert np.ptp(turned.positions[band > 0.0, 1]) == pytest.approx(0.10, abs=1e-6)
     K = first.shape[1]
     count = len(turned)
-    barely = int(count * WIDER / (K - 1)) + 1  # one band fewer would just do
+    barely = int(count * WIDER / (K - 1)) + 1  # one band fewer would just suffice
     assert bands.shares(turned, barely, 8).shape[1] == K
     assert bands.shares(turned, int(1.2 * barely), 8).shape[1] < K

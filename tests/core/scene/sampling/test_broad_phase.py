@@ -96,7 +96,7 @@ def test_only_near_samples_of_different_sources_and_one_group_are_merged(
     assert kept[alone].all()
     assert (pressed[alone] == P[alone]).all()
     assert (stands[alone] == area[alone]).all()
-    # none that are kept could be merged still, and each that is not has one that took it before it
+    # no two kept samples could be merged, and each merged sample has an earlier one that it was merged into
     assert not pairs[np.ix_(kept, kept)].any()
     for j in np.flatnonzero(~kept):
         assert (pairs[j] & kept)[:j].any()

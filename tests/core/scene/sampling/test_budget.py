@@ -29,7 +29,7 @@ def whole(samples: Samples) -> Samples:
 
 
 def given_by(*items: Any) -> list[Any]:
-    """Sources of objects, highest priority first."""
+    """Return the sources of objects, highest priority first."""
     covers = SampleCache()
     order = sorted(range(len(items)), key=lambda i: -items[i].priority)
     return [(WholeObject(items[i], i, i, items[i].pose, covers, items), SPACING) for i in order]
@@ -45,7 +45,7 @@ def point(priority: int = 0, pressure: float = 1.0) -> pc.Point:
 
 
 def sounded(items: Any, parts: list[Samples]) -> int:
-    """How many samples sound at a time."""
+    """Return the number of samples that sound at a time."""
     order = sorted(range(len(items)), key=lambda i: -items[i].priority)
     single = [items[i].technique.single for i in order]
     return sum(min(1, len(p)) if one else len(p) for one, p in zip(single, parts, strict=True))
@@ -73,7 +73,7 @@ def test_there_are_never_more_than_the_budget(items: Any, budgets: Any) -> None:
         parts = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
         assert sounded(items, parts) <= budget
         if budget >= 4 * len(items) and len({item.priority for item in items}) == 1:
-            assert all(len(part) for part in parts)  # coarser, rather than none
+            assert all(len(part) for part in parts)  # coarser, but none is left out
 
 
 @given(items=objects, extra=objects, budget=st.integers(1, 300))
@@ -92,7 +92,7 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
 @bounded
 def test_the_same_is_shared_out_alike_for_ever(items: Any, budget: int) -> None:
     levels: dict[int, int] = {}
-    for _ in range(20):  # from any level to the one that fits
+    for _ in range(20):  # until levels fit the budget
         first = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
     for _ in range(3):
         again = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
@@ -172,7 +172,7 @@ def test_the_weakest_of_one_object_are_dropped() -> None:
 def test_those_with_the_least_force_are_dropped_of_equals_the_last(
     forces: list[tuple[int, int]], budget: int
 ) -> None:
-    """A low pressure on much skin may be felt more than a high one on little."""
+    """A low pressure on a large area may be felt more than a high one on a small area."""
 
     class Uneven(WholeObject):
         def at(self, spacing: float) -> Samples:
@@ -190,7 +190,7 @@ def test_those_with_the_least_force_are_dropped_of_equals_the_last(
 @given(items=objects, budget=st.integers(1, 300))
 @bounded
 def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> None:
-    """Or it would stay coarse for long once there is room again."""
+    """Otherwise the object would stay coarse for a long time after there is room again."""
     levels: dict[int, int] = {}
     for _ in range(3):
         allot_budget(given_by(*items), budget, levels, whole, SampleCounts())

@@ -1,4 +1,4 @@
-"""Hands that touch: what is sampled, where, and how strong."""
+"""Hands in contact with objects: which samples there are, where, and how strong."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ if TYPE_CHECKING:
 
 few = settings(max_examples=12)
 seeds = st.integers(0, 2**31)
-FINEST = 0.00175  # [m] between the nodes of the finest level of a skin
-APART = 0.03  # [m]: no samples of a contact are farther from their neighbours
+FINEST = 0.00175  # spacing of nodes at the finest level of a skin [m]
+APART = 0.03  # largest distance between neighbouring samples of a contact [m]
 HAND = Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))
 
 
 def bent(seed: int, side: Any = "right") -> Hand:
-    """A hand whose fingers are bent by SciPy's rotations, each joint about x by up to 50 degrees."""
+    """Return a hand whose finger joints are bent about x by up to 50 degrees, by SciPy's rotations."""
     rng = np.random.default_rng(seed)
     open_ = Hand.open(side)
     assert open_.joints is not None
@@ -61,7 +61,7 @@ def ball(radius: float = 0.03, at: Any = (0.0, 0.0, 0.17), **how: Any) -> pc.Vol
 
 
 def plate(z: float, size: float = 0.4, **how: Any) -> pc.Surface:
-    """It presses upward from below."""
+    """Return a plate that presses upwards."""
     how = {"radiation_pressure": 10.0} | how
     pose = pc.Pose((0.0, 0.0, z))
     return pc.Surface(shape=pc.Rectangle(size, size), pose=pose, **how)
@@ -83,14 +83,14 @@ each_object = pytest.mark.parametrize("item", OBJECTS.values(), ids=OBJECTS.keys
 
 
 def touched(*objects: Any, hands: Any = (HAND,), **how: Any) -> Samples:
-    """All samples, whoever feels them."""
+    """Return all samples, without thresholds of perception."""
     sampler = pc.Sampler(**({"budget": 20_000, "spacing": FINEST, "perception": False} | how))
     return sampler.sample(pc.Scene(tuple(objects), hands=tuple(hands)))
 
 
 @functools.lru_cache(maxsize=4)
 def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
-    """Points all over a hand's skin and their areas, by a grid on each capsule: no code of the skin's."""
+    """Return dense points on a hand's skin and their areas, by an independent grid on each capsule."""
     capsules = PosedSkin(hand).capsules
     points, areas, counts = [np.empty((0, 3))], [np.empty(0)], list[int]()
     for capsule in capsules:
@@ -120,7 +120,9 @@ def dense(hand: Hand, step: float = 1e-3) -> tuple[Any, Any]:
     q, area = np.concatenate(points), np.concatenate(areas)
     away = to_capsules(capsules, q)
     before = np.arange(len(capsules)) < np.repeat(np.arange(len(capsules)), counts)[:, None]
-    free = (away > np.where(before, 1e-9, -1e-9)).all(axis=1)  # a sphere of two bones counts once
+    free = (away > np.where(before, 1e-9, -1e-9)).all(
+        axis=1
+    )  # a sphere that two bones share counts once
     return q[free], area[free]
 
 
@@ -142,13 +144,15 @@ def test_samples_lie_on_the_skin_with_its_normals(item: Any, hand: Hand, spacing
     assert len(samples)
     assert (samples.most == item.pressure).all()
     assert (samples.radiation_pressure > 0.0).all()
-    if spacing == FINEST:  # coarser, a node of a bent joint stands for more skin than its area
+    if (
+        spacing == FINEST
+    ):  # at coarser levels, a node at a bent joint stands for more skin than its own area
         assert (samples.radiation_pressure <= samples.most * (1.0 + 1e-9)).all()
     capsules = PosedSkin(hand).capsules
     d = to_capsules(capsules, samples.positions)
     nearest = np.abs(d).min(axis=1)
     assert nearest.max() < 1e-9
-    assert d.min() > -6e-4  # creases: half a millimetre within another is skin still
+    assert d.min() > -6e-4  # in creases, points up to 0.5 mm inside another capsule are still skin
     h = 1e-6
     own = np.abs(d).argmin(axis=1)
     out = to_capsules(capsules, samples.positions + h * samples.normals)
@@ -165,7 +169,7 @@ def test_skin_is_touched_where_it_is_inside_and_nowhere_else(
     centre = np.add(at, (0.0, 0.03, 0.19))
     samples = touched(ball(radius, centre, thickness=0.2), hands=(hand,))
     away = np.linalg.norm(samples.positions - centre, axis=1)
-    assert (away < radius + 2.0 * FINEST).all()  # a node stands for what is around it
+    assert (away < radius + 2.0 * FINEST).all()  # a node stands for the skin around it
     inside = (np.linalg.norm(dense(hand, 2e-3)[0] - centre, axis=1) < radius - FINEST).any()
     assert bool(len(samples)) >= bool(inside)
     outside = to_capsules(PosedSkin(hand).capsules, centre[None]).min() > radius + 1e-9
@@ -185,7 +189,7 @@ def test_the_force_is_the_integral_of_pressure_over_the_skin(
     depth = radius - np.linalg.norm(q - centre, axis=1)
     expected = (np.clip(depth / DEPTH, 0.0, 1.0) * 10.0) @ area
     whole = ball(radius, centre, thickness=1.0)
-    # the rim, where the skin's points decide, is a stripe as wide as they are apart
+    # at the rim, the error is that of a stripe as wide as the spacing of skin points
     rim = 10.0 * area[np.abs(depth) < FINEST].sum()
     for spacing in (FINEST, 0.0085, 0.02):
         force = touched(whole, hands=(hand,), spacing=spacing).force
@@ -217,7 +221,7 @@ def test_a_plate_on_a_flat_palm_presses_as_the_formula_says(depth: float) -> Non
 
 
 def flat_hand(size: Any, z: float) -> Hand:
-    """A hand like a box, whose palm is at z, of small faces."""
+    """Return a box-shaped hand mesh of small faces, whose palm is at z."""
     import trimesh
 
     box = trimesh.creation.box(size)
@@ -230,7 +234,7 @@ def flat_hand(size: Any, z: float) -> Hand:
 
 @pytest.mark.parametrize("depth", [0.0005, 0.0015])
 def test_a_plate_on_a_finger_presses_as_the_formula_says(depth: float) -> None:
-    """On a straight cylinder of radius r a bed of springs k gives 2 k r (r sin a - (r - h) a) per metre."""
+    """On a straight cylinder of radius r, a bed of springs k gives 2 k r (r sin a - (r - h) a) per metre."""
     r, length = 0.01, 0.3
     vertices, faces = cylinder(r, length)
     finger = Hand(vertices=vertices, faces=faces).transform(pc.Pose((0.0, 0.0, 0.2 + r)))
@@ -243,7 +247,7 @@ def test_a_plate_on_a_finger_presses_as_the_formula_says(depth: float) -> None:
 
 
 def cylinder(r: float, length: float, around: int = 96, along: int = 60) -> tuple[Any, Any]:
-    """A tube along x."""
+    """Return a tube along x."""
     phi, x = 2.0 * np.pi * np.arange(around) / around, np.linspace(-length / 2, length / 2, along)
     P, X = np.meshgrid(phi, x)
     vertices = np.stack([X, r * np.cos(P), r * np.sin(P)], axis=-1).reshape(-1, 3)
@@ -275,7 +279,7 @@ BALLS = ["sdf", "placed", "union", "intersection", "difference", "mesh", "voxels
 
 @functools.cache
 def same_balls(radius: float) -> dict[str, Any]:
-    """The same ball again and again."""
+    """Return the same ball several times."""
     import trimesh
 
     sphere = trimesh.creation.icosphere(4, radius)
@@ -335,7 +339,7 @@ def test_a_rigid_motion_of_everything_changes_nothing_else(item: Any, seed: int)
     assert np.array_equal(here.keys, there.keys)
     assert there.positions == pytest.approx(pose.points(here.positions), abs=1e-9)
     assert there.normals == pytest.approx(pose.directions(here.normals), abs=1e-7)
-    # a path is sampled in the frame of its object: nearest points may be where two fingers are as near
+    # a path is sampled in its own frame, and its nearest points may lie between two equally near fingers
     assert there.radiation_pressure == pytest.approx(here.radiation_pressure, rel=1e-6, abs=1e-6)
     assert there.area == pytest.approx(here.area, rel=1e-9)
 
@@ -370,7 +374,7 @@ def test_no_sample_jumps_more_than_its_share_as_a_contact_slides(spacing: float)
         if before:
             for key in before.keys() | after.keys():
                 change = abs(after.get(key, 0.0) - before.get(key, 0.0))
-                # the stiffness times the step; a node's share of skin is not even
+                # at most stiffness times step; twice that, because nodes have uneven shares of skin
                 assert change <= 10.0 / DEPTH * 1e-4 * 2.0
         before = after
 
@@ -383,7 +387,7 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
     item, before, most = OBJECTS[name], dict[int, tuple[Any, float]](), OBJECTS[name].pressure
     for i in range(300):
         x, y = 0.02 * math.sin(0.02 * i), 0.04
-        if i % 60 == 59:  # it is brought elsewhere, and what is asked for changes
+        if i % 60 == 59:  # the object jumps, and the number of samples changes
             x += rng.uniform(-0.05, 0.05)
             sampler.allowed = int(rng.integers(5, 60))
         hands = () if 100 <= i < 110 else (HAND.transform(pc.Pose((x, y - 0.04, 0.0))),)
@@ -399,9 +403,9 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
             was = before.get(key)
             fresh = was is None or np.linalg.norm(was[0] - at) > 0.02
             if fresh and key < 0:
-                continue  # fades where it was, under another name
+                continue  # the old sample fades out under another key
             step = most * math.sin(math.pi / 2.0 * tick / ramp) + 1e-5
-            if fresh:  # in a region it goes on from what was felt there
+            if fresh:  # in a region, it continues from the pressure of its neighbours
                 felt = [p for q, p in before.values() if np.linalg.norm(q - at) < APART]
                 assert max(felt, default=0.0) + step >= P
             else:
@@ -418,7 +422,7 @@ def test_with_a_ramp_no_sample_jumps_whatever_happens(name: str) -> None:
 @given(seed=seeds)
 @few
 def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
-    """One sampler on its way through many poses, and a new one for each."""
+    """One sampler goes through many poses; the reference is a new sampler for each pose."""
     rng, t = np.random.default_rng(seed), 0.0
     sampler = pc.Sampler(20_000, FINEST, perception=False)
     items = [replace(OBJECTS[name], name=name) for name in ("ball", "grating", "soft", "path")]
@@ -434,7 +438,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
             hand = hand.transform(pc.Pose(tuple(rng.normal(0.0, size, 3))))
         objects = tuple(moved(i, pc.Pose(tuple(d))) for i, d in zip(items, at, strict=True))
         scene = pc.Scene(objects, hands=(hand,))
-        for _ in range(2):  # after the blend
+        for _ in range(2):  # twice, until the blend is over
             t += 0.02
             now = sampler.sample(scene, t)
         fresh = touched(*objects, hands=(hand,))
@@ -445,7 +449,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
 
 @pytest.mark.parametrize("who", ["object", "hand"])
 def test_between_updates_it_is_felt_as_if_there_were_none(who: str) -> None:
-    """What moves evenly, told of 120 times a second, and told of at each moment."""
+    """Uniform motion with 120 updates a second is felt like one with an update at each moment."""
     v, rate = 0.2, 1.0 / 120.0
     told = pc.Sampler(20_000, FINEST, perception=False)
     item = replace(ball(at=(-0.03, 0.04, 0.175)), name="ball")
@@ -482,7 +486,7 @@ def test_a_lost_hand_is_felt_for_a_moment_and_then_fades() -> None:
     assert (forces[times > 1.002 + HOLD + FADE] == 0.0).all()
 
 
-SECOND = 1.0  # [s] when it begins
+SECOND = 1.0  # when it begins [s]
 CHANGES = {
     "a lost hand": (HAND, Hand(np.full((26, 3), np.nan))),
     "a late hand": (Hand(HAND.joints, time=SECOND),) * 2,
@@ -541,14 +545,14 @@ def test_skin_near_an_object_is_what_its_sphere_holds_and_what_faces_the_array(
     faces = (along > 0.0).any(axis=1)
     expected = np.flatnonzero((distance <= radius) & (faces | (corners == 0)))
     level = (np.abs(along) < 1e-12).any(axis=1)
-    unsure = np.flatnonzero((np.abs(distance - radius) < 1e-9) | level)  # rounded
+    unsure = np.flatnonzero((np.abs(distance - radius) < 1e-9) | level)  # rounding decides
     assert set(which.tolist()) ^ set(expected.tolist()) <= set(unsure.tolist())
     inverse = Rotation.from_quat(pose.rotation).inv()
     assert local == pytest.approx(inverse.apply(d[which]), abs=1e-9)
 
 
 def share_seen(array: Any, points: Any, normals: Any) -> Any:
-    """Of its pressure that skin is asked to feel: a smooth step, from 2 % of the power to 10 %."""
+    """Return the share of pressure that skin gets: a smooth step from 2 % to 10 % of the power."""
     made = []
     for point, normal in zip(points, normals, strict=True):
         cosines = [float(d @ normal) / math.hypot(*d) for d in array.positions - point]
@@ -567,7 +571,7 @@ EIGHT_TRANSDUCERS = pc.Array(
 
 @pytest.mark.parametrize("kind", ["particles", "contact"])
 def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
-    """Not at all on the far side, less where sound only grazes it; all eight transducers are looked at."""
+    """The far side gets no pressure, and skin at grazing incidence gets less. All eight transducers count."""
     resolving = ArrayResolution(EIGHT_TRANSDUCERS, pc.Air())
     hand = PosedSkin(bent(5))
     each = np.arange(0, len(hand.points), 7)
@@ -608,7 +612,7 @@ def test_skin_that_faces_away_from_the_array_is_not_asked_for() -> None:
         sampler.prepare(pc.autd(), pc.Air())
         samples = sampler.sample(pc.Scene((item,), hands=(HAND,)))
         assert bool(len(samples)) == felt
-    assert len(touched(above))  # where there is no array to ask
+    assert len(touched(above))  # without an array, all sides count
 
 
 def test_samples_face_some_of_the_array() -> None:
@@ -624,7 +628,7 @@ def test_samples_face_some_of_the_array() -> None:
     d = array.positions - samples.positions[:, None]
     assert (np.einsum("mnk,mk->mn", d, samples.normals) > 0.0).any(axis=1).mean() > 0.9
     assert (samples.normals[:, 2] < 0.3).all()
-    seen = all_round.normals[:, 2] < -0.9  # what looks straight down is felt in full
+    seen = all_round.normals[:, 2] < -0.9  # skin that faces straight down gets the full pressure
     index = {key: m for m, key in enumerate(samples.keys.tolist())}
     P = [
         samples.radiation_pressure[index[key]] if key in index else 0.0
@@ -651,7 +655,7 @@ def test_a_point_is_felt_where_the_skin_is_nearest_within_the_hand_and_not_besid
 
 def test_each_particle_is_felt_by_itself() -> None:
     samples = touched(OBJECTS["particles"])
-    assert len(samples) == 2  # the third is below the hand
+    assert len(samples) == 2  # the third particle is below the hand
     path = touched(OBJECTS["path"])
     assert np.linalg.norm(path.positions[:, :2], axis=1) == pytest.approx(0.02, abs=0.005)
 
@@ -663,7 +667,9 @@ def test_more_particles_than_the_budget_are_cut_to_it() -> None:
         radiation_pressure=5.0,
     )
     assert len(touched(rain, budget=40)) == 40
-    assert len(touched(replace(rain, technique=STM(50.0)), budget=40)) > 40  # one at a time
+    assert (
+        len(touched(replace(rain, technique=STM(50.0)), budget=40)) > 40
+    )  # only one sounds at a time
 
 
 def test_objects_of_one_group_are_one_where_they_meet_and_keep_their_force() -> None:
@@ -732,7 +738,7 @@ def test_a_hand_far_away_feels_nothing() -> None:
 def test_a_lost_hand_feels_nothing_and_there_is_no_hand_less_scene_for_it() -> None:
     lost = Hand(np.full((26, 3), np.nan))
     samples = touched(*OBJECTS.values(), hands=(lost,))
-    assert len(samples) == 0  # and not the objects as a whole, in the air
+    assert len(samples) == 0  # objects are not rendered as a whole in the air
     assert samples.capsules is not None
     both = touched(
         ball(), hands=(lost, HAND.transform(pc.Pose((0.0, 0.0, 0.0)))._with(name="other"))
@@ -803,7 +809,7 @@ def test_what_is_left_out_is_counted_each_time_it_is_looked_for() -> None:
     once = sampler.skipped.copy()
     for t in (0.1, 0.2, 0.3):
         assert sampler.sample(scene, t) is samples
-    assert sampler.skipped == once  # nothing was looked for again
+    assert sampler.skipped == once  # nothing was sampled again
 
 
 def test_hands_that_come_and_go_share_no_key() -> None:
@@ -832,7 +838,7 @@ def sample_finely(*objects: Any, hand: Hand = HAND) -> Samples:
 def test_a_small_contact_has_some_150_samples_each_at_the_pressure_of_its_place(
     radius: float, hand: Hand
 ) -> None:
-    """By distances from the ball that no code of the sampler's computed, and the force of a dense skin."""
+    """The reference is independent: distances from the ball, and the force on a dense skin."""
     assert hand.joints is not None
     skin = dense(hand)
     middle = hand.joints[0]
@@ -857,7 +863,7 @@ def test_samples_of_a_fine_contact_stay_on_the_skin_that_moves() -> None:
     first = sampler.sample(pc.Scene((item,), hands=(HAND,)))
     off = np.array([4e-4, 2e-4, -1e-4])
     moved = HAND.transform(pc.Pose(tuple(off)))
-    for tick in range(1, 21):  # what a prediction was off by vanishes within 10 ms
+    for tick in range(1, 21):  # an error of the prediction vanishes within 10 ms
         second = sampler.sample(pc.Scene((item,), hands=(moved,)), 1e-3 * tick)
     here = dict(zip(first.keys.tolist(), first.positions, strict=True))
     stayed = [key for key in second.keys.tolist() if key in here]

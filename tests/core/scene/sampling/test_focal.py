@@ -1,4 +1,4 @@
-"""A force that a point is given: over the area of the focus that the array makes there."""
+"""The force of a point acts on the area of the array's focus there."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def sampled(array: pc.Array, *items: Any, hands: Any = (), **settings: Any) -> p
         setattr(sampler, name, value)
     scene = pc.Scene(items, hands=hands)
     sampler.sample(scene)
-    return sampler.sample(scene, 1.0)  # a hand is felt little by little
+    return sampler.sample(scene, 1.0)  # after the ramp of the hand
 
 
 @pytest.mark.parametrize("units", [1, 3])

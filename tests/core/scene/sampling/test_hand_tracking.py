@@ -26,7 +26,7 @@ def lost(**given: Any) -> Hand:
 
 
 def palm(track: HandTrack, hand: Hand, t: float) -> float:
-    """The palm's x [m]."""
+    """Return the palm's x [m]."""
     now, _ = track.at(hand, t)
     assert now is not None
     assert now.joints is not None
@@ -95,7 +95,7 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
 
 def test_a_hand_that_stayed_long_before_it_was_lost_stays_as_long() -> None:
     track = HandTrack()
-    palm(track, moved(0.0), 0.0)  # and then nothing was asked, as nothing changed
+    palm(track, moved(0.0), 0.0)  # then no call, because nothing changed
     assert track.at(lost(), 10.0)[1] == 1.0
     assert track.at(lost(), 10.0 + 0.9 * HOLD)[1] == 1.0
     assert track.at(lost(), 10.0 + HOLD + FADE / 2.0)[1] == pytest.approx(0.5)

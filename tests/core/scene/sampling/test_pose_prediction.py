@@ -32,12 +32,12 @@ def ball(position: Any = (0.0, 0.0, 0.0), motion: Motion | None = None, **how: A
 
 updates = st.lists(
     st.tuples(
-        st.integers(0, 40),  # ticks since the one before
-        st.tuples(*[st.floats(-0.02, 0.02)] * 3),  # from where it was shown
+        st.integers(0, 40),  # ticks since the last update
+        st.tuples(*[st.floats(-0.02, 0.02)] * 3),  # offset from the pose shown
         st.tuples(*[st.floats(-1.0, 1.0)] * 3),
         st.tuples(*[st.floats(-5.0, 5.0)] * 3),
-        st.floats(-0.2, 0.02),  # of which age it is
-        st.floats(-0.5, 0.5),  # turned by
+        st.floats(-0.2, 0.02),  # timestamp relative to now [s]
+        st.floats(-0.5, 0.5),  # rotation [rad]
     ),
     min_size=1,
     max_size=6,
@@ -53,7 +53,9 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
         for _ in range(ticks + 1):
             t += TICK
             now = tracks.pose(item, t)
-            speed = 1.8 + JUMP / BLEND + 0.05 * (9.0 + 3.2 / BLEND)  # [m/s], of its corners
+            speed = (
+                1.8 + JUMP / BLEND + 0.05 * (9.0 + 3.2 / BLEND)
+            )  # speed limit of the corners [m/s]
             moved = np.linalg.norm(now.points(CORNERS) - shown.points(CORNERS), axis=1).max()
             assert moved <= speed * TICK
             shown = now
@@ -63,7 +65,7 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
         now = tracks.pose(item, t)
         if math.dist(item.motion.pose(item.pose, t).position, shown.position) < JUMP:
             assert now.points(CORNERS) == pytest.approx(shown.points(CORNERS), abs=1e-9)
-        shown = now  # elsewhere if it was brought there
+        shown = now  # differs after a teleport
 
 
 @given(updates=updates)
@@ -94,9 +96,9 @@ def test_it_is_soon_where_its_motion_says(updates: Any) -> None:
 def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
     first: int, by: Any, signs: tuple[float, float]
 ) -> None:
-    """A rotation and its negative are the same one, and trackers give either."""
+    """A quaternion and its negative are the same rotation, and trackers send either."""
     was = Rotation.random(rng=np.random.default_rng(first))
-    now = Rotation.from_rotvec(by) * was  # by 170 degrees at most
+    now = Rotation.from_rotvec(by) * was  # at most 170 degrees
     one, other = (
         tuple((sign * r.as_quat()).tolist()) for sign, r in zip(signs, (was, now), strict=True)
     )
@@ -106,7 +108,7 @@ def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
     for t in np.linspace(0.0, BLEND, 11):
         shown = Rotation.from_quat(tracks.pose(item, float(t)).rotation)
         left.append((now * shown.inv()).magnitude())
-        # on the way from the one to the other, and not by another way
+        # on the shortest way between the two rotations
         assert (shown * was.inv()).magnitude() + left[-1] == pytest.approx(left[0], abs=1e-6)
     assert left[0] == pytest.approx(np.linalg.norm(by), abs=1e-6)
     assert left[-1] == pytest.approx(0.0, abs=1e-6)

@@ -14,8 +14,8 @@ from pacinian.scene.sampling.samples import Samples, no_samples
 
 bounded = settings(max_examples=100)
 RAMP, TICK = 0.005, 0.001
-SHARE = np.sin(np.pi / 2.0 * np.arange(6) / 5.0) ** 2  # of a raised cosine, tick by tick
-UP = dict(enumerate((10.0 * SHARE).tolist()))  # [Pa] after so many ticks
+SHARE = np.sin(np.pi / 2.0 * np.arange(6) / 5.0) ** 2  # raised cosine, for each tick
+UP = dict(enumerate((10.0 * SHARE).tolist()))  # pressure after each number of ticks [Pa]
 ITEMS = tuple(
     pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=P, name=name)
     for name, P in (("a", 10.0), ("b", 10.0), ("c", 1.0))
@@ -23,7 +23,7 @@ ITEMS = tuple(
 
 
 def samples(what: dict[int, tuple[float, float]], items: Any = ITEMS) -> Samples:
-    """A sample for each key, at x [m] and a share of its object's pressure; keys name objects in turn."""
+    """Return a sample for each key, at x [m] with a share of its object's pressure. Keys go round the objects."""
     M = len(what)
     x, share = np.array(list(what.values())).reshape(M, 2).T
     objects = np.array([key % len(items) for key in what], dtype=np.intp)
@@ -42,7 +42,7 @@ def samples(what: dict[int, tuple[float, float]], items: Any = ITEMS) -> Samples
 
 
 def at(given: Samples) -> dict[tuple[int, float], float]:
-    """The pressure of each sample, by its object's name and its place."""
+    """Return the pressure of each sample, by its object's name and its position."""
     out: dict[Any, float] = {}
     for m in range(len(given)):
         key = given.items[given.objects[m]].name, given.positions[m, 0]
@@ -237,7 +237,7 @@ def test_the_samples_given_are_left_as_they_are() -> None:
 
 
 def patch(spacing: float, middle: float = 0.0, first: int = 0, pressure: float = 10.0) -> Samples:
-    """A region of 20 x 20 mm, its samples so far apart [m]."""
+    """Return a region of 20 x 20 mm. spacing: of its samples [m]."""
     count = round(0.02 / spacing)
     x = middle + (np.arange(count) + 0.5) * spacing - 0.01
     q = np.stack([*np.meshgrid(x, x - middle), np.full((count, count), 0.2)], axis=-1).reshape(
@@ -277,8 +277,8 @@ def test_what_a_region_grows_by_comes_up_and_what_it_loses_fades() -> None:
     moved = patch(0.0025, middle=0.0112, first=1000)
     then = ramps.follow(moved, 2.0 * RAMP)
     P, x = then.radiation_pressure, then.positions[:, 0]
-    assert len(then) == len(moved) + 4 * 8  # of the half that is left behind
-    grown = x[: len(moved)] > 0.012  # the row before is on the area of the last samples
+    assert len(then) == len(moved) + 4 * 8  # plus the half that is left behind
+    grown = x[: len(moved)] > 0.012  # the row before that lies on the area of the old samples
     np.testing.assert_allclose(P[: len(moved)], np.where(grown, UP[1], 10.0), rtol=1e-4)
     np.testing.assert_allclose(P[len(moved) :], UP[4], rtol=1e-4)
 

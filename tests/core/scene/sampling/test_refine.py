@@ -1,4 +1,4 @@
-"""Small regions: how many samples they have, and what these are good for."""
+"""Small regions: their number of samples, and the evenness that these achieve."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def disc(radius: float, x: float = 0.0) -> pc.Surface:
 
 
 def sampled(*objects: Any, array: pc.Array = NINE, **how: Any) -> list[int]:
-    """How many samples each object has."""
+    """Return the number of samples of each object."""
     sampler = pc.Sampler(**how)
     sampler.prepare(array, AIR)
     samples = sampler.sample(pc.Scene(tuple(objects)))
@@ -31,7 +31,7 @@ def sampled(*objects: Any, array: pc.Array = NINE, **how: Any) -> list[int]:
 @pytest.mark.parametrize("radius", [0.005, 0.006, 0.008, 0.012])
 @pytest.mark.parametrize("array", [pc.autd(), NINE], ids=["one unit", "nine"])
 def test_a_small_region_is_even_between_its_samples(array: pc.Array, radius: float) -> None:
-    """At half of the strongest even field, at random places."""
+    """The target is half of the strongest even field; the test evaluates random points."""
     sampler = pc.Sampler()
     sampler.prepare(array, AIR)
     samples = sampler.sample(pc.Scene((disc(radius),)))
@@ -53,7 +53,7 @@ def test_a_small_region_has_as_many_samples_as_make_it_even_and_a_large_one_no_m
     assert usual[0.006] < 30
     assert 60 <= sampled(disc(0.006))[0] <= 128
     assert sampled(disc(0.02)) == sampled(disc(0.02), budget=200)
-    assert sampled(disc(0.001))[0] < 30  # nearer to each other they would tell nothing
+    assert sampled(disc(0.001))[0] < 30  # samples closer together would add no information
 
 
 def test_small_regions_share_what_makes_them_finer() -> None:

@@ -14,7 +14,7 @@ SKIN = PosedSkin(Hand.open())
 
 
 def draw(rng, count):
-    """Samples: keys, positions, regions, areas, pressures and their maxima."""
+    """Draw samples: keys, positions, regions, areas, pressures and their maxima."""
     keys = rng.permutation(40)[:count].astype(np.int64)
     base = np.random.default_rng(0).uniform(-0.03, 0.03, (40, 3))
     q = base[keys] + rng.choice([0.0, 1e-4, 0.03], (count, 1), p=[0.5, 0.4, 0.1])
@@ -32,7 +32,7 @@ def advance(P, most, share):
 
 
 def beneath(samples, which, others):
-    """Index of the nearest other sample in the region of each of `which`, if it lies on its area; else -1."""
+    """Return, for each of `which`, the nearest other sample of its region on whose area it lies; else -1."""
     found = []
     for m in which:
         there = np.flatnonzero(others[2] == samples[2][m])

@@ -69,7 +69,7 @@ particles = st.builds(
 
 
 def apart(objects: Any) -> Any:
-    """Objects of different groups, so that none are merged."""
+    """Return objects of different groups, so that none are merged."""
     return tuple(replace(item, envelope=pc.Sine(1.0 + i)) for i, item in enumerate(objects))
 
 
@@ -87,13 +87,13 @@ def square(width: float, pose: pc.Pose | None = None, pressure: float = 1.0) -> 
 
 
 def sampled(objects: Any, room: Any = None, **how: Any) -> tuple[Any, Counter[str]]:
-    """Samples, and what was left out."""
+    """Return samples and the counts of what was left out."""
     sampler = pc.Sampler(**how)
     return sampler.sample(pc.Scene(tuple(objects), room)), sampler.skipped
 
 
 def spacing(samples: Any, index: int = 0) -> float:
-    """How near the nearest samples of one object are [m]."""
+    """Return the smallest distance between samples of one object [m]."""
     q = samples.positions[samples.objects == index]
     d = np.linalg.norm(q[:, None] - q, axis=2)
     return float(d[d > 0.0].min())
@@ -193,7 +193,7 @@ def test_samples_of_named_objects_keep_their_keys_in_any_order(objects: Any, see
 
 
 def counted() -> tuple[pc.SDF, Counter[str]]:
-    """A ball that counts how often it is asked."""
+    """Return a ball that counts its calls."""
     asked: Counter[str] = Counter()
 
     def distance(p: Any) -> Any:
@@ -501,7 +501,7 @@ def test_the_coverings_that_are_kept_are_bounded() -> None:
 
 def test_a_covering_is_never_taken_for_that_of_a_shape_that_is_gone() -> None:
     sampler = pc.Sampler()
-    for i in range(2000):  # ids of shapes that are gone come up again
+    for i in range(2000):  # `id` values of deleted shapes are used again
         radius = 0.005 + 1e-5 * (i % 700)
         ball = pc.Surface(shape=pc.Sphere(radius), radiation_pressure=1.0)
         positions = sampler.sample(pc.Scene((ball,))).positions

@@ -1,4 +1,4 @@
-"""Silent samples beside what is touched: where they are, and what they do to the skin there."""
+"""Silent samples beside a contact: where they are, and their effect on the skin there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ AIR, ARRAY = pc.Air(), pc.autd(3, 3)
 
 
 def ball(radius: float, depth: float) -> pc.Scene:
-    """Pressed into the palm of an open hand from below."""
+    """Return a ball that is pressed into the palm of an open hand from below."""
     hand = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.21)))
     pose = pc.Pose((0.0, 0.0, 0.195 - radius + depth))
     item = pc.Volume(shape=pc.Sphere(radius), pose=pose, radiation_pressure=6.0)
@@ -69,7 +69,7 @@ def test_without_a_hand_or_a_region_there_is_none() -> None:
 
 
 class Plain(pc.Solver):
-    """As `lagrange`, but says that it counts silent samples in full."""
+    """Like `lagrange`, but declares that silent samples have full weight."""
 
     name = "plain"
     keeps = frozenset({"quiet", "exact"})
@@ -90,7 +90,7 @@ def played(scene: pc.Scene, **how: Any) -> pc.Renderer:
 
 @pytest.mark.parametrize("radius", [0.01, 0.015, 0.03])
 def test_sound_keeps_off_the_skin_beside_a_ball(radius: float) -> None:
-    """Against a solver that is given no surround: by the skin of the benchmark, which neither has seen."""
+    """The reference is a solver without silent samples. Both are judged on the benchmark's skin."""
     scene, felt = ball(radius, 0.004), []
     for solver in (Plain(), "auto"):
         renderer = played(scene, solver=solver)

@@ -59,7 +59,7 @@ combinations = st.one_of(
 BALL = pc.Sphere(0.03)
 BALLS = (BALL,)
 CUBE = pc.Box((0.04, 0.04, 0.04))
-APART = 0.03  # [m] of the centres of two balls
+APART = 0.03  # distance of the centres of two balls [m]
 
 
 def at(shape: Any, *position: float) -> Placed:
@@ -67,7 +67,7 @@ def at(shape: Any, *position: float) -> Placed:
 
 
 def inside(solid: Any, points: Floats) -> Flags:
-    """Which points are inside, without the combinations' own distances."""
+    """Return which points are inside, by the distances of the parts alone."""
     match solid:
         case Placed():
             R = solid.pose.matrix
@@ -145,14 +145,14 @@ def test_a_placed_solid_is_the_solid_moved(solid: Any, pose: pc.Pose, seed: int)
     assert world.normals == pytest.approx(pose.directions(local.normals), abs=1e-12)
     assert np.array_equal(world.area, local.area)
     assert moved.area == solid.area
-    each = Difference(Placed(solid, pose), (Placed(BALL, pose),))  # parts moved alike are moved
+    each = Difference(Placed(solid, pose), (Placed(BALL, pose),))  # parts with the same pose
     whole = Placed(Difference(solid, (BALL,)), pose)
     assert whole.distance(points) == pytest.approx(each.distance(points), abs=1e-12)
 
 
 # ------------------------------------------------------------------------------------ areas
 
-CAP = 2.0 * math.pi * 0.03  # [m^2] of a ball's shell for each metre of height
+CAP = 2.0 * math.pi * 0.03  # area of a ball's shell per height [m]
 
 
 @pytest.mark.parametrize(
@@ -163,11 +163,11 @@ CAP = 2.0 * math.pi * 0.03  # [m^2] of a ball's shell for each metre of height
         (Intersection((BALL, at(BALL, 0, 0, APART))), 2 * CAP * (0.03 - APART / 2)),
         (Difference(BALL, (at(BALL, 0, 0, APART),)), BALL.area),
         (Difference(BALL, (pc.Sphere(0.02),)), BALL.area + pc.Sphere(0.02).area),
-        # faces that touch vanish, those in one plane are one
+        # touching faces vanish, and faces in one plane merge
         (Union((at(CUBE, -0.02, 0, 0), at(CUBE, 0.02, 0, 0))), pc.Box((0.08, 0.04, 0.04)).area),
         (Union((at(CUBE, -0.01, 0, 0), at(CUBE, 0.01, 0, 0))), pc.Box((0.06, 0.04, 0.04)).area),
         (Union((CUBE, CUBE)), CUBE.area),
-        # a hole whose ends lie in the faces
+        # a hole that ends in the faces
         (
             Difference(CUBE, (pc.Box((0.02, 0.02, 0.04)),)),
             CUBE.area - 2 * 0.02**2 + 4 * 0.02 * 0.04,

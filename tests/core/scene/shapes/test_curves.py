@@ -55,7 +55,7 @@ def dense(curve: Any, K: int = 20_001) -> Floats:
 
 
 def nearest(curve: Any, points: Floats) -> Floats:
-    """Distance to the curve's many points, by brute force."""
+    """Return the distance to many points of the curve."""
     on = dense(curve, 4001)
     return np.sqrt(((points[:, None] - on) ** 2).sum(axis=2)).min(axis=1)
 
@@ -66,7 +66,7 @@ def nearest(curve: Any, points: Floats) -> Floats:
 @given(curve=curves)
 @bounded
 def test_the_speed_is_constant(curve: Any) -> None:
-    """The length of the path up to any u is in proportion to u."""
+    """The length of the path up to u is proportional to u."""
     u = np.linspace(0.0, 1.0, 5001)
     steps = np.sqrt((np.diff(curve.at(u), axis=0) ** 2).sum(axis=1))
     arc = np.concatenate([[0.0], np.cumsum(steps)])
@@ -126,7 +126,7 @@ def test_a_lissajous_figure_is_on_its_formula(
     assert (figure.a, figure.b) == (a // divisor, b // divisor)
     x, y, z = figure.at(np.array([u]))[0]
     assert z == 0.0
-    # from y, all s that may have made it; one of them makes x
+    # all s that give y; one of them must give x
     turn = np.arange(figure.b)
     s = np.arcsin(np.clip(2 * y / height, -1.0, 1.0))
     s = np.concatenate([s + 2 * np.pi * turn, np.pi - s + 2 * np.pi * turn]) / figure.b

@@ -31,13 +31,13 @@ def hilly(rows: int, columns: int, seed: int = 0) -> HeightMap:
 
 
 def sloped(x: float, y: float) -> HeightMap:
-    """A plane with these slopes."""
+    """Return a plane with these slopes."""
     X, Y = np.meshgrid([-WIDTH / 2, WIDTH / 2], [HEIGHT / 2, -HEIGHT / 2])
     return HeightMap(heights=x * X + y * Y, width=WIDTH, height=HEIGHT)
 
 
 def inside(seed: int, count: int = 200) -> Floats:
-    """Points within the outline."""
+    """Draw points within the outline."""
     half = np.array([WIDTH / 2, HEIGHT / 2, 0.03])
     return np.random.default_rng(seed).uniform(-0.99 * half, 0.99 * half, (count, 3))
 
@@ -191,11 +191,11 @@ def test_heights_may_be_lists_arrays_or_a_npy_file(tmp_path: Path) -> None:
     read = HeightMap(file=str(tmp_path / "hill.npy"), width=WIDTH, height=HEIGHT)
     assert np.array_equal(read.z, surface.z)
     heights[:] = 1.0
-    assert np.array_equal(read.z, surface.z)  # the array given is left behind
+    assert np.array_equal(read.z, surface.z)  # the given array is not used any more
     tall = HeightMap(heights=[[0, 1], [2, 3]], width=WIDTH, height=HEIGHT, depth=0.01)
     assert tall.z == pytest.approx(np.array([[0.02, 0.03], [0.0, 0.01]]))
     points = np.array([[math.nan, 0.0, 0.0], [0.0, 0.0, 0.1]])
-    assert surface.distance(points)[1] > 0.0  # what is no number does no harm to others
+    assert surface.distance(points)[1] > 0.0  # NaN does not affect other points
 
 
 @pytest.mark.parametrize("form", [msgspec.json, msgspec.msgpack])

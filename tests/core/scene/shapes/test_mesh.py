@@ -37,7 +37,7 @@ def moved(mesh: trimesh.Trimesh, *by: float) -> trimesh.Trimesh:
 
 
 def soup(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The same, each triangle with vertices of its own, as in an STL file."""
+    """Return the same mesh with separate vertices for each triangle, as in an STL file."""
     F = len(mesh.faces)
     return trimesh.Trimesh(
         mesh.triangles.reshape(-1, 3), np.arange(3 * F).reshape(F, 3), process=False
@@ -110,7 +110,7 @@ def test_a_file_without_triangles_is_refused_by_name(
 
 
 def damaged() -> Iterator[tuple[str, str, bytes]]:
-    """Files that are cut off, of something else, or that claim more than they hold: kind, damage, bytes."""
+    """Yield damaged files: cut off, of another kind, or with false counts. Kind, damage, bytes."""
     whole: dict[str, bytes] = {kind: BALL.export(file_type=kind) for kind in ("stl", "ply", "glb")}
     whole |= {kind: BALL.export(file_type=kind).encode() for kind in ("obj", "off")}
     whole["gltf"] = BALL.export(file_type="gltf")["model.gltf"]
@@ -277,7 +277,7 @@ def test_threads_that_ask_at_once_get_the_same(tmp_path: Path) -> None:
 @pytest.mark.parametrize("codec", [msgspec.json, msgspec.msgpack], ids=["json", "msgpack"])
 def test_meshes_go_over_the_wire(codec: Any) -> None:
     given = mesh_of(BOX)
-    given.distance(np.zeros((1, 3)))  # what is worked out stays here
+    given.distance(np.zeros((1, 3)))  # cached results are not encoded
     for mesh in (given, Mesh(file="hand.obj", scale=0.001)):
         encoded = codec.encode(mesh)
         assert len(encoded) < 2000
@@ -323,9 +323,9 @@ def test_a_closed_mesh_is_closed_however_it_is_given(mesh: trimesh.Trimesh, how:
             "not all wound the same way",
         ),
         (trimesh.Trimesh(TRIANGLE, [[0, 1, 2]], process=False), "does not close at 3 edges"),
-        # front and back of a sheet are one
+        # front and back of a sheet coincide
         (trimesh.Trimesh(TRIANGLE, [[0, 1, 2], [0, 2, 1]], process=False), "close at 3 edges"),
-        # a sheet of which front and back are cut along different diagonals
+        # a sheet whose front and back are divided along different diagonals
         (
             trimesh.Trimesh(
                 [*TRIANGLE, (1.0, 1.0, 0.0)],
@@ -357,7 +357,7 @@ def test_a_mesh_that_encloses_nothing_is_no_volume_and_says_why(mesh: Any, probl
 
 
 def test_each_body_that_is_inside_out_is_turned_and_a_cavity_is_not() -> None:
-    # a hollow ball, and another one beside it that is inside out
+    # a hollow ball, and beside it one that is inside out
     hollow, hole = trimesh.creation.icosphere(3, 0.04), trimesh.creation.icosphere(2, 0.02)
     other = turned(moved(BALL, 0.1, 0.0, 0.0))
     points = np.array([(0.0, 0, 0), (0.03, 0, 0), (0.06, 0, 0), (0.1, 0, 0), (0.2, 0, 0)])

@@ -27,7 +27,7 @@ def bumpy(level: int) -> trimesh.Trimesh:
 
 
 def star() -> trimesh.Trimesh:
-    """A ball with a spike on every other face: sharp edges and corners, dents and needles."""
+    """Return a ball with spikes and dents: sharp edges, corners and needles."""
     ball = trimesh.creation.icosphere(1, 0.02)
     peaks = ball.triangles_center * np.where(np.arange(len(ball.faces)) % 2, 2.5, 0.6)[:, None]
     tip = len(ball.vertices) + np.arange(len(ball.faces))
@@ -38,7 +38,7 @@ def star() -> trimesh.Trimesh:
 
 
 def hemisphere() -> trimesh.Trimesh:
-    """Of radius 0.04 [m], z > 0, facing out."""
+    """Return a hemisphere of radius 0.04 m, z > 0, facing outwards."""
     ball = trimesh.creation.icosphere(4, 0.04)
     return trimesh.Trimesh(
         ball.vertices, ball.faces[ball.triangles_center[:, 2] > 0.0], process=False
@@ -46,7 +46,7 @@ def hemisphere() -> trimesh.Trimesh:
 
 
 def sheet(n: int = 6) -> trimesh.Trimesh:
-    """0.06 by 0.04 [m] about the origin in the xy-plane, facing +z."""
+    """Return a sheet of 0.06 by 0.04 m around the origin, facing +z."""
     x, y = np.meshgrid(np.linspace(-0.03, 0.03, n), np.linspace(-0.02, 0.02, n))
     vertices = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
     i = np.arange(n * n).reshape(n, n)
@@ -74,11 +74,11 @@ each = pytest.mark.parametrize(
 )
 
 
-made = functools.cache(mesh_of)  # what each works out for distances is kept
+made = functools.cache(mesh_of)  # cached, with the structures for distances
 
 
 def about(mesh: trimesh.Trimesh, seed: int, number: int) -> Floats:
-    """Points around a mesh, most of them near it, and some straight out of its edges and corners."""
+    """Return points around a mesh, half of them near edges and corners."""
     rng = np.random.default_rng(seed)
     anywhere = rng.uniform(1.5 * mesh.bounds[0], 1.5 * mesh.bounds[1] + 1e-3, (number, 3))
     edges = mesh.vertices[mesh.edges_unique[rng.integers(len(mesh.edges_unique), size=number)]]
@@ -96,7 +96,7 @@ def to_segments(p: Floats, a: Floats, b: Floats) -> Floats:
 
 
 def brute(mesh: trimesh.Trimesh, points: Floats) -> Floats:
-    """Distance of each point to the nearest of all triangles: to its plane inside of it, else to its sides."""
+    """Return the distance to the nearest triangle by brute force: to its plane if inside, otherwise to its sides."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     n = np.cross(b - a, c - a)
     n /= np.linalg.norm(n, axis=1, keepdims=True)
@@ -112,7 +112,7 @@ def brute(mesh: trimesh.Trimesh, points: Floats) -> Floats:
 
 
 def around(mesh: trimesh.Trimesh, points: Floats) -> Floats:
-    """How often the mesh goes round each point, 1 inside and 0 outside: by solid angles."""
+    """Return the winding number of each point, 1 inside and 0 outside, by solid angles."""
     faces = np.asarray(mesh.faces, dtype=np.int64)
     return np.asarray(igl.winding_number(np.asarray(mesh.vertices), faces, points))
 
@@ -186,7 +186,7 @@ def test_a_hemisphere_is_negative_within_and_positive_without_and_beside(seed: i
     u = rng.normal(size=(300, 3))
     points = u / np.linalg.norm(u, axis=1, keepdims=True) * rng.uniform(0.0, 0.08, (300, 1))
     d = made(hemisphere()).distance(points)
-    up = points[:, 2] > 0.002  # the rim is not quite flat
+    up = points[:, 2] > 0.002  # because the rim is not quite flat
     r = np.linalg.norm(points, axis=1)
     assert d[up] == pytest.approx((r - 0.04)[up], abs=2e-4)
     assert (d[points[:, 2] < -0.002] > 0.0).all()
@@ -215,7 +215,7 @@ def test_a_surface_of_which_each_side_is_given_faces_as_the_first() -> None:
 def test_a_triangle_without_area_between_an_edge_and_its_halves_has_no_say(
     off: float, height: float
 ) -> None:
-    """A wedge of which one side has an edge in two halves, and a sliver that closes the gap."""
+    """A wedge has a side whose edge is divided in two, and a sliver that closes the gap."""
     a, b, c, d = (0.0, 0.0, height), (0.06, 0.0, height), (0.0, 0.01, 0.0), (0.0, -0.01, 0.0)
     e, f = (0.06, 0.01, 0.0), (0.06, -0.01, 0.0)
     middle = (0.03, 0.0, height + off)
@@ -276,7 +276,7 @@ def test_what_is_farther_than_asked_is_only_given_as_less_far(
         assert (rough[d < -deep] < -deep).all()
         return
     assert ((rough > beyond) | (rough < -deep))[~near].all()
-    # what the contact with a sheet of some thickness makes of it
+    # as used by the contact with a sheet of some thickness
     felt, told = (np.maximum(x, -x - 0.5 * deep) for x in (d, rough))
     inside = felt <= 0.0
     assert np.array_equal(told[inside], felt[inside])
@@ -290,7 +290,7 @@ def test_deep_behind_an_open_surface_nothing_is_rough_unless_asked() -> None:
 
 
 def test_few_more_points_are_asked_for_than_are_near(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As many points as of a hand, of which a fifth touch."""
+    """There are as many points as on a hand, and a fifth of them touch."""
     shape, rng = made(bumpy(4)), np.random.default_rng(0)
     points = rng.uniform(-0.12, 0.12, (20_000, 3))
     d = shape.distance(points)

@@ -26,19 +26,21 @@ Size = tuple[float, float, float]  # [m]
 
 
 class Kind(NamedTuple):
-    """A kind of shape, made of three sizes, and what is known of it without asking it."""
+    """A kind of shape, made from three sizes, with independently known properties."""
 
     name: str
     make: Callable[[Size], Any]
-    # signed distance of points [m], negative inside; of a flat shape, unsigned
+    # signed distance of points [m], negative inside; unsigned for a flat shape
     distance: Callable[[Floats, Size], Floats]
     area: Callable[[Size], float]
     number: tuple[float, float]  # bounds of samples / (area / spacing^2)
     apart: tuple[float, float]  # bounds of the distance to the nearest neighbour / spacing
-    off: float  # bound of the mean's distance from the middle / spacing
-    exact: float = 1e-12  # how far samples may lie from the shape [m]
+    off: float  # bound of the distance of the mean from the middle / spacing
+    exact: float = 1e-12  # largest distance of samples from the shape [m]
     flat: bool = False
-    outline: Callable[[Size], float] = lambda size: 0.0  # [m], of one that samples lie on
+    outline: Callable[[Size], float] = lambda size: (
+        0.0
+    )  # length of the outline, if samples lie on it [m]
 
 
 def rectangle_distance(points: Floats, size: Size) -> Floats:
@@ -52,7 +54,7 @@ def disc_distance(points: Floats, size: Size) -> Floats:
 
 
 def segment_distance(points: Floats, radius: float, length: float) -> Floats:
-    """Distance to a segment along z about the origin, less the radius."""
+    """Return the distance to a segment along z around the origin, minus the radius."""
     a, b = np.array([0, 0, -length / 2]), np.array([0, 0, length / 2])
     share = np.clip((points - a) @ (b - a) / max(length**2, 1e-300), 0.0, 1.0)
     return np.linalg.norm(points - (a + share[:, None] * (b - a)), axis=1) - radius
@@ -66,7 +68,7 @@ def box_distance(points: Floats, size: Size) -> Floats:
 
 
 def torus(size: Size) -> tuple[float, float]:
-    """Major and minor radius."""
+    """Return the major and the minor radius."""
     return size[0] / 2 + size[1] / 2, size[0] / 2
 
 
@@ -94,7 +96,7 @@ def bracelet(size: Size) -> trimesh.Trimesh:
 
 
 def winding(mesh: trimesh.Trimesh, points: Floats) -> Floats:
-    """How often the mesh goes round each point (van Oosterom and Strackee): 1 inside, 0 outside."""
+    """Return the winding number of each point (van Oosterom and Strackee): 1 inside, 0 outside."""
     a, b, c = (mesh.triangles[None, :, i] - points[:, None] for i in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
     above = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
@@ -104,7 +106,9 @@ def winding(mesh: trimesh.Trimesh, points: Floats) -> Floats:
 
 
 def mesh_distance(mesh: trimesh.Trimesh, points: Floats) -> Floats:
-    millimetres = trimesh.Trimesh(1e3 * mesh.vertices, mesh.faces, process=False)  # its tolerances
+    millimetres = trimesh.Trimesh(
+        1e3 * mesh.vertices, mesh.faces, process=False
+    )  # because of trimesh's tolerances
     distance = trimesh.proximity.closest_point_naive(millimetres, 1e3 * points)[1] / 1e3
     return np.where(winding(mesh, points) > 0.5, -distance, distance)
 
@@ -147,7 +151,7 @@ KINDS = (
         box_distance,
         lambda s: 2 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]),
         number=(9 / 16, 1.0 + 1e-6),
-        apart=(math.sqrt(0.5), 4 / 3),  # the nearest may be round an edge, half a step from it
+        apart=(math.sqrt(0.5), 4 / 3),  # the nearest may be behind an edge, half a step away
         off=1e-9,
     ),
     Kind(
@@ -187,7 +191,7 @@ bounded = settings(max_examples=6)
 
 @st.composite
 def sizes(draw: DrawFn, low: float = 3.0, high: float = 8.0) -> tuple[Size, float]:
-    """Sizes from `low` to `high` spacings, and that spacing [m]."""
+    """Draw sizes from `low` to `high` spacings, and the spacing [m]."""
     spacing = draw(st.floats(0.003, 0.015))
     x, y, z = (draw(st.floats(low, high)) * spacing for _ in range(3))
     return (x, y, z), spacing
@@ -208,7 +212,7 @@ def test_a_cover_lies_on_the_shape_and_faces_outward(kind: Kind, case: tuple[Siz
         step = 1e-4 * spacing
         outside = kind.distance(points + step * normals, size)
         inside = kind.distance(points - step * normals, size)
-        for out in (outside, -inside):  # less than a step only where an edge is nearer still
+        for out in (outside, -inside):  # less than a step only near an edge
             assert out.min() > 0.0
             assert out.max() < 1.001 * step
             assert np.median(out) == pytest.approx(step, rel=1e-3)
@@ -223,14 +227,16 @@ def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, f
     points, _, area = shape.sample_surface(spacing)
     low, high = kind.number
     expected = kind.area(size) / spacing**2
-    edge = kind.outline(size) / spacing  # of those that hold their outline: a row more on each side
+    edge = (
+        kind.outline(size) / spacing
+    )  # shapes with samples on their outline have one more row on each side
     assert low * expected - 0.5 <= len(points) <= high * expected + 0.5 + edge + 4 * (edge > 0.0)
     nearest = KDTree(points).query(points, k=2)[0][:, 1] / spacing
     assert kind.apart[0] - 1e-9 <= nearest.min()
     assert nearest.max() <= kind.apart[1]
     assert KDTree(points).query(shape.sample_surface(spacing / 2).points)[0].max() < 1.5 * spacing
     assert np.linalg.norm(points.mean(axis=0)) < kind.off * spacing
-    assert area.max() < 4.0 * spacing**2  # not much more than its cell
+    assert area.max() < 4.0 * spacing**2  # not much larger than a cell
     assert area.sum() == pytest.approx(kind.area(size), rel=0.1)
     for again, first in zip(
         kind.make(size).sample_surface(spacing), (points, _, area), strict=True
@@ -265,7 +271,7 @@ def test_the_samples_stand_for_the_area_of_the_formula_however_small_the_shape_i
     kind: Kind, case: tuple[Size, float]
 ) -> None:
     size, spacing = case
-    if kind.name == "sdf":  # is measured; a small one has a test of its own
+    if kind.name == "sdf":  # its area is measured; small ones have their own test
         size = max(size[0], 3 * spacing), max(size[1], 3 * spacing), size[2]
     shape = kind.make(size)
     measured = 0.02 if kind.name == "sdf" else 1e-12
@@ -304,7 +310,7 @@ def test_distance_grows_as_fast_as_one_goes(
     shape = kind.make(size)
     points = np.random.default_rng(seed).uniform(-1.2, 1.2, (100, 3)) * size
     slope = np.linalg.norm(gradient(shape, points, 1e-7), axis=1)
-    assert np.mean(np.abs(slope - 1.0) < 1e-3) > 0.98  # but where two sides are as near
+    assert np.mean(np.abs(slope - 1.0) < 1e-3) > 0.98  # except where two sides are equally near
     assert shape.distance(np.zeros((0, 3))).shape == (0,)
 
 
@@ -356,11 +362,13 @@ def test_interior_samples_fill_the_solid_on_a_grid(kind: Kind, case: tuple[Size,
     }[kind.name]
     assert len(points) == pytest.approx(volume / cell, rel=0.35)
     size_of_normals = np.linalg.norm(normals, axis=1)
-    middle = size_of_normals < 0.5  # where no side is nearer than another
+    middle = size_of_normals < 0.5  # where two sides are equally near
     assert size_of_normals[~middle] == pytest.approx(np.ones((~middle).sum()))
     assert (size_of_normals[middle] == 0.0).all()
     if kind.name != "sdf":
-        assert ((points * normals).sum(axis=1) >= -1e-12).all()  # away from the middle
+        assert (
+            (points * normals).sum(axis=1) >= -1e-12
+        ).all()  # normals point away from the middle
 
 
 def test_too_many_interior_samples_are_refused_before_memory_is() -> None:

@@ -29,7 +29,7 @@ def spread(seed: int, count: int = 200, reach: float = 0.1) -> Floats:
 
 
 def centre(row: int, column: int) -> tuple[float, float, float]:
-    """Where a value of VALUES is, with the first row at the far end of y."""
+    """Return the position of a value of VALUES; the first row has the largest y."""
     return (column + 0.5) / 6 * WIDTH - WIDTH / 2, HEIGHT / 2 - (row + 0.5) / 4 * HEIGHT, 0.0
 
 
@@ -92,7 +92,7 @@ def test_a_grating_presses_for_its_share(duty: float) -> None:
     points[:, 1] = spread(0, 10_000)[:, 1]
     factors = grating(0.01, duty).at(points)
     assert factors.mean() == pytest.approx(duty, abs=1e-3)
-    assert np.mean((factors > 0.01) & (factors < 0.99)) < 0.07  # its edges are sharp
+    assert np.mean((factors > 0.01) & (factors < 0.99)) < 0.07  # edges are sharp
     points[:, 0] += 0.01
     assert grating(0.01, duty).at(points) == pytest.approx(factors, abs=1e-9)
 
@@ -179,5 +179,5 @@ def test_the_period_of_a_wave_is_its_own(period: float, count: int, upright: boo
 
 def test_the_period_lies_between_those_of_which_a_texture_has_most() -> None:
     rng = np.random.default_rng(5)
-    noise = Texture(values=rng.random((2000, 1500)), size=(0.15, 0.2))  # of pixels of 0.1 mm
+    noise = Texture(values=rng.random((2000, 1500)), size=(0.15, 0.2))  # pixels of 0.1 mm
     assert 2e-4 < noise.period < 4e-4

@@ -1,4 +1,4 @@
-"""The parts of triangle meshes, compared with libigl, SciPy and trimesh."""
+"""Functions on triangle meshes, compared with libigl, SciPy and trimesh."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pacinian.scene.shapes.winding import winding_number
 
 
 def draw_soup(seed: int, count: int) -> tuple[Any, Any]:
-    """Any triangles between few places; some have no area."""
+    """Draw triangles between few points; some have no area."""
     random = np.random.default_rng(seed)
     vertices = random.normal(size=(max(3, count // 2), 3))
     return vertices, random.integers(0, len(vertices), (count, 3)).astype(np.int64)

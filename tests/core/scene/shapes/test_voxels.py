@@ -24,13 +24,13 @@ PITCH = 0.002  # [m]
 
 
 def centres(*shape: int, pitch: float = PITCH) -> Floats:
-    """Where the voxels are, shape + (3,)."""
+    """Return the positions of the voxels, shape + (3,)."""
     last = np.array(shape) - 1.0
     return pitch * (np.moveaxis(np.indices(shape), 0, -1) - last / 2.0)
 
 
 def voxelised(solid: Any, shape: tuple[int, ...], pitch: float = PITCH) -> Voxels:
-    """Each voxel as full as a solid fills it."""
+    """Return the share of each voxel that a solid fills."""
     d = solid.distance(centres(*shape, pitch=pitch).reshape(-1, 3)).reshape(shape)
     return Voxels(values=np.clip(0.5 - d / pitch, 0.0, 1.0), pitch=pitch)
 
@@ -90,7 +90,7 @@ def test_deep_inside_and_far_outside_it_is_still_about_right() -> None:
     away = np.random.default_rng(0).uniform(-1.0, 1.0, (500, 3))
     expected = GRID.distance(away) / BALL.distance(away)
     assert expected.min() > 0.99
-    assert expected.max() < 1.8  # never from the front
+    assert expected.max() < 1.8  # none is seen from the front
 
 
 def test_distance_grows_about_as_fast_as_one_goes() -> None:
@@ -263,7 +263,7 @@ def test_files_that_are_none_are_named(tmp_path: Path) -> None:
     [
         ("pitch` .*more than 0", {"pitch": 0.0}),
         ("pitch` .*millimetres", {"pitch": 20.0}),
-        ("pitch` .*millimetres", {"pitch": 2.0}),  # of which the whole grid is too large
+        ("pitch` .*millimetres", {"pitch": 2.0}),  # makes the whole grid too large
         ("level", {"level": 0.0}),
         ("level", {"level": math.nan}),
         ("values` .*not both", {"file": "block.npy"}),

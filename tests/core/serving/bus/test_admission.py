@@ -35,7 +35,7 @@ def test_a_command_older_than_its_time_to_live_is_dropped_counted_and_told() -> 
     assert (who.commands, who.dropped) == (3, 1)
     again = who.admit(move(("a",), 0.0, sequence=3, time=53.0), 103.0)
     assert again is not None
-    assert again.code == "sequence"  # it was seen, though it was stale
+    assert again.code == "sequence"  # its sequence counts, although it was stale
 
 
 def test_ages_are_of_the_client_s_own_clock_whatever_that_shows() -> None:

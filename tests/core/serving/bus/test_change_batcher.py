@@ -41,7 +41,7 @@ from ..fake_renderer import (
 bounded = settings(max_examples=200)
 NAMES = "abcdefgh"
 LONG = Wave(samples=pack(np.zeros(HEAVY_BYTES)), rate=1000.0)
-SLOW = 80  # [Pa]; what is stronger has a long envelope
+SLOW = 80  # stronger points have a long envelope [Pa]
 name = st.sampled_from(NAMES)
 names = st.lists(name, max_size=3, unique=True)
 steps = st.lists(
@@ -94,7 +94,7 @@ def test_whatever_is_interleaved_the_renderer_ends_with_all_in_order(
     room, model, renderer = room_of(), Model(), FakeRenderer()
     outbox, clients = felt(room), [client(1), client(2), client(3)]
     slow: set[str] = set()
-    file = None  # what was published last: whichever renderer runs may take it
+    file = None  # the last published batch: the running renderer may take it
     for step in taken:
         who = data.draw(st.sampled_from(clients))
         if step[0] == "publish":
@@ -148,7 +148,10 @@ def test_nothing_more_is_sent_before_the_last_was_taken() -> None:
     assert second is not None
     assert [type(c) for c in second.changes] == [PutObject]
     done(room, who, move(("a",), 0.5))
-    for not_it in (ChangesAck(1, 5, 7), ChangesAck(2, 5, 99)):  # the last but one; of another bus
+    for not_it in (
+        ChangesAck(1, 5, 7),
+        ChangesAck(2, 5, 99),
+    ):  # acks of an earlier batch, and from another bus
         outbox.acknowledge(not_it)
         assert outbox.next() is None
     outbox.acknowledge(ChangesAck(2, 5, 7))
@@ -159,9 +162,7 @@ def test_a_renderer_that_says_nothing_of_the_first_batch_gets_it_again() -> None
     room = room_of()
     outbox = felt(room)
     assert outbox.next() is not None
-    outbox.acknowledge(
-        ChangesAck(0, 5, 0)
-    )  # the one that took it, if any, was not seen and is gone
+    outbox.acknowledge(ChangesAck(0, 5, 0))  # the renderer that took it, if any, is gone
     again = outbox.next()
     assert again is not None
     assert isinstance(again.changes[0], ResetScene)
@@ -230,7 +231,7 @@ def test_an_object_that_takes_long_holds_up_nothing() -> None:
     assert batch is not None
     assert [type(c) for c in batch.changes] == [SetHands, MoveObject, PutObject]
     outbox.acknowledge(renderer.take(batch))
-    assert renderer.scene["mesh"] == before  # what it replaces is felt until then
+    assert renderer.scene["mesh"] == before  # the replaced object stays until then
     assert outbox.next() is None
     assert converted(room) == []
     done(room, who, move(("mesh",), 0.25))
@@ -268,7 +269,7 @@ def test_another_renderer_and_another_scene_begin_anew() -> None:
     renderer.drain(outbox)
     assert renderer.begins == 1
     done(rooms[0], client(), put({"late": point()}))
-    assert outbox.next() is not None  # taken by nobody: the renderer is killed
+    assert outbox.next() is not None  # no renderer takes it: the renderer is killed
     renderer = FakeRenderer(run=2)
     outbox.acknowledge(renderer.last)
     renderer.drain(outbox)
@@ -337,7 +338,7 @@ def test_a_bus_that_begins_with_no_changes_goes_on_as_any(
     done(room, who, put({"a": point()}))
     batch = outbox.next() if early else None
     if seen:
-        renderer.take(Changes(0, outbox.run, (ResetScene(),)))  # as the loop takes it
+        renderer.take(Changes(0, outbox.run, (ResetScene(),)))  # as in the loop
         outbox.acknowledge(renderer.last)
     if batch is not None:
         outbox.acknowledge(renderer.take(batch))

@@ -87,7 +87,7 @@ def test_what_is_replaced_is_not_decoded_and_counted_as_dropped() -> None:
     client = made.clients[KEYS[0]]
     assert (client.commands, client.dropped, client.errors) == (11, 9, 0)
     made.messages([spoilt, readable])
-    assert made.refused == 1  # what cannot be read is never taken for another
+    assert made.refused == 1  # unreadable messages never supersede others
 
 
 @pytest.mark.parametrize("kind", ["answered", "others", "another's", "another connection's"])

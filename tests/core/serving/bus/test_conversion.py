@@ -110,7 +110,7 @@ def test_small_shapes_that_take_long_are_known() -> None:
 
 
 class Later(Executor):
-    """Does nothing yet."""
+    """An executor that runs nothing by itself."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         return Future()
@@ -128,7 +128,7 @@ def test_those_that_are_superseded_are_dropped_at_once_and_answered() -> None:
     gc.collect()
     assert sum(ref() is not None for ref in items) == 1
     assert list(room._converter.round()) == [(who, Ok(id=k)) for k in range(1, 200)]
-    do(room, who, put({"a": mesh()}, id=300))  # the one before is being converted
+    do(room, who, put({"a": mesh()}, id=300))  # while the one before is converted
     assert list(room._converter.round()) == []
     do(room, who, remove("a"))
     do(room, who, put({"c": mesh()}, id=301))
@@ -209,7 +209,7 @@ def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> Non
     assert isinstance(error, Error)
     assert error.id == 3
     assert (room.objects["a"].wrapped, who.bytes) == before
-    with pytest.raises(CommandRejected, match="'no'"):  # which is the answer: there is no other
+    with pytest.raises(CommandRejected, match="'no'"):  # the only answer
         do(room, who, wave_of(("a", "no"), 5000, 4))
     assert converted(room) == []
     assert room.objects["a"].wrapped != before[0]

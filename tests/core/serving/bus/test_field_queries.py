@@ -103,7 +103,7 @@ def test_gains_are_those_of_the_last_row_in_the_device_s_levels() -> None:
     known = EmittedGains(N)
     assert not known.gains(b"")[0].any()
     data, phase, amplitude = frame(3)
-    assert not known.gains(data)[0].any()  # nothing is known of that device
+    assert not known.gains(data)[0].any()  # that device is unknown
     known.device(device())
     gains, time = known.gains(data)
     want = amplitude[-1] / 255 * np.exp(2j * np.pi * phase[-1] / 16)

@@ -44,7 +44,7 @@ A, B = b"a" * 16, b"b" * 16
 
 
 class Server:
-    """All that is around a bus: files, a renderer, sockets of clients."""
+    """The environment of a bus: files, a renderer, sockets of clients."""
 
     def __init__(self, folder: Path, settings: Settings, stack: contextlib.ExitStack) -> None:
         self.settings, self.folder, self._stack = settings, folder, stack
@@ -73,7 +73,7 @@ class Server:
         return socket
 
     def take(self) -> None:
-        """What the renderer does each tick."""
+        """Take changes, as the renderer does each tick."""
         read = self.memory["changes"].read(self._seen)
         if read is not None:
             self._seen = read[0]
@@ -106,7 +106,7 @@ def server(tmp_path: Path) -> Iterator[Server]:
 
 @contextlib.contextmanager
 def running(folder: Path, settings: Settings) -> Iterator[Server]:
-    """With a bus in this thread."""
+    """Run a bus in this thread."""
     with contextlib.ExitStack() as stack:
         server = Server(folder, settings, stack)
         bus = stack.enter_context(open_bus(settings, folder, {"token": TOKEN}))
@@ -151,7 +151,7 @@ def test_a_session_that_was_welcomed_just_now_is_known(server: Server) -> None:
     send(socket, remove("nothing"))
     send(socket, put({"a": point()}, session=A, id=1))
     error = server.reply(socket)
-    assert (error.code, error.path) == ("session", "$.session")  # of the key that nobody has
+    assert (error.code, error.path) == ("session", "$.session")  # for a session that does not exist
     assert server.reply(socket) == Ok(id=1)
 
 
@@ -270,7 +270,7 @@ def test_the_field_is_of_what_the_device_emits(server: Server) -> None:
     points = np.array([[0, 0, 0.2], [0.01, 0, 0.2]] * 4000, "<f4")
     send(socket, Field(session=A, sequence=1, time=0.0, id=4, points=binary_arrays.pack(points)))
     send(socket, put({"a": point()}, session=A, sequence=2, id=5))
-    assert server.reply(socket) == Ok(id=5)  # which waits for no query
+    assert server.reply(socket) == Ok(id=5)  # does not wait for queries
     answer = server.reply(socket)
     assert isinstance(answer, Pressures)
     p = binary_arrays.unpack(answer.pressures, 2).view(np.complex64)[:, 0]

@@ -1,4 +1,4 @@
-"""What those who look on are told of the scene that is felt."""
+"""Snapshots of the rendered scene for observers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ BALL = objects.Volume(
 
 
 class Hall:
-    """A room and a client in it."""
+    """A shared scene with a client."""
 
     def __init__(self) -> None:
         settings = Settings()
@@ -46,7 +46,7 @@ class Hall:
         self.do(commands.Put, objects=items)
 
     def show(self, scene: str = "", since: int = 0) -> Shown:
-        """As it comes over the wire."""
+        """Return the reply to `show`, encoded and decoded."""
         asked = commands.Show(session=KEY, sequence=1, time=0.0, id=1, scene=scene, since=since)
         answer = decode_reply(encode(make_snapshot(self.room, asked)))
         assert isinstance(answer, Shown)

@@ -30,7 +30,7 @@ def do(room: SharedScene, who: Any, command: Any, now: float = 0.0, size: int = 
 def test_objects_stay_until_their_duration_is_over() -> None:
     room, who = room_of(), client()
     do(room, who, put({"a": point(duration=1.0), "b": point(), "c": point(duration=3.0)}))
-    do(room, who, put({"c": point()}), 0.5)  # which stays now
+    do(room, who, put({"c": point()}), 0.5)  # now without a duration
     do(room, who, put({"a": point(duration=2.0)}), 0.5)
     for now, left in ((2.49, ["a", "b", "c"]), (2.5, ["b", "c"]), (1e9, ["b", "c"])):
         room.expire(now)
@@ -89,7 +89,7 @@ def test_too_much_pressure_is_refused_with_its_path(ident: int) -> None:
     error = make_error_reply(wrong.value, ident)
     assert (error.code, error.id) == ("limit", ident)
     assert error.path == "$.objects[b].radiation_pressure"
-    assert not room.objects  # all of a command, or nothing
+    assert not room.objects  # a command applies completely or not at all
     assert (who.objects, who.bytes) == (0, 0)
     strong = objects.Point(force=1.0, position=(0.0, 0.0, 0.2))
     with pytest.raises(TooStrong, match="Pa") as wrong:
@@ -186,7 +186,7 @@ def test_hands_are_of_all_clients_with_names_of_their_own_and_felt_for_good() ->
     room.clear(one)
     room.clear(other)
     assert room.all_hands().hands == ()
-    assert room.all_hands().felt  # nothing is rendered whole because a tracker has gone
+    assert room.all_hands().felt  # without its tracker, objects are not rendered as a whole
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A server that is reached from elsewhere, by keys only, on real sockets."""
+"""A server that accepts remote clients only with keys, on real sockets."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-PROTOCOL = "protocol", "handshake"  # which of them, depends on who closes the connection first
+PROTOCOL = "protocol", "handshake"  # depends on which side closes the connection first
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def keys(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def curve(keys: Path, start_server: Any) -> Iterator[Any]:
-    """A server on all addresses."""
+    """Start a server on all addresses."""
     return start_server(
         replace(PATIENT, network=Network(host="0.0.0.0"), security=Security(str(keys)))
     )
@@ -44,8 +44,8 @@ def with_keys(server: Any, public: bytes, secret: bytes, **more: Any) -> Any:
 
 
 def stranger(server: Any, public: bytes, secret: bytes, **more: Any) -> None:
-    """Try to stop it with these keys."""
-    with contextlib.suppress(zmq.Again):  # it may be refused already
+    """Try an emergency stop with these keys."""
+    with contextlib.suppress(zmq.Again):  # it may already be refused
         with_keys(server, public, secret, sndtimeo=0, **more).send(Stop())
 
 
@@ -75,7 +75,7 @@ def test_a_stranger_is_refused(logged: Any, curve: Any, who: str) -> None:
         bare = curve.sockets.enter_context(curve.context.socket(zmq.DEALER))
         bare.linger = 0
         bare.connect(curve.connection.control)
-        with contextlib.suppress(zmq.Again):  # it may have been refused already
+        with contextlib.suppress(zmq.Again):  # it may already have been refused
             bare.send(encode(Stop(id=1)), zmq.NOBLOCK)
     else:
         other = {"curve_serverkey": zmq.curve_keypair()[0]} if who == "of another server" else {}

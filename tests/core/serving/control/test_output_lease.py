@@ -1,4 +1,4 @@
-"""Whose scene is felt, and how sound ends: every rule, on a clock that stands still."""
+"""The rules of ownership, and of the end of sound, on a manual clock."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_bye_is_soft_and_a_lost_link_is_not() -> None:
     assert desk.armed == 0
     assert not desk.sessions.all
     assert desk.sessions.lease.owner is None
-    desk.sessions.end_peer(b"game", desk.clock.time)  # twice is no error
+    desk.sessions.end_peer(b"game", desk.clock.time)  # a second time is no error
 
 
 def test_another_client_that_is_lost_changes_nothing() -> None:
@@ -149,7 +149,7 @@ def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
     desk.hello(b"old").arm()
     new = desk.hello(b"new")
     desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
-    told = desk.wait(LEASE)  # nobody looked all the time
+    told = desk.wait(LEASE)  # nobody checked during that time
     assert [(to, reply.id, code(reply)) for to, reply in told] == [(b"new", 5, "expired")]
     assert desk.armed == 0
 
@@ -261,9 +261,11 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_resumes_only_as_agreed(
     """After a lease ran out, a renewal lets its owner sound again if its `arm` asked for that; nothing else does."""
     desk = FakeControl()
     games: dict[bytes, Game] = {}
-    agreed: dict[bytes, bool] = {}  # what the last `arm` of each asked for
-    resumes: bytes | None = None  # who sounded, agreed, and has not been ended by anything but time
-    sign = dict.fromkeys((b"a", b"b", b"c"), -1e9)  # of life, at most then
+    agreed: dict[bytes, bool] = {}  # `resume` of each client's last `arm`
+    resumes: bytes | None = (
+        None  # the client that sounded with `resume`, and lost the output only by time
+    )
+    sign = dict.fromkeys((b"a", b"b", b"c"), -1e9)  # latest possible time of the last sign of life
     for what, peer, seconds in script:
         before = desk.permit
         desk.wait(seconds)
@@ -328,7 +330,7 @@ def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:
 
 
 def test_a_scene_that_has_ended_and_begins_again_has_another_number() -> None:
-    """The renderer may still have the objects of the first."""
+    """The renderer may still hold the objects of the first scene."""
     desk = FakeControl()
     one, other = desk.hello(b"one", scene="table"), desk.hello(b"other", scene="table")
     number = number_of(desk, "table")

@@ -68,7 +68,7 @@ def test_arm_renew_stop_reset_bye(server: Any) -> None:
 
 
 def test_the_lease_expires_while_the_connection_lives(start_server: Any) -> None:
-    """A frozen game whose sockets live on: ZeroMQ's heartbeats go on, its lease does not."""
+    """The game is frozen, but its sockets live: ZeroMQ's heartbeats continue, and the lease expires."""
     server = start_server(Settings(safety=Safety(forget=3600.0)))
     game = server.client().hello()
     game.ask(Arm)
@@ -275,7 +275,7 @@ def test_strangers_at_the_metrics_get_few_threads(
 
 
 def ask_metrics(port: int) -> Any:
-    """The answer; None while there is no place."""
+    """Return the answer; None while the server has no room."""
     with contextlib.suppress(OSError):
         return urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics")
     return None

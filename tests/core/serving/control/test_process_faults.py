@@ -1,4 +1,4 @@
-"""What the control process must go on through: mistakes of ours, plug-ins that tell too much, strangers in crowds."""
+"""Control survives bugs, verbose plug-ins, and crowds of strangers."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ sys.stdin.read()
 
 
 def test_the_longest_selections_can_be_ordered_together(server: Any) -> None:
-    """A renderer that is started anew is told all that was selected, at once."""
+    """A restarted renderer receives all selections in one message."""
     wide = "\U0001f44b"
     options = {f"{n:02}{wide * 62}": wide * 200 for n in range(32)}
     game = server.client().hello()
@@ -148,7 +148,7 @@ def test_a_guard_that_may_sound_is_given_less_time(start_server: Any, sounds: bo
     guard.silent = True
     began = time.perf_counter()
     eventually(lambda: guard.killed)
-    # it counts only what control has looked on, which is never more than there was
+    # only time that control has observed counts, which is never more than the real time
     assert time.perf_counter() - began >= (0.2 if sounds else 1.9)
 
 
@@ -196,7 +196,7 @@ def test_a_state_that_is_too_long_is_not_published(server: Any) -> None:
 
 @pytest.fixture
 def few_files() -> Iterator[int]:
-    """Only so many may be open, unless more are asked for."""
+    """Set a low soft limit of open files, which the process may raise."""
     resource = pytest.importorskip("resource")
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard != resource.RLIM_INFINITY and hard < 2 * CROWD:
@@ -230,7 +230,7 @@ def test_a_crowd_that_only_connects_keeps_nobody_from_being_answered(
 
 
 def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
-    """ZeroMQ's own thread, and so everybody's heartbeat, waits for who does not fetch them."""
+    """If the events are not fetched, ZeroMQ's own thread blocks, and with it all heartbeats."""
     with (
         zmq.Context() as context,
         Authenticator(context, {"token": "x"}) as gate,

@@ -1,4 +1,4 @@
-"""What must not get through, and what must be noticed, on real sockets."""
+"""Messages that must be rejected, and losses that must be noticed, on real sockets."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 STOP = encode(Stop(id=1))
-PROTOCOL = "protocol", "handshake"  # which of them, depends on who closes the connection first
+PROTOCOL = "protocol", "handshake"  # depends on which side closes the connection first
 FAILED = (
     zmq.EVENT_HANDSHAKE_FAILED_AUTH
     | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
@@ -64,7 +64,7 @@ def raw(server: Any, port: str = "control") -> socket.socket:
 
 
 def closed(stream: socket.socket) -> bool:
-    """Whether the other side closes the connection."""
+    """Return whether the other side closes the connection."""
     try:
         while stream.recv(4096):
             pass
@@ -117,7 +117,7 @@ def test_a_wrong_token_or_none_is_refused_and_logged(logged: Any, server: Any, t
     ended = server.monitor(quiet, FAILED)
     quiet.connect(server.connection.state)
     assert ended.poll(1e3 * PATIENCE)
-    server.states()()  # others are told
+    server.states()()  # another subscriber still gets states
     server.client().hello().ask(Status)
     assert not quiet.poll(0)
     assert not stranger.socket.poll(0)
@@ -130,7 +130,7 @@ def test_the_token_of_a_run_before_is_refused(logged: Any, start_server: Any) ->
     first.end()
     server = start_server()
     assert server.connection.token != old
-    with contextlib.suppress(zmq.Again):  # it may be refused already
+    with contextlib.suppress(zmq.Again):  # it may already be refused
         server.client(token=old, sndtimeo=0).send(Stop())
     logged.refused("secret")
     assert server.permit().stopped == 0
@@ -147,7 +147,7 @@ def test_a_message_that_is_too_long_ends_that_connection_only(server: Any) -> No
     calm.socket.send(bytes(MAX_CONTROL_BYTES))
 
     def refused() -> Any:
-        reply = calm.hear()  # it may be asked meanwhile how late its link is
+        reply = calm.hear()  # meanwhile, control may measure the latency of its connection
         return reply if isinstance(reply, Error) else None
 
     assert eventually(refused).code == "malformed"
@@ -219,7 +219,7 @@ def test_a_client_that_is_stopped_is_silenced_by_its_lease(start_server: Any) ->
 
 
 def test_a_connection_that_died_half_is_noticed(server: Any) -> None:
-    """The client's side is gone without a word: a relay keeps the connection open and passes nothing."""
+    """The client's side is gone without notice: a relay keeps the connection open, but passes nothing on."""
     relay = socket.create_server(("127.0.0.1", 0))
     calm = server.client().hello("calm")
     game = server.socket(zmq.DEALER)
@@ -230,7 +230,7 @@ def test_a_connection_that_died_half_is_noticed(server: Any) -> None:
         far.settimeout(0.002)
 
         def pass_on() -> bytes:
-            """What came from the client."""
+            """Return the bytes from the client."""
             came = b""
             for source, target in ((near, far), (far, near)):
                 with contextlib.suppress(TimeoutError):
@@ -253,8 +253,8 @@ def test_a_connection_that_died_half_is_noticed(server: Any) -> None:
         key = decode_reply(game.recv()).session
         game.send(encode(Arm(session=key)))
         eventually(armed)
-        eventually(lambda: b"\x04PING" in pass_on())  # the last that comes
+        eventually(lambda: b"\x04PING" in pass_on())  # the last bytes that arrive
         game.send(encode(Renew(session=key, sequence=1, time=time.perf_counter())))
-        # nothing is passed on from here
+        # from here on, nothing is passed on
         eventually(lambda: server.permit().armed == 0)
         assert [c.name for c in calm.ask(Status).clients] == ["calm"], "not its lease"

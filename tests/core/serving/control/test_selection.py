@@ -82,7 +82,7 @@ def test_a_solver_that_ends_the_renderer_twice_is_given_up_for_the_configured_on
 
 
 def test_a_slider_is_answered_at_each_of_its_steps() -> None:
-    """The renderer takes the newest strength, and so tells of some numbers only."""
+    """The renderer takes only the newest intensity, so it reports only some numbers."""
     selection = Selection(Settings())
     for step in range(100):
         assert ask(selection, now=1.0, intensity=step / 100) is None
@@ -120,7 +120,7 @@ def test_only_so_many_wait() -> None:
 
 def test_a_technique_that_cannot_be_meant_is_refused_with_where() -> None:
     selection = Selection(Settings())
-    line = Polyline(points=bytes(24))  # of no length
+    line = Polyline(points=bytes(24))  # a line of length 0
     reply = ask(selection, technique=STM(100.0, along=line), intensity=0.5)
     assert isinstance(reply, Error)
     assert reply.code == "argument"

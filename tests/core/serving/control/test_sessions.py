@@ -1,4 +1,4 @@
-"""Sessions and leases: every rule, on a clock that stands still."""
+"""The rules of sessions and leases, on a manual clock."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_expiry_silences_tells_the_owner_and_needs_a_new_arm() -> None:
 
 
 def test_a_game_that_goes_on_sounds_again_unless_something_else_ended_it() -> None:
-    """No error is told of a pause, and nothing but the owner's own fresh renewal ends it."""
+    """A pause is not an error. Only a new renewal of the owner ends it."""
     desk, game = armed(resume=True)
     game.renew()
     assert desk.wait(LEASE + 1.0) == []
@@ -150,19 +150,19 @@ def test_a_game_that_goes_on_sounds_again_unless_something_else_ended_it() -> No
     desk.sessions.lease.interrupt("fault", "the renderer was restarted")
     assert [code(told) for _, told in desk.sessions.take_replies()] == [
         "fault"
-    ]  # it waits in vain, so it is told
+    ]  # it would wait in vain, so it gets an error
     assert not game.renew().armed
 
 
 def test_a_renewal_that_comes_after_the_deadline_resurrects_nothing() -> None:
     desk, game = armed()
-    desk.clock.advance(LEASE)  # and nobody looked
+    desk.clock.advance(LEASE)  # without a check in between
     assert isinstance(game.renew(), Renewed)
     assert desk.armed == 0
 
 
 def test_queued_renewals_do_not_extend_the_lease() -> None:
-    """A game that froze leaves renewals on the way: they count from when they were sent."""
+    """A frozen game leaves renewals in the queue. They count from the time they were sent."""
     desk = FakeControl()
     game = desk.hello()
     for _ in range(10):
@@ -172,7 +172,7 @@ def test_queued_renewals_do_not_extend_the_lease() -> None:
     armed = desk.clock.time
     for _ in range(24):
         desk.wait(0.01)
-        game.renew(late=desk.clock.time - armed)  # sent long ago, all of them
+        game.renew(late=desk.clock.time - armed)  # all were sent long ago
         assert desk.permit.until <= armed + LEASE + 1e-6
     desk.wait(0.02)
     assert desk.armed == 0
@@ -195,7 +195,7 @@ def test_a_jump_of_the_clients_clock_never_lengthens_the_lease(jump: float) -> N
             game.ahead += jump
         game.renew()
         assert desk.permit.until <= desk.clock.time + LEASE
-    for _ in range(250):  # and after a while it is as before
+    for _ in range(250):  # after a while, the limit is as before
         desk.wait(0.05)
         game.renew()
     game.arm()
@@ -206,7 +206,7 @@ def test_a_jump_of_the_clients_clock_never_lengthens_the_lease(jump: float) -> N
 
 
 def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
-    """Not one to two intervals: 10,000 expiries, renewed at any phase, late by any way, looked at rarely."""
+    """10,000 expiries with any phase, delay and interval between checks: the lease never lasts longer."""
     random.seed(5)
     desk = FakeControl(forget=3600.0)
     game = desk.hello()
@@ -221,7 +221,7 @@ def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
             game.renew(late)
             if desk.armed:
                 sent = max(sent, desk.clock.time - late)
-                # the way is known up to the shortest one seen
+                # the delay is known up to the shortest one seen
                 assert desk.permit.until <= sent + LEASE + 1e-6
             else:
                 assert desk.clock.time >= before.until or not before.armed

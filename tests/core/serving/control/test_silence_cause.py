@@ -1,4 +1,4 @@
-"""Why an output is silent, from states: each cause by itself, and that the first that applies is told."""
+"""Causes of silence, from states: each cause alone, and the first that applies."""
 
 from typing import Any, get_args
 
@@ -22,7 +22,7 @@ def client(**fields: Any) -> ClientState:
 
 
 def state(**fields: Any) -> State:
-    """A state of an armed output that is silent, of a scene with one object."""
+    """Return a state with an armed, silent output and one object."""
     given = {
         "sequence": 1, "time": 1.0, "output": "silent", "armed": True, "owner": "game", "scene": "hall",
         "solver": "auto", "backend": "simulated", "technique": "", "intensity": 1.0, "status": "silent",
@@ -65,7 +65,7 @@ def test_each_cause_is_told_with_what_to_do(cause: Cause, told: State, says: str
 
 
 def test_all_causes_are_tried_here() -> None:
-    """The renderer finds whether a touch is too faint; a client itself, whether it is connected."""
+    """The list lacks only `too faint`, which the renderer finds, and the loss of the server, which the client finds."""
     assert {case[0] for case in CASES} | {"too faint"} == set(CAUSES)
     assert {*CAUSES, "not connected"} == set(get_args(Cause))
 
@@ -75,7 +75,7 @@ def test_what_sounds_has_no_cause() -> None:
 
 
 def test_the_first_cause_that_applies_is_told() -> None:
-    """A cause hides those that are told only of an output that could sound otherwise."""
+    """A cause hides later ones, which assume that the output could sound otherwise."""
     worst = state(
         output="faulted",
         armed=False,

@@ -1,4 +1,4 @@
-"""Starting, watching, starting again and ending the other processes."""
+"""Starting, watching, restarting and ending the other processes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals")
 NAMES = "guard", "bus", "render"
-LOOK = 0.02  # [s]
+LOOK = 0.02  # time between two checks [s]
 
 CHILD = """
 import sys, time, threading
@@ -76,13 +76,13 @@ serve(settings, lambda path: print("ready", path, flush=True), start)
 
 
 class Fake:
-    """A process that only has an exit code. log: of all that is done to any of them."""
+    """A process that only has an exit code. log: all calls of all fakes."""
 
     stdin, pid = None, 7
 
     def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
         self.name, self.log, self.stubborn = name, log, stubborn
-        self.held = False  # by the system: even killed, it does not end
+        self.held = False  # whether the system keeps it alive even after a kill
         self.code: int | None = None
 
     def poll(self) -> int | None:
@@ -105,14 +105,14 @@ class Fake:
 
 
 class Watch:
-    """A supervisor of fakes on a clock that stands still."""
+    """A supervisor of fake processes, on a manual clock."""
 
     def __init__(self, stubborn: tuple[str, ...] = ()) -> None:
         self.clock = ManualClock(50.0)
         self.log: list[tuple[str, str]] = []
         self.started: list[Fake] = []
         self.stubborn = stubborn
-        self.error: Exception | None = None  # why none can be started
+        self.error: Exception | None = None  # the error of each start
         self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
         self.supervisor.trusted = True
 
@@ -127,7 +127,7 @@ class Watch:
         return self.supervisor.check({**dict.fromkeys(NAMES, now), **beats}, sound)
 
     def look(self, seconds: float, **beats: float) -> list[tuple[str, str]]:
-        """Look on for so long; who has ended."""
+        """Check for `seconds`; return the processes that ended."""
         ended: list[tuple[str, str]] = []
         for _ in range(round(seconds / LOOK)):
             self.clock.advance(LOOK)
@@ -171,7 +171,7 @@ def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
     watch = Watch()
 
     def waited() -> float:
-        """How long it takes from an end to a new start."""
+        """Return the time from an end to the next start."""
         watch.newest("bus").code = 1
         assert len(watch.check()) == 1
         began = watch.clock.time
@@ -205,7 +205,7 @@ def test_one_that_is_only_slow_is_left_alone() -> None:
 
 @pytest.mark.parametrize("stood", [1.1, 5.0, 1e4])
 def test_where_nobody_looked_silence_proves_nothing(stood: float) -> None:
-    """The machine stood still, or did not let control run: then neither did it the others."""
+    """If the machine stopped, or did not run control, the other processes did not run either."""
     watch = Watch()
     watch.look(1.0)
     beat = watch.clock.time
@@ -248,7 +248,7 @@ def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_
 
 
 def with_spare(ready: float = 0.0) -> tuple[Watch, Fake, Fake]:
-    """A supervisor, its guard, and the spare, which has been there for so long."""
+    """Return a supervisor, its guard, and a spare that was started `ready` seconds ago."""
     watch = Watch()
     assert watch.check() == []
     assert watch.look(ready) == []
@@ -371,7 +371,7 @@ def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
 
 
 def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
-    """The device must not be opened twice."""
+    """Until then, the device is not opened a second time."""
     watch, guard, _ = with_spare()
     guard.held = True
     beat = watch.clock.time
@@ -385,7 +385,7 @@ def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
 
 
 def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_started() -> None:
-    """It may stand still, too."""
+    """The spare may be stopped, too."""
     watch, guard, spare = with_spare(TRUSTED_AFTER + 1.0)
     guard.code = -9
     watch.check()
@@ -482,7 +482,7 @@ def test_if_one_cannot_be_started_those_before_are_ended() -> None:
 
 
 class Running:
-    """A server in a process of its own, with children that only give signs of life."""
+    """A server in its own process, with children that only send heartbeats."""
 
     def __init__(self, folder: Path, **env: str) -> None:
         self.path, self.log = folder / "connection.json", folder / "log"
@@ -535,7 +535,7 @@ def test_one_that_stands_still_is_replaced_and_sigterm_ends_all_in_order(
         assert manager.recv(100) == b"STOPPING=1"
     assert server.process.wait(PATIENCE) == 0
     ended = [line.split()[1] for line in server.log.read_text().splitlines() if "ended" in line]
-    # the new renderer may not have come far enough to say so
+    # the new renderer may end before it can log that
     assert [name for name in ended if name != "render"] == ["bus", "guard"]
     assert ended in (["bus", "guard"], ["render", "bus", "guard"])
     assert not server.path.exists()

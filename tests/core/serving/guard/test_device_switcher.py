@@ -37,7 +37,7 @@ class Named(pc.Backend):
     @property
     def capability(self) -> pc.Capability:
         made = pc.Capability()
-        object.__setattr__(made, "rate", self.rate)  # whatever a plug-in says
+        object.__setattr__(made, "rate", self.rate)  # as a plug-in may set it
         return made
 
     def _told(self, what: str) -> None:
@@ -60,18 +60,18 @@ class Named(pc.Backend):
 
 
 class Bench:
-    """Devices whose threads run when they are told to."""
+    """A device switcher whose threads run when the test says so."""
 
     def __init__(self, choice: Choice | PluginConfig | None = None) -> None:
         self.clock = ManualClock()
         self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=ManualClock().now)
-        self.hang = ""  # the one that opens too late
-        self.busy = 0  # so often more none can be opened
+        self.hang = ""  # name of a device that opens too late
+        self.busy = 0  # number of further attempts to open that fail
         self.broken: dict[str, set[str]] = {}
         self.rates: dict[str, float] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
-        self.threads = True  # whether the system permits them
+        self.threads = True  # whether threads can be started
         self.devices = DeviceSwitcher(
             self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.start, self.clock
         )
@@ -92,7 +92,7 @@ class Bench:
         self.waiting.append(work)
 
     def late(self) -> None:
-        """Meanwhile the guard goes on."""
+        """Take too long to open, while the guard continues."""
         self.clock.advance(1.1 * OPENING)
         self.devices.poll()
 
@@ -103,7 +103,7 @@ class Bench:
             self.devices.poll()
 
     def frame(self) -> None:
-        """The renderer answers with a frame for the device that waits, or that is."""
+        """Send a frame for the next device if there is one, otherwise for the present one."""
         device = self.guard.next or self.guard.generation
         head = FrameHead(1, 0.0, 1, device, 1, N).pack()
         for _ in range(2):
@@ -151,7 +151,7 @@ def test_another_one_takes_over_with_its_first_frame_and_the_old_one_is_closed(
     bench.devices.follow(selected(1, "b"))
     bench.devices.follow(selected(1, "b"))
     bench.frame()
-    assert bench.now == "a"  # while it opens
+    assert bench.now == "a"  # while b opens
     bench.run()
     assert bench.now == "a"
     assert "backend 1" not in bench.devices.results
@@ -180,7 +180,7 @@ def test_one_that_does_not_open_leaves_the_old_one_sounding(bench: Bench) -> Non
     bench.made[0].broken.clear()
     bench.devices.follow(selected(1, "b", reset=1))
     bench.run()
-    assert bench.now == "a"  # what there was is opened anew, not what did not open
+    assert bench.now == "a"  # the reset opens the working device again, not the one that failed
 
 
 def test_one_is_opened_at_a_time_and_of_those_that_wait_the_newest(bench: Bench) -> None:
@@ -269,7 +269,7 @@ def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
     bench.frame()
     assert bench.guard.fault
     bench.devices.follow(RequestedSettings(reset=1))
-    bench.frame()  # there is none meanwhile
+    bench.frame()  # meanwhile there is no device
     bench.run()
     assert bench.made[0].log[-1] == "close"
     assert not bench.guard.fault
@@ -310,7 +310,7 @@ def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
     bench.made[0].broken |= {"send", "silence", "close"}
     bench.guard.fail("gone")
     bench.devices.follow(selected(1, "b", reset=1))
-    bench.frame()  # the old one may sound until it is closed, which takes its time
+    bench.frame()  # the old device may sound until it is closed
     assert bench.now == "b"
     assert bench.guard.problem == "gone"
     assert bench.made[1].log == ["open"]
@@ -384,7 +384,7 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
 ) -> None:
     bench.frame()
     bench.devices.follow(selected(1, "b"))
-    hangs = bench.waiting.pop(0)  # it does not go on
+    hangs = bench.waiting.pop(0)  # b hangs while it opens
     bench.clock.advance(0.9 * OPENING)
     bench.devices.follow(selected(2, "c"))
     bench.devices.poll()
@@ -397,7 +397,7 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
     bench.frame()
     bench.run()
     assert bench.now == "c"
-    hangs()  # it opens after all
+    hangs()  # b opens after all
     bench.run()
     bench.frame()
     assert bench.now == "c"
@@ -412,7 +412,7 @@ def test_one_that_has_opened_too_late_is_closed_and_never_sounds(bench: Bench) -
     bench.frame()
     bench.hang = "b"
     bench.devices.follow(selected(1, "b"))
-    bench.run()  # it opens too late
+    bench.run()  # b opens too late
     bench.frame()
     bench.run()
     assert "not open within" in bench.devices.results["backend 1"]
@@ -426,7 +426,7 @@ def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> N
     bench.made[0].broken.add("send")
     bench.frame()
     bench.devices.follow(RequestedSettings(reset=1))
-    bench.waiting.clear()  # it does not go on
+    bench.waiting.clear()  # opening hangs
     bench.clock.advance(1.1 * OPENING)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["reset 1"]
@@ -493,7 +493,7 @@ def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
 
 def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_opened() -> None:
     bench = Bench()
-    bench.busy = 1  # the system holds it still
+    bench.busy = 1  # the device is still claimed
     bench.devices.begin(selected(1, "b"), PluginConfig("a", {"port": "x" * 1000}))
     assert bench.devices.choice == PluginConfig("a", {"port": "x" * 1000})
     bench.run()

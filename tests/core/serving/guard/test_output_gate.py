@@ -44,7 +44,7 @@ SIMULATED = Settings(backend=PluginConfig("simulated"))
 
 
 class Recorded(pc.Backend):
-    """Keeps what it is told, with the time; raises as told."""
+    """Records its calls with their times. raises: the errors of its methods."""
 
     name: ClassVar[str] = "recorded"
 
@@ -87,7 +87,7 @@ class Recorded(pc.Backend):
 
 
 class Bench:
-    """A guard with a device, frames and a clock."""
+    """An output gate with a device, frames and a clock."""
 
     def __init__(self, **changes: Any) -> None:
         self.clock = ManualClock(100.0)
@@ -333,7 +333,7 @@ def test_silence_is_asked_for_every_round_until_it_works(error: Exception) -> No
         bench.step(bench.frame(), stopped=1)
         assert bench.guard.loud
     assert bench.backend.what == ["send"] + ["silence"] * 7
-    assert bench.status.sounding  # as far as anyone knows
+    assert bench.status.sounding  # it may still sound
     assert type(error).__name__ in bench.status.fault
     bench.backend.raises.clear()
     bench.step()
@@ -359,7 +359,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     assert other.log == [(bench.clock.time, "send", 3)]
     assert (bench.status.generation, bench.status.next) == (2, 0)
     assert bench.guard.leaving == [bench.backend]
-    bench.step(bench.frame())  # for the old one still
+    bench.step(bench.frame())  # still for the old device
     assert other.what == ["send", "silence"]
 
 
@@ -395,12 +395,12 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
         bench.step(bench.frame(device=2))
         assert other.log == []
         assert "stuck" in bench.status.fault
-    assert bench.guard.leaving == [bench.backend]  # to be closed
+    assert bench.guard.leaving == [bench.backend]  # waits to be closed
     bench.guard.clear()
     for _ in range(3):
         bench.step(bench.frame(device=2))
         assert other.log == []
-        assert "stuck" in bench.status.fault  # for control it is one and the same
+        assert "stuck" in bench.status.fault  # control sees one and the same fault
     left = bench.guard.leaving.pop()
     left.close()
     bench.guard.changed = False
@@ -409,7 +409,7 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
     assert not bench.status.fault
     bench.step(bench.frame(device=2))
     assert other.what == ["send"]
-    bench.guard.note_closed(left)  # again: nothing happens
+    bench.guard.note_closed(left)  # a second call changes nothing
 
 
 def test_frames_counts_gaps() -> None:
@@ -424,7 +424,7 @@ def test_frames_counts_gaps() -> None:
     bench.step(after=1.0)  # stale
     bench.sound()
     assert bench.status.longest_gap == pytest.approx(1.0 + ROUND)
-    bench.step(epoch=2, after=5.0)  # armed anew
+    bench.step(epoch=2, after=5.0)  # armed again
     bench.step(bench.frame(epoch=2))
     assert bench.status.longest_gap == 0.0
     assert bench.status.frames == 8
@@ -439,8 +439,12 @@ def test_each_input_is_noted_once_when_it_is_emitted() -> None:
     bench.step(bench.frame(input=5, sent=1.5, received=99.0))
     first = bench.clock.time
     bench.step(bench.frame(input=5, sent=1.5, received=99.0))
-    bench.step(bench.frame(input=7, sent=1.6, received=99.1), armed=0)  # not let through
-    bench.step(bench.frame(rows=0, input=8, sent=1.7, received=99.2), armed=1)  # a lost hand
+    bench.step(
+        bench.frame(input=7, sent=1.6, received=99.1), armed=0
+    )  # not emitted, because it is not armed
+    bench.step(
+        bench.frame(rows=0, input=8, sent=1.7, received=99.2), armed=1
+    )  # silence, because the hand is lost
     assert inputs(bench) == [[5.0, 1.5, 99.0, first], [8.0, 1.7, 99.2, bench.clock.time]]
     assert bench.status.inputs_until == 2
 
@@ -469,7 +473,7 @@ def test_without_a_device_nothing_happens() -> None:
 
 
 def test_generations_go_on_after_a_restart() -> None:
-    """And until it has a device, what another guard made sound may sound still."""
+    """Until it has a device, the output of the earlier guard may still sound."""
     last = Bench().status
     guard = OutputGate(N, gain=1.0, stale=STALE)
     guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
@@ -548,7 +552,7 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
             if device.loud and not may:
                 assert guard.problem
                 if device not in guard.leaving:
-                    assert "silence" in asked  # and it refused
+                    assert "silence" in asked  # and it failed
                     assert what.get("silence")
             if "send" in asked:
                 assert may or what.get("send")
@@ -597,7 +601,7 @@ def test_others_are_to_know_at_once_what_is_new_and_nothing_else(what: str) -> N
 
 @pytest.fixture
 def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
-    """What a guard shares with others, in `tmp_path`."""
+    """Make the shared memory of a guard in `tmp_path`."""
     sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(SIMULATED.array.make()))}
     files = {
         name: SharedRegister.create(tmp_path / name, sizes[name], open_wakes(tmp_path / name))
@@ -609,21 +613,21 @@ def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
 
 
 def write_frame(memory: dict[str, SharedRegister], device: int) -> None:
-    """One that sounds."""
+    """Write a frame that sounds."""
     N = len(SIMULATED.array.make())
     head = FrameHead(1, 0.0, FOREVER.epoch, device, 1, N)
     memory["frame"].write(head.pack() + np.full((2, 1, N), 5, np.uint16).tobytes())
 
 
 def open_device(rounds: GuardLoop, each: Callable[[], object] = lambda: None) -> None:
-    """Turn until there is one. each: before every turn."""
+    """Run rounds until a device is open. each: called before every round."""
     eventually(lambda: rounds.guard.backend, lambda: (each(), rounds.turn()))
 
 
 def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_or_at_once(
     memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
-    """What ends the sound is seen so late at most; another device is not waited for."""
+    """This bounds how late an end of sound is noticed. Another device is used without a wait."""
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
         assert 0.0 < rounds.turn() <= 1e-3
@@ -640,7 +644,7 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
         assert other.loud
         other.raises["silence"] = OSError("stuck")
         memory["permit"].write(FOREVER._replace(armed=0).pack())
-        for _ in range(3):  # not permitted any more, but it sounds still
+        for _ in range(3):  # no longer permitted, but it still sounds
             assert 0.0 < rounds.turn() <= 0.25e-3
         other.raises.clear()
         rounds.turn()
@@ -650,7 +654,7 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
 def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
     memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
-    """Without a wait that ends, this test would hang; with one that ends late, there would be sound too long."""
+    """If the wait did not end, this test would hang. If it ended late, sound would last too long."""
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         rounds.backends = ()
         open_device(rounds)
@@ -673,7 +677,7 @@ def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
 def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
     memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
-    """Each comes before or while it waits. A wait that nothing ends would hang this test."""
+    """Permit and orders come before or during a wait. If they did not end the wait, this test would hang."""
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         rounds.backends = ()
         open_device(rounds)
@@ -715,7 +719,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
         rounds.turn()
-        assert news.number == 0  # before it is known which others there are
+        assert news.number == 0  # before the other backends are known
         rounds.backends = ()
         rounds.turn()
         assert news.number == 1
@@ -740,7 +744,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         assert news.number == 4
     last = news.number
 
-    rounds = GuardLoop(tmp_path, SIMULATED)  # another, which takes over what was known
+    rounds = GuardLoop(tmp_path, SIMULATED)  # another guard, which takes over the status
     opens: list[Callable[[], None]] = []
     monkeypatch.setattr(rounds.devices, "_thread", opens.append)
     memory["permit"].write(FOREVER.pack())
@@ -753,7 +757,7 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
         rounds.turn()
         assert read_status().generation == 2
         assert read_status().choice == PluginConfig("simulated")
-        assert not read_status().sounding  # the frame was for the device before
+        assert not read_status().sounding  # the frame was for the earlier device
 
 
 def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(

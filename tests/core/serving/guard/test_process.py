@@ -60,7 +60,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
     server.sound()
     server.until(lambda device: device.stale)
 
-    # another device, while the old one goes on
+    # another device, while the old one continues
     server.sound()
     server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="logged")))))
     after = server.until(lambda device: "backend 1" in device.results, server.frame)
@@ -69,7 +69,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
     assert after.generation == before.generation + 1
     server.sound()
 
-    # one that is not there
+    # an unknown device
     server.memory["orders"].write(
         pack(RequestedSettings(backend=(2, Selected(name="no such one"))))
     )
@@ -122,7 +122,7 @@ def test_a_backend_that_never_returns_takes_the_guard_with_it(server: Server, lo
     server.permit()
     server.until(lambda device: log.read_text().count("send") == 3, server.frame)
     assert ended(process) == -signal.SIGALRM
-    # one started anew takes no frame that was made for the old one's device
+    # a restarted guard takes no frame for the device of the old one
     server.start(server.make_config(log))
     second = server.until(
         lambda device: device.beat > first.beat and device.generation > first.generation
@@ -135,7 +135,7 @@ def test_a_backend_that_never_returns_takes_the_guard_with_it(server: Server, lo
 def test_a_device_that_may_sound_and_does_not_close_takes_the_guard_with_it(
     server: Server, log: Path
 ) -> None:
-    """The system closes it then, and another guard opens it."""
+    """The system then closes the device, and another guard can open it."""
     process = server.start(server.make_config(log, "stick", hung=1.0))
     server.until(lambda device: device.generation > 0)
     server.permit()

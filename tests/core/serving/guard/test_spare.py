@@ -1,4 +1,4 @@
-"""A spare guard, with a clock that is told, and with real processes."""
+"""A spare guard, with a manual clock, and with real processes."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ __all__ = ["log"]
 linux = pytest.mark.skipif(
     sys.platform != "linux", reason="only Linux tells a spare of the guard's end"
 )
-LIMIT = 0.25  # [s]
+LIMIT = 0.25  # time without a heartbeat after which a guard is hung [s]
 
 
-# a clock that is told
+# manual clock
 
 
 def looked(seconds: float, sound: bool, every: float = CHECK_INTERVAL) -> float:
-    """How long it takes until a guard that gives no sign of life is missed, looked at for so long [s]."""
+    """Return the time after which a guard without a heartbeat is reported as hung [s]; `seconds` if it is not."""
     pulse, now = HangDetector(LIMIT), 100.0
     assert not pulse.detect_hang(now, sound, now)
     beat, since = now, now
@@ -63,7 +63,7 @@ def test_one_that_lives_is_not_missed() -> None:
 
 
 def test_what_was_not_looked_at_proves_nothing() -> None:
-    """The machine stood still, or did not let this process run."""
+    """After a long gap between checks, the machine may have stopped; a missing heartbeat then proves nothing."""
     assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / MAX_LOOK_GAP
 
 
@@ -80,15 +80,15 @@ def server() -> Iterator[Server]:
 def begin(
     server: Server, told: child_process.LaunchConfig
 ) -> tuple[child_process.Process, child_process.Process, DeviceStatus]:
-    """A guard, a spare, which waits, and how the device is: it sounds."""
+    """Start a guard and a spare. Return both, and the device's status, once it sounds and the spare waits."""
     guard = server.start(told)
     server.sound()
     spare = server.start(replace(told, spare=guard.pid))
     files = Path(f"/proc/{spare.pid}/fd")
 
     def waits() -> bool:
-        """It holds what tells it of the guard's end."""
-        with contextlib.suppress(FileNotFoundError):  # it has just been closed
+        """Return whether the spare holds the guard's pidfd."""
+        with contextlib.suppress(FileNotFoundError):  # the file has just been closed
             return any("pidfd" in os.readlink(file) for file in files.iterdir())
         return False
 
@@ -128,7 +128,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
     told = server.make_config(log)
     guard, _, before = begin(server, told)
     assert before.choice == PluginConfig("logged", {"log": str(log), "does": ""})
-    guard.send_signal(signal.SIGSTOP)  # it does not hear of the selection any more
+    guard.send_signal(signal.SIGSTOP)  # so that it does not see the selection
     server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="simulated")))))
     guard.send_signal(signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)

@@ -1,4 +1,4 @@
-"""Keys and secrets; that they keep strangers out is tested on real sockets, in test_control_traps.py."""
+"""Keys and secrets. control/test_process_traps.py tests on real sockets that they keep strangers out."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def mode(path: Path) -> int:
 
 @pytest.mark.skipif(os.name != "posix", reason="file permissions")
 def test_secret_keys_are_for_their_owner_only_whatever_the_umask(tmp_path: Path) -> None:
-    """`zmq.auth.create_certificates` writes them 0644."""
+    """`zmq.auth.create_certificates` alone would write them with mode 0644."""
     before = os.umask(0o022)
     try:
         pairs = [

@@ -43,7 +43,7 @@ at = told.path
 """
 WAITS = "gone.wait(); (at / 'orphaned').touch()"
 STUCK = (
-    "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"  # PyDLL: with the interpreter's lock
+    "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"  # PyDLL keeps the interpreter's lock
 )
 PARENT = """
 import sys, time
@@ -70,11 +70,11 @@ def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -
     assert process.poll() is None
     known = psutil.Process(process.pid)
     assert "hidden" not in " ".join([*known.cmdline(), *known.environ().values()])
-    if os.name == "posix":  # so that an interrupt from the keyboard is its parent's affair
+    if os.name == "posix":  # so that only the parent handles Ctrl-C
         assert os.getpgid(process.pid) != os.getpgid(0)
     assert child_process.end(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
-    # what runs in it, a plug-in say, finds nothing to read there
+    # so that a plug-in in the child finds nothing to read there
     assert (tmp_path / "told").read_text() == repr(({"token": "hidden"}, 500.0, ""))
 
 
@@ -120,7 +120,7 @@ def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None
 
 
 def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Path) -> None:
-    """More than a pipe holds, told at once."""
+    """Send more than a pipe holds at once."""
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
     process.call()
@@ -174,7 +174,7 @@ def test_a_child_that_is_told_nonsense_ends(data: bytes, tmp_path: Path) -> None
 
 
 def orphan(folder: Path, code: str, mark: str) -> int:
-    """Start a child by a parent that is then killed; its process number."""
+    """Start a child whose parent is then killed; return the child's process id."""
     command = [sys.executable, "-c", PARENT, code, str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as parent:
         assert parent.stdout is not None

@@ -13,7 +13,7 @@ ways = st.lists(st.tuples(st.floats(0.0, 0.2), st.floats(0.0, 0.1)), min_size=1,
 
 
 def sent(gaps: list[tuple[float, float]], start: float) -> list[tuple[float, float, float]]:
-    """Messages: sent [s], received [s] in the order sent, the way each took [s]."""
+    """Draw messages: times sent [s], times received in the same order [s], and delays [s]."""
     t, last, messages = start, start, []
     for gap, way in gaps:
         t += gap
@@ -75,7 +75,7 @@ def test_a_clock_set_back_a_little_is_late_until_the_window_has_passed() -> None
 
 @pytest.mark.parametrize("pause", [2.0, 6.0, 8.0, 9.5, 30.0, 500.0])
 def test_what_has_waited_in_a_pause_is_as_old_as_it_is(pause: float) -> None:
-    """It must not define the offset: else renewals of a game that stands still would arm its output."""
+    """Such a message must not define the offset, or renewals of a stopped game would keep its output armed."""
     clock = ClockOffsetEstimator()
     for i in range(200):
         clock.age(7.0 + 0.05 * i, 0.05 * i)
@@ -107,7 +107,7 @@ def test_an_allowance_is_never_exceeded_and_never_withheld(
         now += gap
         if allowance.take(now):
             taken.append(now)
-        else:  # a second's worth later there is one again
+        else:  # a second later, one is allowed again
             assert len(taken) >= int(burst)
     for i, begin in enumerate(taken):
         for j in range(i, len(taken)):
@@ -126,6 +126,6 @@ def test_what_is_old_is_never_young() -> None:
     clock = ClockOffsetEstimator()
     for i in range(100):
         assert clock.age(0.1 * i, 0.1 * i) == pytest.approx(0.0)
-    assert clock.age(0.0, 11.5) == pytest.approx(11.5)  # 10 s old, and 1.5 s under way
+    assert clock.age(0.0, 11.5) == pytest.approx(11.5)  # 10 s old, and 1.5 s in transit
     assert clock.age(11.5, 11.6) == pytest.approx(0.1)
     assert BACK >= MAX_TIME_TO_LIVE

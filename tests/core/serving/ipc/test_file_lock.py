@@ -1,4 +1,4 @@
-"""A lock that is held by who lives."""
+"""A lock that ends with the process that holds it."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ RUDE = "game\x1b[2J\x07\n2026 fault\u202e\x9b"
 
 @pytest.fixture
 def lines(capfd: pytest.CaptureFixture[str]) -> Callable[[], list[dict[str, Any]]]:
-    """A function to the lines that were logged."""
+    """Return a function that returns the logged lines."""
     configure(Log("json", "info"), "test")
 
     def read() -> list[dict[str, Any]]:
@@ -60,7 +60,7 @@ def test_what_comes_often_is_logged_now_and_then(
 
 @pytest.mark.parametrize("form", ["console", "json"])
 def test_what_is_logged_is_bounded(form: Any, capfd: Any) -> None:
-    """Texts of any length, and errors that came of others, of others, ..."""
+    """Texts of any length, and long chains of exceptions."""
     configure(Log(form, "info"), "test")
     error: Exception | None = None
     for _ in range(1000):

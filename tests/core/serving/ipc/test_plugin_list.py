@@ -1,4 +1,4 @@
-"""The plug-ins that can be selected, whatever their modules do."""
+"""The list of selectable plug-ins, even if plug-in modules misbehave."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ linux = pytest.mark.skipif(
 
 
 def told(code: str, *, alone: bool = False) -> list[str]:
-    """What another process prints, which keeps what it asks for. alone: in a session of its own."""
+    """Run code in another process; return the words that it prints. alone: in its own session."""
     command = [
         sys.executable,
         "-c",
@@ -43,7 +43,7 @@ def told(code: str, *, alone: bool = False) -> list[str]:
 
 @linux
 def test_threads_are_as_urgent_as_what_made_them_was_then() -> None:
-    """As those of ZeroMQ: niceness is of a thread, and handed on."""
+    """Niceness belongs to a thread and is inherited, for example by ZeroMQ's threads."""
     code = """
 import zmq
 from pathlib import Path
@@ -70,7 +70,7 @@ else:
     not scheduling.AUTOGROUP.exists(), reason="only Linux shares time out by session"
 )
 def test_a_child_is_urgent_among_sessions_too() -> None:
-    """Niceness is looked at within a session only, and each child is one."""
+    """Niceness counts only within a session (autogroup), and each child has its own."""
     code = """
 def nice():  # nothing is told of what no session was ever made for
     return (scheduling.AUTOGROUP.read_text().split() or ["none"])[-1]
@@ -90,7 +90,7 @@ print(before, nice())
     not scheduling.AUTOGROUP.exists(), reason="only Linux shares time out by session"
 )
 def test_a_child_starts_eagerly_among_sessions_too() -> None:
-    """On a busy machine a new guard, or its spare, would else start for seconds."""
+    """Otherwise the start of a guard, or of its spare, would take seconds on a busy machine."""
     code = """
 def nice():
     return (scheduling.AUTOGROUP.read_text().split() or ["none"])[-1]
@@ -114,7 +114,7 @@ print(before, nice())
 @linux
 @pytest.mark.parametrize(("limit", "nice"), [(0, 0), (20, 0), (21, -1), (30, -10), (40, -15)])
 def test_who_may_not_be_as_urgent_is_as_urgent_as_may_be(limit: int, nice: int) -> None:
-    """The limit is 20 less the niceness (setrlimit(2)); a pretended one, which does not bind root."""
+    """RLIMIT_NICE is 20 minus the niceness (setrlimit(2)). It is faked, because it does not bind root."""
     code = f"""
 import resource
 kept = []
@@ -133,7 +133,7 @@ print(*kept or [0])
 
 @linux
 def test_who_may_ask_for_nothing_keeps_what_was_given() -> None:
-    """As one that was started by `nice -n -5`, whose rights were taken away then."""
+    """Like a process that was started by `nice -n -5` and then lost its rights."""
     code = """
 import resource
 try:
@@ -156,7 +156,7 @@ print(os.getpriority(os.PRIO_PROCESS, 0))
 
 @linux
 def test_a_child_is_less_urgent_until_it_asks() -> None:
-    """Whatever control is, whose niceness is handed on."""
+    """This holds for any niceness of control, which the child inherits."""
     code = """
 try:
     os.setpriority(os.PRIO_PROCESS, 0, -scheduling.URGENT)
@@ -176,7 +176,7 @@ print(os.getpriority(os.PRIO_PROCESS, 0))
 @linux
 @pytest.mark.parametrize(("limit", "after"), [(20, -10), (34, -10), (35, -5), (40, -5)])
 def test_who_could_not_ask_again_gives_nothing_back(limit: int, after: int) -> None:
-    """As one that was started by `nice -n -10`, whose rights were taken away then. The limit: as above."""
+    """Like a process that was started by `nice -n -10` and then lost its rights. The limit is as above."""
     code = f"""
 import resource
 now = -10
@@ -206,7 +206,7 @@ sys.stdout.flush()
 subprocess.run([sys.executable, "-c", {asks!r}])
 """
     itself, other = told(code)
-    assert itself in ("True", "False")  # as it may
+    assert itself in ("True", "False")  # either, by its rights
     assert other == "False"
 
 
@@ -274,7 +274,7 @@ for nice in (-15, 3):
 
 
 class Thread(NamedTuple):
-    """Of a server's process."""
+    """A thread of a server's process."""
 
     process: str
     main: bool
@@ -284,7 +284,7 @@ class Thread(NamedTuple):
 
 @pytest.fixture(scope="module")
 def threads() -> tuple[list[Thread], bool]:
-    """Those of a running server; whether its guard goes first."""
+    """Return the threads of a running server, and whether its guard has a real-time class."""
     with run_server(replace(PATIENT, array=Units(1, 1))) as server:
         found = [
             Thread(
@@ -299,7 +299,7 @@ def threads() -> tuple[list[Thread], bool]:
 
 @linux
 def test_only_the_loop_and_control_go_before_all(threads: tuple[list[Thread], bool]) -> None:
-    """What is loaded for the loop, and who works off what clients ask, must not take all of a processor from games."""
+    """Threads that load data for the loop, and the bus, must not take a whole processor from games."""
     before = os.getpriority(os.PRIO_PROCESS, 0)
     try:
         os.setpriority(os.PRIO_PROCESS, 0, before - 1)
@@ -318,7 +318,7 @@ def test_only_the_loop_and_control_go_before_all(threads: tuple[list[Thread], bo
 def test_the_guard_and_the_loop_keep_to_different_processors(
     threads: tuple[list[Thread], bool],
 ) -> None:
-    """And nothing else of the server keeps to any."""
+    """No other thread of the server is bound to a processor."""
     everywhere, (found, first) = os.sched_getaffinity(0), threads
     guard, loop = (
         next(t.processors for t in found if t.main and t.process == name)

@@ -33,7 +33,7 @@ while True:
     word = number.to_bytes(8, "little")
     memory.write(word, word * (number * 7919 % 1500))
 """
-VALUES, LIFE = 3_000, 500  # that are read; after so many the writer is killed
+VALUES, LIFE = 3_000, 500  # number of values read; number after which the writer is killed
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ class Killed(Exception):
 
 
 class Mortal:
-    """Memory that a process is killed at: after so many stores, the last one half done."""
+    """Memory whose writer is killed after a number of stores, in the middle of the last."""
 
     def __init__(self, inner: Any, lives: list[int]) -> None:
         self.inner, self.lives = inner, lives
@@ -67,7 +67,7 @@ class Mortal:
 
 
 class Overtaken:
-    """Memory in which others write while it is copied."""
+    """Memory that others overwrite while it is copied."""
 
     def __init__(self, inner: Any, meanwhile: Any) -> None:
         self.inner, self.meanwhile = inner, meanwhile
@@ -80,7 +80,7 @@ class Overtaken:
 
 
 def mortal(path: Path, lives: int) -> tuple[SharedRegister, SharedRegister]:
-    """A writer that is killed, and what is to be closed in its place."""
+    """Return a writer that will be killed, and the file to close instead of it."""
     writer = SharedRegister.attach(path)
     spare = SharedRegister.attach(path)
     left = [lives]
@@ -146,7 +146,7 @@ def test_a_writer_killed_at_any_store_leaves_the_value_before(
         old = (before, bytes([before - 1]) * 20) if before else None
         new = (before + 1, b"new " * 4 + b"est " * 4)
         assert reader.read() == (new if finished else old)
-        with SharedRegister.attach(path) as writer:  # started anew, it goes on with the numbers
+        with SharedRegister.attach(path) as writer:  # after a restart, numbers continue
             number = writer.write(b"after")
         assert number == before + 1 + finished
         assert reader.read(number - 1) == (number, b"after")
@@ -174,7 +174,7 @@ def test_a_reader_that_is_overtaken_gets_a_whole_newer_value(place: Path, laps: 
 
 
 def test_a_value_is_bound_to_its_number(place: Path) -> None:
-    """On a machine that reorders stores a slot may hold a newer value with the old number still."""
+    """On a machine that reorders stores, a slot may hold a newer value that still has the old number."""
     with SharedRegister.create(place / "value", 16) as memory:
         memory.write(b"old")
         memory.write(b"new")
@@ -259,7 +259,7 @@ with folder() as made, SharedRegister.create(made / "value", 1000):
 
 @pytest.fixture
 def maker() -> Iterator[tuple[subprocess.Popen[str], Path]]:
-    """A process that has shared memory, and its folder."""
+    """Return a process with shared memory, and its folder."""
     command = [sys.executable, "-c", MAKER]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -283,7 +283,7 @@ def test_what_a_killed_process_has_left_is_removed_with_the_next_start_and_nothi
     process.wait()
     assert len(beside(place)) == 2, "the folder and its lock"
     lying = place.with_name(f"{place.name}x")
-    lying.mkdir()  # without a lock: of something else, maybe
+    lying.mkdir()  # without a lock, so perhaps of another program
     try:
         with folder() as own:
             assert beside(place) == {lying}

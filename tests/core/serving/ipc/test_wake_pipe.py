@@ -1,4 +1,4 @@
-"""A wait that nothing ends would hang these tests."""
+"""Wakes end waits. If they did not, these tests would hang."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="has no named pipes")
-HANGS = 1e5  # [s]
+HANGS = 1e5  # timeout that no test reaches [s]
 
 
 def never() -> bool:
-    """News is asked for only where there are no named pipes."""
+    """Fail: `news` may be called only on systems without named pipes."""
     raise AssertionError
 
 

@@ -1,4 +1,4 @@
-"""What an object needs is loaded before it is rendered: no tick imports a library."""
+"""Libraries that an object needs are imported before it is rendered, never in a tick."""
 
 from __future__ import annotations
 

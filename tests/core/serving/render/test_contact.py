@@ -1,4 +1,4 @@
-"""What a hand touches and what is nearest to it, against distances that are computed in another way."""
+"""What a hand touches, and what is nearest to it, against independently computed distances."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def ball(at: tuple[float, float, float], name: str = "ball", radius: float = 0.0
 
 
 def test_the_nearest_object_is_named_with_its_distance() -> None:
-    """The palm's skin is half of its thickness below the joint."""
+    """The palm's skin lies half of the palm's thickness below the joint."""
     far, near = ball((0.0, 0.0, 0.05), "far"), ball((0.0, 0.0, 0.1), "near")
     found = explain_contact([hand()], (far, near))
     assert found.cause == "nothing in reach"
@@ -47,7 +47,7 @@ def test_the_nearest_object_is_named_with_its_distance() -> None:
     ],
 )  # fmt: skip
 def test_every_kind_of_object_has_a_distance(item: Object) -> None:
-    """It shrinks as the hand comes nearer, and is that of the flesh around the bones."""
+    """The distance shrinks as the hand approaches. It is measured from the skin."""
     high, low = find_nearest([hand((0.0, 0.0, 0.25))], (item,)), find_nearest([hand()], (item,))
     assert high is not None
     assert low is not None
@@ -68,7 +68,7 @@ def test_every_kind_of_object_has_a_distance(item: Object) -> None:
     ],
 )
 def test_a_touch_that_does_not_sound(pressure: float, cause: str, says: str) -> None:
-    """Too faint, without pressure, or on skin that the array does not see."""
+    """The touch is too faint, has no pressure, or is on skin that the array does not see."""
     touched = replace(ball((0.0, 0.0, 0.2)), radiation_pressure=pressure)
     nearest = find_nearest([hand()], (touched,))
     assert nearest is not None
@@ -86,7 +86,7 @@ def test_without_hands_or_objects_nothing_is_nearest() -> None:
 
 
 def test_touches_are_those_of_each_hand_with_each_object() -> None:
-    """Two hands, one on two objects: three touches, at the skin that is pressed, with the object's own pressure."""
+    """Two hands, one of them on two objects, make three touches, each with the object's own pressure."""
     left, right = hand((-0.06, 0.0, 0.2), "left@1"), hand((0.06, 0.0, 0.2))
     items = (
         ball((-0.06, 0.0, 0.175), "soft"),

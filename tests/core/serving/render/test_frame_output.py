@@ -1,4 +1,4 @@
-"""Frames on their way to the guard."""
+"""Frames from the renderer to the guard."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,7 +24,7 @@ SCENE = pc.Scene((pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0),))
 
 
 class Wired:
-    """An output's files."""
+    """The files of an output."""
 
     def __init__(self, folder: Path) -> None:
         self.files = {

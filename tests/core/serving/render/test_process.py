@@ -1,4 +1,4 @@
-"""The render process: its loop on a clock that stands still, then a real one."""
+"""The render process: its loop on a manual clock, then a real process."""
 
 import os
 import signal
@@ -51,7 +51,7 @@ NOWHERE = STM(frequency=100.0, along=Polyline(points=bytes(24)))  # a route that
 
 
 class Moody(pc.Solver):
-    """Raises, or takes long, when it is told to."""
+    """A solver that raises, or takes long, when the test says so."""
 
     name: ClassVar[str] = "moody"
     mood: ClassVar[Callable[[], object]] = staticmethod(lambda: None)
@@ -65,7 +65,7 @@ class Moody(pc.Solver):
 
 
 class Server:
-    """All that is around a loop, on a manual clock."""
+    """The environment of a loop, on a manual clock."""
 
     def __init__(self, folder: Path, settings: Settings, solver: str = "auto") -> None:
         sizes = {**messages.CAPACITIES, "frame": messages.compute_frame_capacity(N)}
@@ -101,7 +101,7 @@ class Server:
 
     @property
     def frame(self) -> tuple[FrameHead, bool]:
-        """The newest frame's head, and whether it sounds."""
+        """Return the head of the newest frame, and whether the frame sounds."""
         found = self.files["frame"].read()
         assert found is not None
         head = FrameHead.unpack(found[1])
@@ -182,7 +182,7 @@ def test_while_permitted_it_sounds_with_the_permits_epoch(server: Server) -> Non
 def test_what_an_earlier_permit_began_is_not_heard_under_a_later_one(
     server: Server, beside: bool
 ) -> None:
-    """Neither its fade nor a solve that was begun for it: the next owner's scene has no object."""
+    """Neither the fade nor a running solve of the earlier scene is heard. The next owner's scene is empty."""
     server.put()
     server.files["permit"].write(Permit(1, 1e9, 1).pack())
     server.tick(10)
@@ -200,7 +200,7 @@ def test_what_an_earlier_permit_began_is_not_heard_under_a_later_one(
 
 def test_a_scene_that_is_not_permitted_is_not_heard(server: Server) -> None:
     server.change(ResetScene(7), PutObject("a", msgspec.msgpack.encode(POINT), False))
-    server.arm()  # of scene 0
+    server.arm()  # for scene 0
     server.tick(20)
     assert not server.sounds
     server.files["permit"].write(Permit(1, 1e9, 2, 0, scene=7).pack())
@@ -213,7 +213,7 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
 ) -> None:
     server = make()
     loop = server.loop
-    assert not loop.rests  # nothing has been sent
+    assert not loop.rests  # nothing has been sent yet
     noise = pc.Noise(low_frequency=50.0, high_frequency=200.0)
     slow = msgspec.structs.replace(POINT, envelope=noise)
     orders = RequestedSettings(solver=(1, Choice(name="gs-pat")))
@@ -243,7 +243,7 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
             server.arm(armed=0)
             assert not loop.rests
             server.tick()
-            assert server.sounds  # it fades
+            assert server.sounds  # while it fades
             assert not loop.rests
         assert what != "a device" or server.frame[0].device == 2
 
@@ -261,7 +261,7 @@ def test_it_lets_go_softly(server: Server, end: str) -> None:
     elif end == "none":
         server.arm(armed=0)
     else:
-        server.tick(59)  # all but the last 20 ms
+        server.tick(59)  # until 20 ms before the end
     assert server.sounds
     server.tick()
     fading = [server.sounds]
@@ -294,7 +294,7 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
         head = server.frame[0]
         assert (head.sent, head.received) == pytest.approx((0.1 * head.input, 0.2 * head.input))
         played.append(head.input)
-    # from the fifth on beside the ticks: begun in one tick, taken and sent two ticks later
+    # from the fifth on, solves run beside the ticks: each begins in one tick and is sent two ticks later
     assert played == [1, 2, 3, 4, 4, 4, 5, 5]
 
 
@@ -352,7 +352,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     server.tick(10)
     server.tell("orders", RequestedSettings(solver=(1, Choice(name="moody"))))
     server.tick(5)
-    assert server.loop.renderer.session.solver.name == "auto"  # it is being made
+    assert server.loop.renderer.session.solver.name == "auto"  # while the new one is made
     before = server.files["frame"].number
     server.threads.pop()()
     server.tick(5)
@@ -427,7 +427,7 @@ def zones(*given: Zone) -> SetQuiet:
 
 
 def wait_for_zones(server: Server, count: int) -> None:
-    """Until so many are kept: they are prepared beside the loop, which is silent until then."""
+    """Wait until this number of zones is prepared. The loop is silent until then."""
 
     def are_kept() -> bool:
         server.tick()
@@ -451,7 +451,7 @@ def test_quiet_zones_are_kept_whatever_the_solver(make: Callable[..., Server], s
     assert server.sounds
     after = np.abs(pc.field(ARRAY, server.loop.renderer.emitted, around, medium=pc.Air()))
     assert before.max() > 10.0 * ZONE.pressure
-    assert after.max() < 3.0 * ZONE.pressure  # rounding to levels, not the solver, and it is said
+    assert after.max() < 3.0 * ZONE.pressure  # due to rounding, not to the solver, and reported
     assert ("dB above" in server.report.state["status"]) <= (after.max() > 0.7 * ZONE.pressure)
     server.change(zones())
     server.tick(10)
@@ -476,7 +476,7 @@ def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept
     assert server.sounds
     server.change(
         zones(ZONE, Zone((0.0, 0.0, 0.0), pressure=1.0, radius=0.5))
-    )  # the array is in it
+    )  # the zone contains the array
 
     def is_told() -> bool:
         server.tick()
@@ -515,7 +515,7 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
         eventually(lambda: files["taken"].number > 0)
 
         def rests() -> bool:
-            """Whether it goes on to report without a new frame."""
+            """Return whether reports continue without a new frame."""
             frames, reports = files["frame"].number, files["report"].number
             eventually(lambda: files["report"].number > reports + 1)
             return files["frame"].number == frames

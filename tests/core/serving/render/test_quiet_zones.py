@@ -1,4 +1,4 @@
-"""Which quiet zones are kept, while they move and are prepared."""
+"""Quiet zones that move, and zones that are still prepared."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def quieting() -> ZonePlacement:
 
 
 def covered(quieting: ZonePlacement, *zones: pc.Zone) -> None:
-    """Each ball lies within the one that is kept for it, at the gain that was given."""
+    """Check that each zone lies within the prepared one, at the gain given."""
     assert quieting.limits.gain == 0.5
     for big, small in zip(quieting.limits.zones, zones, strict=True):
         away = sum((a - b) ** 2 for a, b in zip(big.position, small.position, strict=True)) ** 0.5
@@ -38,7 +38,7 @@ def test_zones_are_kept_once_they_are_prepared(quieting: ZonePlacement) -> None:
         assert "being prepared" in quieting.note
     eventually(lambda: quieting.keeps(zones))
     covered(quieting, *zones)
-    assert quieting.limits.zones[0] == FIXED  # it never moves, and needs no room to
+    assert quieting.limits.zones[0] == FIXED  # it never moves, so it needs no margin
     assert quieting.keeps(())
     assert quieting.limits.zones == ()
 
@@ -53,7 +53,7 @@ def test_a_zone_may_move_a_little_without_a_pause(quieting: ZonePlacement) -> No
 
         def goes_on(x: float = at) -> bool:
             zones = FIXED, head(x)
-            assert quieting.keeps(zones)  # while others are prepared
+            assert quieting.keeps(zones)  # while other zones are prepared
             return quieting.limits.zones[1].position[0] > x - 0.5 * MARGIN
 
         eventually(goes_on)
@@ -88,6 +88,8 @@ def test_where_there_is_no_room_to_move_in_a_zone_is_kept_where_it_is(
     quieting: ZonePlacement,
 ) -> None:
     x, y, z = (ARRAY.positions[0] - [0.0, 0.0, -0.012]).tolist()
-    zone = pc.Zone((x, y, z), pressure=50.0, radius=0.002)  # the wider ball holds a transducer
+    zone = pc.Zone(
+        (x, y, z), pressure=50.0, radius=0.002
+    )  # with its margin, the zone contains a transducer
     eventually(lambda: quieting.keeps((FIXED, zone)))
     assert quieting.limits.zones[1] == zone

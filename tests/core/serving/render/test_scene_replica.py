@@ -1,4 +1,4 @@
-"""Changes from the bus, as the scene that is felt."""
+"""Changes from the bus, applied to the rendered scene."""
 
 import math
 from typing import Any
@@ -37,7 +37,7 @@ POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 
 
 class Manual:
-    """A loader that works when it is told to."""
+    """A loader that works when the test says so."""
 
     def __init__(self) -> None:
         self.loader = BackgroundLoader(thread=lambda _: None)
@@ -89,7 +89,7 @@ def test_objects_come_move_and_go() -> None:
     assert a.position == (0.02, 0.0, 0.15)
     assert a.motion is None
     assert isinstance(b, pc.Volume)
-    # as if it had been made so, with all checks
+    # equal to an object that is made with all checks
     assert b.pose == Pose((0.03, 0.0, 0.15), q)
     assert b.motion == Motion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
     scene.apply([RemoveObject("a"), RemoveObject("never")])
@@ -313,7 +313,7 @@ def test_the_loader_makes_one_after_the_other_and_goes_on_after_errors() -> None
 
     loader.ask("a", 1, bad)
     loader.ask("b", 2, lambda: POINT)
-    assert len(jobs) == 1  # one thread for all
+    assert len(jobs) == 1  # one thread for all objects
     loader._load_next()
     loader._load_next()
     a, b = loader.take_results()

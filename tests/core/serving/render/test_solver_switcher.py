@@ -1,4 +1,4 @@
-"""Solvers that are selected while the loop runs."""
+"""Selecting a solver while the loop runs."""
 
 import importlib.metadata
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ ARRAY = pc.autd()
 
 @dataclass
 class Loud(pc.Solver):
-    """A solver that drives all. It keeps nothing."""
+    """A solver that drives all transducers, and keeps no limits."""
 
     name: ClassVar[str] = "loud"
     level: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.5
@@ -42,7 +42,7 @@ class Loud(pc.Solver):
 
 
 class Raises(Loud):
-    """Does not solve."""
+    """A solver whose `solve` raises."""
 
     name: ClassVar[str] = "raises"
 
@@ -51,7 +51,7 @@ class Raises(Loud):
 
 
 class Unmade(Loud):
-    """Cannot be made."""
+    """A solver that cannot be made."""
 
     name: ClassVar[str] = "unmade"
 
@@ -68,7 +68,7 @@ def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class Threads:
-    """Threads that begin when they are told to."""
+    """Threads that begin when the test says so."""
 
     def __init__(self) -> None:
         self.waiting: list[Any] = []

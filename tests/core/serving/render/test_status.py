@@ -1,4 +1,4 @@
-"""What the renderer tells of itself."""
+"""The renderer's status."""
 
 from typing import Any
 
@@ -71,7 +71,7 @@ def test_on_skin_only_what_presses_counts() -> None:
     weights = facing.weights(samples.positions, ARRAY.positions)
     every = (matrix(ARRAY, samples.positions, pc.Air()) * weights) @ renderer.sounding.T
     p = np.sqrt((np.abs(every) ** 2).mean(axis=1))
-    shown = samples.regions != -2  # those beside the contact are not told
+    shown = samples.regions != -2  # silent samples beside the contact are not published
     assert 0 < (~shown).sum() < shown.sum()
     achieved = floats(told["achieved"])[:, 0]
     np.testing.assert_allclose(achieved, pc.radiation_pressure(p[shown], pc.Air()), rtol=1e-3)

@@ -1,4 +1,4 @@
-"""What is loaded before clients come."""
+"""What the server loads before clients come."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ print(sorted(set(sys.modules) - before))
 """
 
 
-@pytest.mark.parametrize(("side", "ticks"), [(1, 10), (3, 100)])  # one unit tries hard at each
+@pytest.mark.parametrize(
+    ("side", "ticks"), [(1, 10), (3, 100)]
+)  # one unit needs more time for each
 def test_later_ticks_load_nothing_more_whatever_the_array(side: int, ticks: int) -> None:
     code = ONCE_MORE.format(side=side, ticks=ticks)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -1,4 +1,4 @@
-"""How much goes into one message, and how long is waited for room."""
+"""Large requests are split into several messages, or rejected; sending waits for room only once."""
 
 from collections.abc import Iterator
 
@@ -73,14 +73,14 @@ def test_what_waits_is_waited_for_no_longer_than_once(
         return True
 
     with pc.Client(server.connection, clock=clock.now) as client:
-        dialogue = client._server_session
+        session = client._server_session
         for _ in range(5):
-            dialogue.outbox.add(
-                commands.Quiet(session=dialogue.welcome.session, sequence=1, time=0.0, zones=())
+            session.outbox.add(
+                commands.Quiet(session=session.welcome.session, sequence=1, time=0.0, zones=())
             )
-        dialogue.outbox.waiting *= 5
-        monkeypatch.setattr(dialogue, "_send", slow)
-        assert dialogue._flush(1.0)
+        session.outbox.waiting *= 5
+        monkeypatch.setattr(session, "_send", slow)
+        assert session._flush(1.0)
         monkeypatch.undo()
     assert len(waits) == 5
     assert 0.6 * sum(waits) <= 1.0

@@ -1,4 +1,4 @@
-"""Decide whether ticks solve or a thread does so beside them, because they would be late; and when it solves."""
+"""Decide whether solves run in the ticks, or in a thread beside them, and when such a solve begins."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
 
 @dataclass
-class SolveSchedule:
-    """Counts ticks, long ones among them, and solves that fit.
+class BackgroundSchedule:
+    """Decides whether solves run beside the ticks, and when. Counts long ticks, and solves that would fit.
 
     period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the next solve will
     take, by the last ones. interval: number of ticks from one solution to the next, likewise.

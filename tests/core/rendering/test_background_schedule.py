@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.rendering.solve_schedule import (
+from pacinian.rendering.background_schedule import (
     END_SPREAD,
     FAR_TOO_LONG,
     LONG_SHARE,
@@ -21,28 +21,28 @@ from pacinian.rendering.solve_schedule import (
     SHORT,
     SOLVES_SEEN,
     TICKS_SEEN,
-    SolveSchedule,
+    BackgroundSchedule,
 )
 
 PERIOD = 1e-3  # [s]
 LEAST, MOST = (
     round(MIN_INTERVAL / PERIOD),
     round(MAX_INTERVAL / PERIOD),
-)  # ticks from solve to solve
+)  # ticks from one solve to the next
 bounded = settings(max_examples=60)
 
 
-def beside() -> SolveSchedule:
-    """A schedule after as many long ticks as it takes."""
-    schedule = SolveSchedule(PERIOD)
+def beside() -> BackgroundSchedule:
+    """Return a schedule whose solves run beside the ticks, after enough long ticks."""
+    schedule = BackgroundSchedule(PERIOD)
     for _ in range(MIN_LONG_TICKS):
         schedule.note_tick(1.1 * LONG_SHARE * PERIOD)
     assert schedule.beside
     return schedule
 
 
-def count_solves(schedule: SolveSchedule, seconds: float, most: int) -> int:
-    """Such solves until ticks solve again; more than `most` if they do not."""
+def count_solves(schedule: BackgroundSchedule, seconds: float, most: int) -> int:
+    """Return the number of such solves until ticks solve again; more than `most` if they do not."""
     for k in range(most):
         schedule.note_solve(seconds)
         if not schedule.beside:
@@ -51,7 +51,7 @@ def count_solves(schedule: SolveSchedule, seconds: float, most: int) -> int:
 
 
 def test_solves_leave_the_ticks_where_many_are_long_and_not_for_a_few() -> None:
-    schedule = SolveSchedule(PERIOD)
+    schedule = BackgroundSchedule(PERIOD)
     for k in range(10 * TICKS_SEEN):
         long = k % TICKS_SEEN < MIN_LONG_TICKS - 1
         schedule.note_tick((1.1 if long else 0.5) * LONG_SHARE * PERIOD)
@@ -64,7 +64,7 @@ def test_solves_leave_the_ticks_where_many_are_long_and_not_for_a_few() -> None:
 
 
 def test_two_successive_ticks_that_are_far_too_long_suffice() -> None:
-    schedule = SolveSchedule(PERIOD)
+    schedule = BackgroundSchedule(PERIOD)
     for seconds in (1.1, 0.1, 1.1):
         schedule.note_tick(seconds * FAR_TOO_LONG * PERIOD)
         assert not schedule.beside
@@ -93,7 +93,7 @@ def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
 @bounded
 @given(st.lists(st.floats(0.0, 0.02), min_size=1, max_size=50))
 def test_a_solve_is_expected_to_take_as_many_ticks_as_the_last_ones(seconds: Any) -> None:
-    """By their median, so that one that was held up does not count, and never over many."""
+    """The median of the last solves counts, so that a single delay does not; it is limited to MAX_TICKS."""
     schedule = beside()
     for n, each in enumerate(seconds, 1):
         schedule.note_solve(each)
@@ -101,8 +101,8 @@ def test_a_solve_is_expected_to_take_as_many_ticks_as_the_last_ones(seconds: Any
         assert schedule.ticks == min(max(1, expected), MAX_TICKS)
 
 
-def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[SolveSchedule, list[int]]:
-    """A schedule, and the ticks in which solves began: scenes come `every` ticks, and solves take `taken`."""
+def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[BackgroundSchedule, list[int]]:
+    """Return a schedule and the ticks in which solves began. Scenes change every `every` ticks; solves take `taken`."""
     schedule, began, changed = beside(), list[int](), False
     for k in range(ticks):
         changed = changed or k % every == 0
@@ -137,7 +137,7 @@ def test_solves_are_never_more_frequent_than_needed_nor_rarer_than_motion_allows
 
 @pytest.mark.parametrize(("rate", "ticks"), [(20.0, 1), (100.0, 1), (250.0, 3), (4000.0, 48)])
 def test_the_intervals_are_times_whatever_the_rate(rate: float, ticks: int) -> None:
-    schedule = SolveSchedule(1.0 / rate, beside=True)
+    schedule = BackgroundSchedule(1.0 / rate, beside=True)
     assert schedule.begin_solve(False)
     began = 0
     while True:
@@ -150,7 +150,7 @@ def test_the_intervals_are_times_whatever_the_rate(rate: float, ticks: int) -> N
 
 
 def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:
-    """As after new limits: one long tick must not suffice later."""
+    """This happens after new limits. Later, one long tick must not suffice."""
     schedule = beside()
     for _ in range(MIN_LONG_TICKS):
         schedule.note_tick(9.0 * PERIOD)
