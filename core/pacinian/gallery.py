@@ -94,7 +94,7 @@ def stm_circle(t: float) -> Scene:
 
 
 def rain(t: float) -> Scene:
-    """Forty drops that rise to the palm one after the other, like rain upside down, because the array is below."""
+    """Forty drops that rise to the palm one after the other: rain upside down, as the array is below."""
     return _drops(math.floor(t * TRACKED) % int(TRACKED))
 
 

@@ -29,7 +29,7 @@ LONE_DOT, RIM = (
     0.014,
     1.4,
 )  # [m] the same where nothing else is above the array, and its rim's share of that
-ZOOMS, LONE_ZOOM = (1.42, 1.45), 1.3
+ZOOMS, LONE_ZOOM = (1.34, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
 APART = 0.65  # largest diameter of a sample, over the distance to the next
 MAP = "inferno"
