@@ -1,13 +1,17 @@
 """Check that every public name has a docstring with the shapes and units of its arguments."""
 
+import ast
 import inspect
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import pacinian as pc
 
+ROOT = Path(__file__).parents[1]
+PACKAGES = sorted(file for top in ("core", "plugins") for file in (ROOT / top).rglob("__init__.py"))
 NAMES = sorted(pc.__all__)
 PARTS = [
     name for name in NAMES if inspect.isclass(getattr(pc, name)) or callable(getattr(pc, name))
@@ -43,3 +47,18 @@ def test_a_public_function_names_its_arguments_with_units_or_shapes(name: str) -
             text += documented(pc.Session) + documented(pc.Session.solve)
         assert re.search(rf"\b{argument}\b", text), f"{name}: {argument}"
     assert re.search(r"\[[^\]]+\]|\(\w+,", text), f"{name} gives no unit or shape"
+
+
+@pytest.mark.parametrize("file", PACKAGES, ids=lambda file: str(file.parent.relative_to(ROOT)))
+def test_a_package_lists_files_that_it_has(file: Path) -> None:
+    """A list in a package's docstring has columns: `name, name/, name.py   what they are`."""
+    text = ast.get_docstring(ast.parse(file.read_text("utf-8"))) or ""
+    for line in text.splitlines()[1:]:
+        for column in re.split(r" {2,}", line):
+            names = column.split(", ")
+            if all(re.fullmatch(r"[a-z_0-9*]+(\.py|\.md|/)?", name) for name in names):
+                for name in names:
+                    found = file.parent.glob(
+                        name if name.endswith((".py", ".md", "/")) else f"{name}.py"
+                    )
+                    assert any(found), f"there is no {name}"

@@ -10,7 +10,7 @@ from msgspec import Raw
 from msgspec.structs import replace
 
 from pacinian.viewing.hub import EVENTS, Hub
-from pacinian.viewing.messages import Disarm, Hello, Session
+from pacinian.viewing.messages import Disarm, Hello, SessionMessage
 from pacinian.viewing.scene_mirror import SceneMirror
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 POSE = bytes(28)
 BALL, BOX = (Raw(msgpack.packb({"type": name})) for name in ("ball", "box"))
-OURS = Session(name="viewer", scene="", lease=0.25, armed=True, mine=False)
+OURS = SessionMessage(name="viewer", scene="", lease=0.25, armed=True, mine=False)
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ link.py                a socket, and the end of its connection
 messages.py            arguments of the API as fields of the wire
 outbox.py              commands that wait for room in the socket
 state_subscription.py  the newest state
-rendered_scene.py      the scene as the server shows it
 server_clock.py        offset of the server's clock, round trips
 emergency.py           a stop that needs no session
 connection_file.py     connection files and CURVE keys

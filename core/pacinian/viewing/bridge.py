@@ -19,7 +19,16 @@ from pacinian.client.connection_file import resolve_connection
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.demonstration import Demonstration
-from pacinian.viewing.messages import Alive, Arm, Demonstrate, Disarm, Reset, Select, Session, Stop
+from pacinian.viewing.messages import (
+    Alive,
+    Arm,
+    Demonstrate,
+    Disarm,
+    Reset,
+    Select,
+    SessionMessage,
+    Stop,
+)
 from pacinian.viewing.states import StateReader
 from pacinian.wire.convert_modulation import technique_to_scene
 
@@ -56,7 +65,7 @@ class Bridge:
         self._first: tuple[int, AnyAsked] | None = None
         self._demonstration: Demonstration | None = None
         self._demonstrated = 0  # the page that requested it
-        self._told: tuple[Session, int] | None = None
+        self._told: tuple[SessionMessage, int] | None = None
         self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
 
     def start(self) -> None:
@@ -235,7 +244,9 @@ class Bridge:
         for error in client.errors:
             self._refuse(self._selected.pop(error.request, 0), Select(), error)
         armed = client.armed
-        session = Session(name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False)
+        session = SessionMessage(
+            name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False
+        )
         if (session, self._owner) != self._told:
             self._told = session, self._owner
             self._post(self._hub.set_session, *self._told)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.viewing.messages import Disarm, Lost, Refused, Session, Slice, encode_message
+from pacinian.viewing.messages import Disarm, Lost, Refused, SessionMessage, Slice, encode_message
 from pacinian.viewing.scene_mirror import SceneMirror
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Hub:
         self.record: Callable[[int, bool], None] = lambda page, on: None
         self.values: dict[str, tuple[int, bytes]] = {}
         self.scenery = SceneMirror()
-        self.session: tuple[Session, int] | None = None
+        self.session: tuple[SessionMessage, int] | None = None
         self.views: dict[int, View] = {}
         self._numbers = itertools.count(1)
 
@@ -100,7 +100,7 @@ class Hub:
         self.scenery = scenery
         self.wake_views()
 
-    def set_session(self, session: Session, owner: int) -> None:
+    def set_session(self, session: SessionMessage, owner: int) -> None:
         """Set the state of the viewer's session with the server. owner: the page that armed."""
         self.session = session, owner
         self._let_go()
@@ -157,7 +157,7 @@ class View:
         self._hub = hub
         self._seen: dict[str, int] = {}
         self._scenery = SceneMirror()
-        self._session: tuple[Session, int] | None = None
+        self._session: tuple[SessionMessage, int] | None = None
 
     def take(self) -> Iterator[tuple[str, bytes]]:
         """Yield the newest value of each kind that is new for this view, read at the moment it is sent."""

@@ -200,7 +200,7 @@ class ArrayMessage(ServerMessage, frozen=True, kw_only=True, tag="array"):
     sound: Sound | None = None
 
 
-class Session(ServerMessage, frozen=True, kw_only=True, tag="session"):
+class SessionMessage(ServerMessage, frozen=True, kw_only=True, tag="session"):
     """The viewer's session with the server. name: the owner's name in `state` while the viewer owns the output.
 
     armed: whether a page of this viewer armed the output. mine: whether the receiving page did; then it must send

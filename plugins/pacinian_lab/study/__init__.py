@@ -2,10 +2,10 @@
 
 Definition   file.py      studies and their files          sweep.py    lists that are swept
              layouts.py, arrangements.py                   planes.py, patterns.py
-Execution    tasks.py     the tasks, and their keys        work.py     computes missing tasks
-             engine.py    runs them with Dask              store.py    stores the results
-Worker       worker.py    solves and measures              stage.py    data shared by the tasks of one place
-             measures.py  the columns of the results       focus.py    the size of a focus
+Execution    tasks.py     the tasks, and their keys        study_run.py     computes missing tasks
+             engine.py    runs them with Dask              store.py         stores the results
+Worker       worker.py    solves and measures              target_plane.py  data that the tasks of one place share
+             measures.py  the columns of the results       focus.py         the size of a focus
 Report       report.py    Markdown                         images.py, charts.py
 """
 

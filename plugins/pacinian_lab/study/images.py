@@ -124,9 +124,9 @@ def _images(
 def _field(plan: Plan, task: Task) -> tuple[Floats, Floats]:
     """Return |p| [Pa] in the picture, and the points with a target in its plane [m]."""
     batch = plan.batch([task])
-    stage = batch.stage()
-    gains = quantise_gains(batch, solve(batch, stage, batch.jobs[0]).gains)
-    return stage.field(gains), stage.uv[stage.asked]
+    target_plane = batch.target_plane()
+    gains = quantise_gains(batch, solve(batch, target_plane, batch.jobs[0]).gains)
+    return target_plane.field(gains), target_plane.uv[target_plane.asked]
 
 
 def _bar(page: Any, image: Any, panels: Sequence[Panel], label: str) -> None:

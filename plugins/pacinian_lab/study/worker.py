@@ -17,7 +17,7 @@ import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.rendering.quantiser import Quantiser
 from pacinian_lab.study.measures import MEASURES, amplitudes, compute_emitted_power, image
-from pacinian_lab.study.stage import Stage
+from pacinian_lab.study.target_plane import TargetPlane
 
 if TYPE_CHECKING:
     from distributed import Worker
@@ -67,16 +67,18 @@ class Batch:
     picture: Picture
     jobs: tuple[Job, ...]
 
-    def stage(self) -> Stage:
+    def target_plane(self) -> TargetPlane:
         """Return the data that the tasks share."""
-        return Stage(self.array, self.plane, self.uv, self.proportions, self.medium, self.picture)
+        return TargetPlane(
+            self.array, self.plane, self.uv, self.proportions, self.medium, self.picture
+        )
 
 
 def measure(batch: Batch) -> list[Row]:
     """Return a row for each task. The row of a failed task has the reason."""
     with threadpool_limits(1):
-        stage = batch.stage()
-        return [_row(batch, stage, job) for job in batch.jobs]
+        target_plane = batch.target_plane()
+        return [_row(batch, target_plane, job) for job in batch.jobs]
 
 
 def make_failure(job: Job, reason: str) -> Row:
@@ -84,27 +86,27 @@ def make_failure(job: Job, reason: str) -> Row:
     return {"key": job.key, "failure": reason}
 
 
-def _row(batch: Batch, stage: Stage, job: Job) -> Row:
+def _row(batch: Batch, target_plane: TargetPlane, job: Job) -> Row:
     try:
-        return _measure_job(batch, stage, job)
+        return _measure_job(batch, target_plane, job)
     except Exception as error:
         return make_failure(job, f"{type(error).__name__}: {error}")
 
 
-def _measure_job(batch: Batch, stage: Stage, job: Job) -> Row:
+def _measure_job(batch: Batch, target_plane: TargetPlane, job: Job) -> Row:
     exact = job.level != math.inf
-    t = targets(batch, stage, job.level)
-    solution, seconds = _time_solve(batch, stage, job)
+    t = targets(batch, target_plane, job.level)
+    solution, seconds = _time_solve(batch, target_plane, job)
     g = quantise_gains(batch, solution.gains).astype(np.complex128)
-    a = np.abs(stage.B @ g)
+    a = np.abs(target_plane.B @ g)
     power = compute_emitted_power(batch.array, g, batch.medium)
-    P = pc.radiation_pressure(a[stage.asked], batch.medium)
-    rank, condition = stage.spectrum
+    P = pc.radiation_pressure(a[target_plane.asked], batch.medium)
+    rank, condition = target_plane.spectrum
     measured = {
         **amplitudes(a, t, exact=exact),
-        **image(a[stage.asked], stage.field(g), stage.lobes),
-        **{f"width_{way}": width for way, width in stage.widths._asdict().items()},
-        "reach": (batch.gain or 1.0) * float(stage.reach.max()),
+        **image(a[target_plane.asked], target_plane.field(g), target_plane.lobes),
+        **{f"width_{way}": width for way, width in target_plane.widths._asdict().items()},
+        "reach": (batch.gain or 1.0) * float(target_plane.reach.max()),
         "yield": float(P.mean()) / power if power > 0.0 else math.nan,
         "condition": condition,
         "saturation": solution.saturation,
@@ -118,32 +120,32 @@ def _measure_job(batch: Batch, stage: Stage, job: Job) -> Row:
         "iterations": solution.iterations,
         "transducers": len(batch.array),
         "points": len(batch.uv),
-        "aperture": stage.aperture,
-        "spacing": stage.spacing,
+        "aperture": target_plane.aperture,
+        "spacing": target_plane.spacing,
         "rank": rank,
         **{name: measured[name] for name in MEASURES},
         "seconds": seconds,
     }
 
 
-def targets(batch: Batch, stage: Stage, level: float) -> Floats:
+def targets(batch: Batch, target_plane: TargetPlane, level: float) -> Floats:
     """Return the target sound pressures [Pa], (M,), with ||t|| = level x gain limit x mean reach of a focus.
 
     Raises ArgumentError if no sound reaches the points.
     """
     level = 1.0 if level == math.inf else level
-    size = level * (batch.gain or 1.0) * float(stage.reach.mean())
+    size = level * (batch.gain or 1.0) * float(target_plane.reach.mean())
     if not size > 0.0:
         raise ArgumentError("points", "cannot be reached by the sound of any transducer")
     return batch.proportions * (size / float(np.linalg.norm(batch.proportions)))
 
 
-def solve(batch: Batch, stage: Stage, job: Job) -> pc.Solution:
+def solve(batch: Batch, target_plane: TargetPlane, job: Job) -> pc.Solution:
     """Return the solution of one task. Raises the errors of solvers."""
     return pc.solve(
         batch.array,
-        stage.points,
-        targets(batch, stage, job.level),
+        target_plane.points,
+        targets(batch, target_plane, job.level),
         job.method.phases,
         solver=job.method.make(),
         limits=pc.Limits(gain=batch.gain),
@@ -164,16 +166,16 @@ def quantise_gains(batch: Batch, gains: Gains | Complexes) -> Complexes:
     return made.copy()
 
 
-def _time_solve(batch: Batch, stage: Stage, job: Job) -> tuple[pc.Solution, float]:
+def _time_solve(batch: Batch, target_plane: TargetPlane, job: Job) -> tuple[pc.Solution, float]:
     """Return the solution, and the median of its run times, from points to gains [s]."""
     if job.method.name not in _warm:  # the solver may have to load or compile something
-        solve(batch, stage, job)
+        solve(batch, target_plane, job)
         _warm.add(job.method.name)
     times: list[float] = []
     solution = None
     while solution is None or (len(times) < TIMED and sum(times) < SLOW):
         begin = time.perf_counter()
-        solution = solve(batch, stage, job)
+        solution = solve(batch, target_plane, job)
         times.append(time.perf_counter() - begin)
     return solution, median(times)
 

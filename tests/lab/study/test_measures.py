@@ -108,27 +108,28 @@ def test_everything_agrees_with_direct_evaluation_in_double_precision() -> None:
     plan = Plan(study)
     batch = plan.batch(plan.tasks)
     (row,) = measure(batch)
-    stage = batch.stage()
-    g = solve(batch, stage, batch.jobs[0]).gains
-    B = pc.matrix(batch.array, stage.points, AIR)
-    t = targets(batch, stage, 0.4)
+    target_plane = batch.target_plane()
+    g = solve(batch, target_plane, batch.jobs[0]).gains
+    B = pc.matrix(batch.array, target_plane.points, AIR)
+    t = targets(batch, target_plane, 0.4)
     assert np.linalg.norm(t) == pytest.approx(0.4 * np.abs(B).sum(axis=1).mean())
-    a = np.abs(pc.field(batch.array, g, stage.points, AIR, precision="double"))
+    a = np.abs(pc.field(batch.array, g, target_plane.points, AIR, precision="double"))
     assert row["error"] == pytest.approx(np.linalg.norm(a - t) / np.linalg.norm(t), abs=1e-7)
     assert row["maximum"] == pytest.approx(a.max(), rel=1e-6)
     assert row["condition"] == pytest.approx(np.linalg.cond(B), rel=1e-9)
     assert row["rank"] == np.linalg.matrix_rank(B)
     foci = [
-        pc.solve(batch.array, [q], [1.0], solver="single-focus", scale="max") for q in stage.points
+        pc.solve(batch.array, [q], [1.0], solver="single-focus", scale="max")
+        for q in target_plane.points
     ]
     reached = max(float(np.abs(focus.sound_pressure[0])) for focus in foci)
     assert row["reach"] == pytest.approx(reached, rel=1e-5)
-    pixels = Plane(z=0.15, tilt=0.5, azimuth=0.35).points(stage.pixels)
+    pixels = Plane(z=0.15, tilt=0.5, azimuth=0.35).points(target_plane.pixels)
     P = np.abs(pc.field(batch.array, g, pixels, AIR, precision="double")) ** 2
     assert pixels.shape == (31, 31, 3)
-    assert row["efficiency"] == pytest.approx(P[stage.lobes].sum() / P.sum(), rel=1e-4)
-    outside = P[~stage.lobes]
-    loudest = max(P[stage.lobes].max(), (a**2).max())
+    assert row["efficiency"] == pytest.approx(P[target_plane.lobes].sum() / P.sum(), rel=1e-4)
+    outside = P[~target_plane.lobes]
+    loudest = max(P[target_plane.lobes].max(), (a**2).max())
     assert row["side_lobe"] == pytest.approx(10.0 * np.log10(outside.max() / loudest), abs=1e-3)
     within = (a**2).mean()
     assert row["contrast"] == pytest.approx(
@@ -142,10 +143,11 @@ def test_pixels_at_a_transducer_do_not_count() -> None:
         planes=(Plane(z=0.05, tilt=np.pi / 2.0),),
     )  # fmt: skip
     plan = Plan(study)
-    stage = plan.batch(plan.tasks).stage()
-    field = stage.field(np.ones(121))
+    target_plane = plan.batch(plan.tasks).target_plane()
+    field = target_plane.field(np.ones(121))
     near = np.linalg.norm(
-        stage.plane.points(stage.pixels)[:, :, None] - stage.array.positions, axis=-1
+        target_plane.plane.points(target_plane.pixels)[:, :, None] - target_plane.array.positions,
+        axis=-1,
     )
     assert np.array_equal(np.isnan(field), near.min(axis=-1) < 0.00425)
     assert np.isnan(field).any()
@@ -163,7 +165,7 @@ def test_the_papers_experiment_comes_out_as_it_does_elsewhere(
     (task,) = [t for t in plan.tasks if {k: getattr(t.place, k).label for k in place} == place]
     batch = replace(plan.batch([task]), picture=Picture(side=0.4, step=0.05))
     (row,) = measure(batch)
-    asked = float(targets(batch, batch.stage(), 1.0).max())
+    asked = float(targets(batch, batch.target_plane(), 1.0).max())
     assert f"{row['correlation']:.2f}" == correlation
     assert f"{row['maximum'] / asked:.2f}" == maximum
     assert row["rank"] == rank
@@ -177,7 +179,7 @@ def test_gains_are_rounded_to_the_devices_levels_before_they_are_judged() -> Non
     assert coarse["error"] > 10.0 * exact["error"]
     study = Study(layouts=(Autd(),), picture=SMALL, emitted=Steps(phases=16, amplitudes=5), **parts)
     batch = Plan(study).batch(Plan(study).tasks)
-    g = quantise_gains(batch, solve(batch, batch.stage(), batch.jobs[0]).gains)
+    g = quantise_gains(batch, solve(batch, batch.target_plane(), batch.jobs[0]).gains)
     np.testing.assert_allclose(4.0 * np.abs(g), np.rint(4.0 * np.abs(g)), atol=1e-5)
     turns = 16.0 * np.angle(g[np.abs(g) > 0.0]) / (2.0 * np.pi)
     np.testing.assert_allclose(turns, np.rint(turns), atol=1e-4)

@@ -18,7 +18,7 @@ SILENT, ARMED, CLOSES = 0, 1, 2  # values of `Permit.armed`
 
 
 @dataclass(eq=False, slots=True)
-class Session:
+class ClientSession:
     """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s].
 
     number: of its scene, as in `Permit`.
@@ -47,7 +47,7 @@ class OutputLease:
 
     def __init__(self, takeover: bool = True) -> None:
         self.permit = Permit()
-        self.owner: Session | None = None
+        self.owner: ClientSession | None = None
         self.fault = ""
         self.replies: list[tuple[bytes, Reply]] = []
         self._takeover = takeover
@@ -86,7 +86,7 @@ class OutputLease:
             self._asked = []
 
     def arm(
-        self, session: Session, request: int, take: bool, now: float, *, resume: bool = False
+        self, session: ClientSession, request: int, take: bool, now: float, *, resume: bool = False
     ) -> None:
         """Arm the session's scene: at once, or when another session's sound has faded.
 
@@ -115,21 +115,21 @@ class OutputLease:
             self._asked.append(request)
             self.pass_time(now)
 
-    def renew(self, session: Session, now: float) -> None:
+    def renew(self, session: ClientSession, now: float) -> None:
         """Extend the lease of the session to `session.until`, or begin it again if it ran out and `resumes`."""
         if session is self.owner and self.armed:
             self.permit = self.permit._replace(until=session.until)
         elif session is self.owner and self.resumes and now < session.until:
             self._begin(session)
 
-    def disarm(self, session: Session, now: float) -> bool:
+    def disarm(self, session: ClientSession, now: float) -> bool:
         """Let go of the output with a soft end. Return False if another session owns it."""
         if self.owner not in (None, session):
             return False
         self._leave(now)
         return True
 
-    def gone(self, session: Session, now: float, *, soft: bool = False) -> None:
+    def gone(self, session: ClientSession, now: float, *, soft: bool = False) -> None:
         """Note that the session has ended. soft: fade out instead of silencing at once."""
         if session is self.owner:
             self._leave(now)
@@ -175,7 +175,7 @@ class OutputLease:
                 armed=CLOSES, until=min(self.permit.until, now + CLOSING)
             )
 
-    def _begin(self, session: Session) -> None:
+    def _begin(self, session: ClientSession) -> None:
         epoch = self.permit.epoch + 1
         self.permit = Permit(ARMED, session.until, epoch, scene=session.number)
         self.resumes = False
@@ -197,7 +197,7 @@ class OutputLease:
             self._error(self.owner, 0, code, problem, advice)
 
     def _error(
-        self, session: Session, request: int, code: Code, problem: str, advice: str = ""
+        self, session: ClientSession, request: int, code: Code, problem: str, advice: str = ""
     ) -> None:
         error = Error(id=request, code=code, message=problem[:1000], advice=advice)
         self.replies.append((session.peer, error))

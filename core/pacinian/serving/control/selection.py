@@ -16,7 +16,7 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pacinian.serving.control.output_lease import Session
+    from pacinian.serving.control.output_lease import ClientSession
     from pacinian.serving.settings import Settings
     from pacinian.wire.control import Select
     from pacinian.wire.replies import Reply
@@ -51,7 +51,11 @@ class Selection:
         self._ends = 0
 
     def ask(
-        self, session: Session, message: Select, known: Mapping[str, tuple[str, ...]], now: float
+        self,
+        session: ClientSession,
+        message: Select,
+        known: Mapping[str, tuple[str, ...]],
+        now: float,
     ) -> Reply | None:
         """Order what a session selects; return the reply, or None if it must wait for the results.
 

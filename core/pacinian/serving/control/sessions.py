@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 from typing import TYPE_CHECKING
 
-from pacinian.serving.control.output_lease import OutputLease, Session
+from pacinian.serving.control.output_lease import ClientSession, OutputLease
 from pacinian.serving.ipc import messages
 from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION
@@ -42,11 +42,11 @@ class ClientSessions:
         self.changes = self.resets = self.replayed = 0
         self._settings, self._server, self._key = settings, server, key
         self._scenes = 0  # that have begun
-        self._by_key: dict[bytes, Session] = {}
-        self._by_peer: dict[bytes, Session] = {}
+        self._by_key: dict[bytes, ClientSession] = {}
+        self._by_peer: dict[bytes, ClientSession] = {}
 
     @property
-    def all(self) -> tuple[Session, ...]:
+    def all(self) -> tuple[ClientSession, ...]:
         """All sessions."""
         return tuple(self._by_key.values())
 
@@ -105,7 +105,7 @@ class ClientSessions:
                 raise TypeError(type(message).__name__)
         self._tell(peer, Ok(id=message.id))
 
-    def of(self, peer: bytes, key: bytes, request: int = 0) -> Session | None:
+    def of(self, peer: bytes, key: bytes, request: int = 0) -> ClientSession | None:
         """Return the session with that key on this connection; otherwise None, with an error to the peer."""
         session = self._by_key.get(key)
         if session is not None and session.peer == peer:
@@ -127,7 +127,7 @@ class ClientSessions:
             self._tell(session.peer, error)
             self._end(session, now)
 
-    def probe(self, session: Session, now: float) -> Renewed:
+    def probe(self, session: ClientSession, now: float) -> Renewed:
         """Return the unsolicited message that reports the session's lease."""
         return self._make_renewed(session, 0, now)
 
@@ -158,7 +158,7 @@ class ClientSessions:
             return
         most_lease = self._settings.safety.lease
         scene = message.scene or f"{OWN}{secrets.token_hex(8)}"
-        session = Session(
+        session = ClientSession(
             key=self._key(),
             peer=peer,
             user=user,
@@ -185,7 +185,7 @@ class ClientSessions:
             ),
         )
 
-    def _renew(self, session: Session, message: Renew, now: float) -> None:
+    def _renew(self, session: ClientSession, message: Renew, now: float) -> None:
         if message.sequence <= session.sequence:
             problem = f"renewal {message.sequence} is not above {session.sequence}"
             self._error(session.peer, message.id, "sequence", problem)
@@ -196,7 +196,7 @@ class ClientSessions:
         self.lease.renew(session, now)
         self._tell(session.peer, self._make_renewed(session, message.id, now))
 
-    def _make_renewed(self, session: Session, request: int, now: float) -> Renewed:
+    def _make_renewed(self, session: ClientSession, request: int, now: float) -> Renewed:
         owner = session is self.lease.owner
         return Renewed(
             id=request,
@@ -208,7 +208,7 @@ class ClientSessions:
             armed=owner and self.lease.armed,
         )
 
-    def _end(self, session: Session, now: float, *, soft: bool = False) -> None:
+    def _end(self, session: ClientSession, now: float, *, soft: bool = False) -> None:
         del self._by_key[session.key], self._by_peer[session.peer]
         self.changes += 1
         self.lease.gone(session, now, soft=soft)

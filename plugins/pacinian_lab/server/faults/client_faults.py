@@ -1,4 +1,4 @@
-"""Faults of a client, or of its connection. Each function injects one fault into a stage, once."""
+"""Faults of a client, or of its connection. Each function injects one fault into a rig, once."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import zmq
 from pacinian_lab.server.faults.game import POINT
 from pacinian_lab.server.faults.proxy import Proxy
 from pacinian_lab.server.faults.raw_client import Peer, Silent, prepare
-from pacinian_lab.server.faults.stage import Times, until
+from pacinian_lab.server.faults.rig import Times, until
 
 if TYPE_CHECKING:
-    from pacinian_lab.server.faults.stage import Stage
+    from pacinian_lab.server.faults.rig import Rig
 
 FREEZE = 0.6  # [s]
 HOUR = 3600.0  # [s]
@@ -24,66 +24,66 @@ READERS, READ = 20, 3.0  # subscribers that never read; length of the test [s]
 MOST_TOPICS = 20_000
 
 
-def kill_client(stage: Stage) -> Times:
+def kill_client(rig: Rig) -> Times:
     """Kill the game with kill -9, then start another."""
-    return Times(stage.inject_fault(stage.end), stage.recover(stage.play))
+    return Times(rig.inject_fault(rig.end), rig.recover(rig.play))
 
 
-def stop_client(stage: Stage) -> Times:
+def stop_client(rig: Rig) -> Times:
     """Stop the game with SIGSTOP, so that its sockets stay open, then continue it with SIGCONT."""
-    stage.wait_for_sound()
-    game = stage.game
+    rig.wait_for_sound()
+    game = rig.game
     if game is None:
         raise RuntimeError("there is no game")
-    silence = stage.inject_fault(lambda: game.send_signal(signal.SIGSTOP))
-    return Times(silence, stage.recover(lambda: game.send_signal(signal.SIGCONT)))
+    silence = rig.inject_fault(lambda: game.send_signal(signal.SIGSTOP))
+    return Times(silence, rig.recover(lambda: game.send_signal(signal.SIGCONT)))
 
 
-def freeze_client(stage: Stage) -> Times:
+def freeze_client(rig: Rig) -> Times:
     """Freeze the game's thread while its sockets stay alive, then let it go on."""
-    silence = stage.inject_fault(lambda: stage.tell("freeze", seconds=FREEZE))
-    return Times(silence, stage.recover(after=FREEZE))
+    silence = rig.inject_fault(lambda: rig.tell("freeze", seconds=FREEZE))
+    return Times(silence, rig.recover(after=FREEZE))
 
 
-def half_open_client(stage: Stage) -> Times:
+def half_open_client(rig: Rig) -> Times:
     """Cut the connection without closing either end. A new game then connects directly."""
-    stage.end()
-    with Proxy(address(stage, "control")) as control, Proxy(address(stage, "command")) as command:
-        stage.play(control=control.address, command=command.address)
+    rig.end()
+    with Proxy(address(rig, "control")) as control, Proxy(address(rig, "command")) as command:
+        rig.play(control=control.address, command=command.address)
 
         def cut() -> None:
             control.cut()
             command.cut()
 
-        silence = stage.inject_fault(cut)
-        stage.end()
-    return Times(silence, stage.recover(stage.play))
+        silence = rig.inject_fault(cut)
+        rig.end()
+    return Times(silence, rig.recover(rig.play))
 
 
-def address(stage: Stage, name: str) -> str:
+def address(rig: Rig, name: str) -> str:
     """Return the address of one of the server's sockets."""
-    with Peer(stage.server.file) as peer:
+    with Peer(rig.server.file) as peer:
         return str(peer.file[name])
 
 
-def jump_clock(stage: Stage) -> Times:
+def jump_clock(rig: Rig) -> Times:
     """Set the game's clock forward by an hour, then back by two. The output should continue."""
     gaps = [
-        stage.measure_gap(partial(stage.tell, "jump", seconds=ahead), 0.5)
+        rig.measure_gap(partial(rig.tell, "jump", seconds=ahead), 0.5)
         for ahead in (HOUR, -2.0 * HOUR, HOUR)
     ]
-    silence = stage.inject_fault(lambda: stage.tell("freeze", seconds=FREEZE))
-    recovery = stage.recover(after=FREEZE)
+    silence = rig.inject_fault(lambda: rig.tell("freeze", seconds=FREEZE))
+    recovery = rig.recover(after=FREEZE)
     return Times(
         silence, recovery, max(gaps), note="then frozen: the lease is no longer than before"
     )
 
 
-def subscribe_unread(stage: Stage) -> Times:
+def subscribe_unread(rig: Rig) -> Times:
     """Subscribe to the state and never read it; check the memory."""
     context = zmq.Context()
-    file = stage.onlooker.file
-    process = psutil.Process(stage.server.process.pid)
+    file = rig.onlooker.file
+    process = psutil.Process(rig.server.process.pid)
     before = process.memory_info().rss
     sockets = [context.socket(zmq.SUB) for _ in range(READERS)]
     try:
@@ -92,7 +92,7 @@ def subscribe_unread(stage: Stage) -> Times:
             socket.rcvhwm, socket.rcvbuf = 1, 4096
             socket.subscribe(b"")
             socket.connect(file["state"])
-        gap = stage.measure_gap(lambda: None, READ)
+        gap = rig.measure_gap(lambda: None, READ)
         grown = process.memory_info().rss - before
     finally:
         for socket in sockets:
@@ -101,11 +101,11 @@ def subscribe_unread(stage: Stage) -> Times:
     return Times(gap=gap, note=f"{READERS} subscribers for {READ:g} s: {grown / 1e6:+.1f} MB")
 
 
-def subscribe_widely(stage: Stage) -> Times:
+def subscribe_widely(rig: Rig) -> Times:
     """Subscribe to thousands of topics; check the memory."""
     context = zmq.Context()
-    file = stage.onlooker.file
-    process = psutil.Process(stage.server.process.pid)
+    file = rig.onlooker.file
+    process = psutil.Process(rig.server.process.pid)
     before = process.memory_info().rss
     with context.socket(zmq.SUB) as socket:
         prepare(socket, file)
@@ -116,43 +116,43 @@ def subscribe_widely(stage: Stage) -> Times:
             for n in range(MOST_TOPICS):
                 socket.subscribe(f"{n:<200d}".encode())
 
-        gap = stage.measure_gap(subscribe, 2.0)
+        gap = rig.measure_gap(subscribe, 2.0)
         grown = process.memory_info().rss - before
     context.term()
     return Times(gap=gap, note=f"{MOST_TOPICS} topics: {grown / 1e6:+.1f} MB")
 
 
-def stop_in_emergency(stage: Stage) -> Times:
+def stop_in_emergency(rig: Rig) -> Times:
     """Stop the output from another client, then reset it."""
-    onlooker = stage.onlooker
-    silence = stage.inject_fault(lambda: onlooker.say("stop"))
+    onlooker = rig.onlooker
+    silence = rig.inject_fault(lambda: onlooker.say("stop"))
     time.sleep(0.2)  # the game keeps arming meanwhile, and must not sound
-    events = stage.events()
-    heard = bool(events["sounds"][events["time"] > stage.at + silence].any())
-    recovery = stage.recover(lambda: onlooker.ask("reset"))
+    events = rig.events()
+    heard = bool(events["sounds"][events["time"] > rig.at + silence].any())
+    recovery = rig.recover(lambda: onlooker.ask("reset"))
     return Times(silence, recovery, note="sounded before the reset" if heard else "")
 
 
-def restart_server(stage: Stage) -> Times:
+def restart_server(rig: Rig) -> Times:
     """Kill the server with kill -9 under a running client, and start a new one in its place.
 
     Messages that the client sends in between must not arrive, and its old session and token must not be valid.
     """
-    stage.wait_for_sound()
-    with Peer(stage.server.file) as old:
+    rig.wait_for_sound()
+    with Peer(rig.server.file) as old:
         old.hello(client="left behind")
-        silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGKILL))
-        until(lambda: not stage.server.list_running())
+        silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGKILL))
+        until(lambda: not rig.server.list_running())
         since = time.perf_counter()
         told = 0
         for _ in range(50):
             told += old.command.poll(0, zmq.POLLOUT) and 1
             if told:
                 old.tell("put", objects={"stale": POINT})
-        stage.server.start()
+        rig.server.start()
         ready = time.perf_counter()
-        recovery = max(0.0, stage.find_heard(since) - ready)
-        status = stage.onlooker.ask("status")
+        recovery = max(0.0, rig.find_heard(since) - ready)
+        status = rig.onlooker.ask("status")
         names = [client["name"] for client in status["clients"]]
         try:
             old.renew()

@@ -19,8 +19,8 @@ from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Safety
 from pacinian_lab.server.faults import client_faults
 from pacinian_lab.server.faults import server_faults as parts
+from pacinian_lab.server.faults.rig import Rig, Times
 from pacinian_lab.server.faults.server import Server
-from pacinian_lab.server.faults.stage import Stage, Times
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator
@@ -47,7 +47,7 @@ class Fault(NamedTuple):
     """
 
     name: str
-    do: Callable[[Stage], Times]
+    do: Callable[[Rig], Times]
     bound: float
     stated: str
 
@@ -191,9 +191,9 @@ def _start(folder: Path) -> Server:
 def _once(server: Server, fault: Fault, row: Row) -> bool:
     """Inject the fault once. Returns whether the server works afterwards."""
     try:
-        with Stage(server) as stage:
-            row.times.append(fault.do(stage))
-            stage.wait_for_sound()
+        with Rig(server) as rig:
+            row.times.append(fault.do(rig))
+            rig.wait_for_sound()
     except (TimeoutError, OSError, KeyError, RuntimeError, PacinianError) as error:
         row.failed.append(f"{type(error).__name__}: {error}")
         return False

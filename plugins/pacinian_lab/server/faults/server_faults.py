@@ -1,4 +1,4 @@
-"""Faults inside the server, or of its device. Each function injects one fault into a stage, once."""
+"""Faults inside the server, or of its device. Each function injects one fault into a rig, once."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from pacinian.serving.settings import Safety
 from pacinian_lab.server.faults.hanging_solver import SINCE, STUCK, Stuck
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
 from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED, Other, Probe
+from pacinian_lab.server.faults.rig import QUIET, Times, until
 from pacinian_lab.server.faults.server import memory
-from pacinian_lab.server.faults.stage import QUIET, Times, until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian_lab.server.faults.stage import Stage
+    from pacinian_lab.server.faults.rig import Rig
 
 WINDOW = 0.5  # [s] observed for gaps, with and without a swap
 STILL = 1.3 * Safety().hung  # [s]
@@ -29,41 +29,41 @@ READY, USED = 0.5, 0.03  # [s]: a waiting spare uses less than USED of CPU time 
 SWAPPING = 0.03  # [s] after a selection during which the swap is in progress
 
 
-def kill_render(stage: Stage) -> Times:
+def kill_render(rig: Rig) -> Times:
     """Kill the renderer with kill -9."""
-    return _signal_part(stage, "render", signal.SIGKILL)
+    return _signal_part(rig, "render", signal.SIGKILL)
 
 
-def stop_render(stage: Stage) -> Times:
+def stop_render(rig: Rig) -> Times:
     """Stop the renderer with SIGSTOP, until control kills it for hanging."""
-    return _signal_part(stage, "render", signal.SIGSTOP)
+    return _signal_part(rig, "render", signal.SIGSTOP)
 
 
-def kill_bus(stage: Stage) -> Times:
+def kill_bus(rig: Rig) -> Times:
     """Kill the bus with kill -9. Sessions end, and the game says hello again."""
-    return _signal_part(stage, "bus", signal.SIGKILL)
+    return _signal_part(rig, "bus", signal.SIGKILL)
 
 
-def kill_guard(stage: Stage) -> Times:
+def kill_guard(rig: Rig) -> Times:
     """Kill the guard with kill -9. A device without a watchdog sounds until the spare guard has opened it."""
-    return _lose_guard(stage, lambda guard: guard.send_signal(signal.SIGKILL))
+    return _lose_guard(rig, lambda guard: guard.send_signal(signal.SIGKILL))
 
 
-def stop_guard(stage: Stage) -> Times:
+def stop_guard(rig: Rig) -> Times:
     """Stop the guard with SIGSTOP. Control kills it, and the spare guard takes over."""
-    return _lose_guard(stage, lambda guard: guard.send_signal(signal.SIGSTOP))
+    return _lose_guard(rig, lambda guard: guard.send_signal(signal.SIGSTOP))
 
 
-def block_guard(stage: Stage) -> Times:
+def block_guard(rig: Rig) -> Times:
     """Block the device in a frame. Control kills the guard, and the spare guard takes over."""
-    file = stage.server.folder / BLOCKED
-    return _lose_guard(stage, lambda guard: file.touch())
+    file = rig.server.folder / BLOCKED
+    return _lose_guard(rig, lambda guard: file.touch())
 
 
-def _lose_guard(stage: Stage, lose: Callable[[psutil.Process], object]) -> Times:
+def _lose_guard(rig: Rig, lose: Callable[[psutil.Process], object]) -> Times:
     """Take out the guard while a spare guard is ready."""
-    until(lambda: any(_is_waiting(p) for name, p in stage.server.parts().items() if name == SPARE))
-    return _inject_loss(stage, lambda: lose(stage.server.parts()["guard"]), quiet=0.0)
+    until(lambda: any(_is_waiting(p) for name, p in rig.server.parts().items() if name == SPARE))
+    return _inject_loss(rig, lambda: lose(rig.server.parts()["guard"]), quiet=0.0)
 
 
 def _is_waiting(process: psutil.Process) -> bool:
@@ -76,196 +76,196 @@ def _is_waiting(process: psutil.Process) -> bool:
     )
 
 
-def _signal_part(stage: Stage, part: str, number: int) -> Times:
-    process = stage.server.parts()[part]
-    if stage.onlooker.ask("status")["restarts"][part]:
+def _signal_part(rig: Rig, part: str, number: int) -> Times:
+    process = rig.server.parts()[part]
+    if rig.onlooker.ask("status")["restarts"][part]:
         # Control delays the restart of a process that ends repeatedly, and this delay is not to be
         # measured.
         until(lambda: time.time() - process.create_time() > TRUSTED_AFTER)
-    return _inject_loss(stage, lambda: process.send_signal(number))
+    return _inject_loss(rig, lambda: process.send_signal(number))
 
 
-def _inject_loss(stage: Stage, lose: Callable[[], object], quiet: float = QUIET) -> Times:
+def _inject_loss(rig: Rig, lose: Callable[[], object], quiet: float = QUIET) -> Times:
     def act() -> None:
-        stage.answers.clear()
+        rig.answers.clear()
         lose()
 
-    silence = stage.inject_fault(act, quiet)
-    recovery = stage.recover(after=0.0)
-    told = [answer["code"] for answer in stage.answers if answer["type"] == "error"]
+    silence = rig.inject_fault(act, quiet)
+    recovery = rig.recover(after=0.0)
+    told = [answer["code"] for answer in rig.answers if answer["type"] == "error"]
     return Times(silence, recovery, note=f"told: {told[0] if told else 'nothing'}")
 
 
-def kill_control(stage: Stage) -> Times:
+def kill_control(rig: Rig) -> Times:
     """Kill the parent with kill -9, which ends its children too, and start a new server."""
-    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGKILL))
-    until(lambda: not stage.server.list_running())
-    gone = time.perf_counter() - stage.at
-    stage.server.start()
-    return Times(silence, stage.recover(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
+    silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGKILL))
+    until(lambda: not rig.server.list_running())
+    gone = time.perf_counter() - rig.at
+    rig.server.start()
+    return Times(silence, rig.recover(after=gone), note=f"children gone in {1e3 * gone:.0f} ms")
 
 
-def stop_control(stage: Stage) -> Times:
+def stop_control(rig: Rig) -> Times:
     """Stop the parent with SIGSTOP, so that nobody renews the permit, then continue it with SIGCONT."""
-    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGSTOP))
-    return Times(silence, stage.recover(lambda: stage.server.signal("control", signal.SIGCONT)))
+    silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGSTOP))
+    return Times(silence, rig.recover(lambda: rig.server.signal("control", signal.SIGCONT)))
 
 
-def stop_all(stage: Stage) -> Times:
+def stop_all(rig: Rig) -> Times:
     """Suspend all processes, as on a suspended machine, for longer than `hung`, then resume them. None is replaced."""
-    before = stage.server.parts()
-    processes = [psutil.Process(stage.server.process.pid), *before.values()]
+    before = rig.server.parts()
+    processes = [psutil.Process(rig.server.process.pid), *before.values()]
 
     def act() -> None:
         for process in processes:
             process.suspend()
         time.sleep(STILL)
-        stage.at = time.perf_counter()
+        rig.at = time.perf_counter()
         for process in processes:
             process.resume()
 
-    silence = stage.inject_fault(act, quiet=0.0)  # the game may continue at once
-    recovery = stage.recover(after=0.0)
-    after = stage.server.parts()
+    silence = rig.inject_fault(act, quiet=0.0)  # the game may continue at once
+    recovery = rig.recover(after=0.0)
+    after = rig.server.parts()
     replaced = [name for name, process in before.items() if after.get(name) != process]
     return Times(silence, recovery, note=f"replaced: {replaced}" if replaced else "")
 
 
-def hang_solver(stage: Stage) -> Times:
+def hang_solver(rig: Rig) -> Times:
     """Select a solver that never returns once the output sounds."""
-    return _block_solver(stage, hold=False)
+    return _block_solver(rig, hold=False)
 
 
-def hold_solver(stage: Stage) -> Times:
+def hold_solver(rig: Rig) -> Times:
     """The same with a solver that holds the interpreter lock."""
-    return _block_solver(stage, hold=True)
+    return _block_solver(rig, hold=True)
 
 
-def _block_solver(stage: Stage, *, hold: bool) -> Times:
-    stage.wait_for_sound()
-    file, since = stage.server.folder / STUCK, stage.server.folder / SINCE
+def _block_solver(rig: Rig, *, hold: bool) -> Times:
+    rig.wait_for_sound()
+    file, since = rig.server.folder / STUCK, rig.server.folder / SINCE
     since.unlink(missing_ok=True)
-    answer = stage.select(solver={"name": Stuck.name, "options": {"hold": hold}})
+    answer = rig.select(solver={"name": Stuck.name, "options": {"hold": hold}})
     if answer["type"] != "ok":
         raise RuntimeError(f"{Stuck.name} cannot be selected: {answer}")
     try:
-        stage.inject_fault(file.touch)
-        stage.at = float(since.read_text(encoding="ascii"))
-        silence, recovery = stage.measure_quiet() - stage.at, stage.recover(after=0.0)
+        rig.inject_fault(file.touch)
+        rig.at = float(since.read_text(encoding="ascii"))
+        silence, recovery = rig.measure_quiet() - rig.at, rig.recover(after=0.0)
     finally:
         file.unlink(missing_ok=True)
-    used = stage.onlooker.ask("status")["solver"]
-    stage.select(solver={"name": "auto"})
+    used = rig.onlooker.ask("status")["solver"]
+    rig.select(solver={"name": "auto"})
     return Times(silence, recovery, note=f"then with {used}")
 
 
-def hang_solver_warming(stage: Stage) -> Times:
+def hang_solver_warming(rig: Rig) -> Times:
     """Select a solver that never returns while it warms up. The previous solver should continue."""
-    file = stage.server.folder / STUCK
-    undisturbed = stage.measure_gap(lambda: None, 3.0)
+    file = rig.server.folder / STUCK
+    undisturbed = rig.measure_gap(lambda: None, 3.0)
     file.touch()
     try:
-        gap = stage.measure_gap(lambda: _select(stage, "solver", Stuck.name), 3.0)
+        gap = rig.measure_gap(lambda: _select(rig, "solver", Stuck.name), 3.0)
     finally:
         file.unlink(missing_ok=True)
-    until(lambda: bool(stage.answers))
-    stage.select(solver={"name": "auto"})
+    until(lambda: bool(rig.answers))
+    rig.select(solver={"name": "auto"})
     return Times(gap=gap, undisturbed=undisturbed)
 
 
-def swap_solvers(stage: Stage) -> Times:
+def swap_solvers(rig: Rig) -> Times:
     """Swap the solver and back while the output sounds."""
-    return _swap_each(stage, "solver", "lagrange", "auto")
+    return _swap_each(rig, "solver", "lagrange", "auto")
 
 
-def swap_devices(stage: Stage) -> Times:
+def swap_devices(rig: Rig) -> Times:
     """Swap the device and back while the output sounds."""
-    return _swap_each(stage, "backend", Other.name, Probe.name)
+    return _swap_each(rig, "backend", Other.name, Probe.name)
 
 
-def swap_to_models(stage: Stage) -> Times:
+def swap_to_models(rig: Rig) -> Times:
     """Swap from the simulated array to models of USB devices while the output sounds."""
-    return _swap_from(stage, Simulated.name, Models.name)
+    return _swap_from(rig, Simulated.name, Models.name)
 
 
-def swap_from_models(stage: Stage) -> Times:
+def swap_from_models(rig: Rig) -> Times:
     """Swap from models of USB devices to the simulated array while the output sounds."""
-    return _swap_from(stage, Models.name, Simulated.name)
+    return _swap_from(rig, Models.name, Simulated.name)
 
 
-def _swap_from(stage: Stage, old: str, new: str) -> Times:
-    stage.wait_for_sound()
-    stage.select(backend={"name": old})
-    times = _swap_each(stage, "backend", new)
-    stage.select(backend={"name": Probe.name})
+def _swap_from(rig: Rig, old: str, new: str) -> Times:
+    rig.wait_for_sound()
+    rig.select(backend={"name": old})
+    times = _swap_each(rig, "backend", new)
+    rig.select(backend={"name": Probe.name})
     return times
 
 
-def _swap_each(stage: Stage, kind: str, *names: str) -> Times:
+def _swap_each(rig: Rig, kind: str, *names: str) -> Times:
     """Select each in turn. Before each selection, observe for as long without a swap."""
     undisturbed, gaps = list[float](), list[float]()
     for name in names:
-        undisturbed.append(stage.measure_gap(lambda: None, WINDOW))
-        gaps.append(stage.measure_gap(partial(stage.select, **{kind: {"name": name}}), WINDOW))
-        if (answer := stage.answers[-1])["type"] != "ok":
+        undisturbed.append(rig.measure_gap(lambda: None, WINDOW))
+        gaps.append(rig.measure_gap(partial(rig.select, **{kind: {"name": name}}), WINDOW))
+        if (answer := rig.answers[-1])["type"] != "ok":
             raise RuntimeError(f"{name} cannot be selected: {answer}")
     return Times(gap=max(gaps), undisturbed=max(undisturbed))
 
 
-def _select(stage: Stage, kind: str, name: str) -> None:
-    stage.answers.clear()
-    stage.tell("select", **{kind: {"name": name}})
+def _select(rig: Rig, kind: str, name: str) -> None:
+    rig.answers.clear()
+    rig.tell("select", **{kind: {"name": name}})
 
 
-def unplug_device(stage: Stage) -> Times:
+def unplug_device(rig: Rig) -> Times:
     """Unplug the device and plug it in again, then reset."""
-    return _unplug(stage, lambda: None)
+    return _unplug(rig, lambda: None)
 
 
-def unplug_swapping(stage: Stage) -> Times:
+def unplug_swapping(rig: Rig) -> Times:
     """Unplug the device while solvers are swapped."""
-    return _unplug(stage, partial(_begin, stage, "solver", "lagrange"))
+    return _unplug(rig, partial(_begin, rig, "solver", "lagrange"))
 
 
-def unplug_both(stage: Stage) -> Times:
+def unplug_both(rig: Rig) -> Times:
     """Unplug both devices while one takes over from the other."""
-    return _unplug(stage, partial(_begin, stage, "backend", Other.name))
+    return _unplug(rig, partial(_begin, rig, "backend", Other.name))
 
 
-def _begin(stage: Stage, kind: str, name: str) -> None:
+def _begin(rig: Rig, kind: str, name: str) -> None:
     """Start a selection, and return at a random time during the swap."""
-    _select(stage, kind, name)
+    _select(rig, kind, name)
     time.sleep(random.uniform(0.0, SWAPPING))
 
 
-def _unplug(stage: Stage, before: Callable[[], None]) -> Times:
-    onlooker, file = stage.onlooker, stage.server.folder / UNPLUGGED
+def _unplug(rig: Rig, before: Callable[[], None]) -> Times:
+    onlooker, file = rig.onlooker, rig.server.folder / UNPLUGGED
 
     def act() -> None:
         before()
-        stage.at = time.perf_counter()
+        rig.at = time.perf_counter()
         file.touch()
 
     try:
-        silence = stage.inject_fault(act)
+        silence = rig.inject_fault(act)
         faulted = until(lambda: onlooker.ask("status")["output"] == "faulted")
-        told = time.perf_counter() - stage.at
+        told = time.perf_counter() - rig.at
     finally:
         file.unlink(missing_ok=True)
-    recovery = stage.recover(lambda: onlooker.ask("reset"))
-    stage.select(backend={"name": Probe.name}, solver={"name": "auto"})
+    recovery = rig.recover(lambda: onlooker.ask("reset"))
+    rig.select(backend={"name": Probe.name}, solver={"name": "auto"})
     return Times(silence, recovery, note=f"told in {1e3 * told:.0f} ms" if faulted else "")
 
 
-def terminate_server(stage: Stage) -> Times:
+def terminate_server(rig: Rig) -> Times:
     """Send SIGTERM to the server: silence, exit code 0 and no files left. Then start a new one."""
-    stage.wait_for_sound()
-    shared = memory(stage.server.process.pid)
-    silence = stage.inject_fault(lambda: stage.server.signal("control", signal.SIGTERM))
-    code = stage.server.process.wait(10.0)
-    took = time.perf_counter() - stage.at
-    left = [str(path) for path in (*shared, stage.server.file) if path.exists()]
-    left += [str(process) for process in stage.server.list_running()]
-    stage.server.start()
+    rig.wait_for_sound()
+    shared = memory(rig.server.process.pid)
+    silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGTERM))
+    code = rig.server.process.wait(10.0)
+    took = time.perf_counter() - rig.at
+    left = [str(path) for path in (*shared, rig.server.file) if path.exists()]
+    left += [str(process) for process in rig.server.list_running()]
+    rig.server.start()
     note = f"exit code {code} after {1e3 * took:.0f} ms" + f"; left: {left}" * bool(left)
-    return Times(silence, stage.recover(after=took), note=note)
+    return Times(silence, rig.recover(after=took), note=note)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pacinian.types import Floats
-    from pacinian_lab.server.faults.stage import Stage
+    from pacinian_lab.server.faults.rig import Rig
 
 REQUEST_INTERVAL = 0.05  # [s] between two requests
 ANSWER = 5.0  # [s] longest wait for an answer
@@ -66,11 +66,11 @@ class Phase:
 
 
 class Watch:
-    """Observes a `Stage` with a game that sounds. memory: of each process [bytes], at each reading."""
+    """Observes a `Rig` with a game that sounds. memory: of each process [bytes], at each reading."""
 
-    def __init__(self, stage: Stage) -> None:
-        self.stage = stage
-        self.parts = {**stage.server.parts(), "control": psutil.Process(stage.server.process.pid)}
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.parts = {**rig.server.parts(), "control": psutil.Process(rig.server.process.pid)}
         self.memory: dict[str, list[int]] = {name: [] for name in self.parts}
 
     def phase(
@@ -80,9 +80,9 @@ class Watch:
 
         seconds: time after which they end anyway. times: number of processes of each kind.
         """
-        self.stage.wait_for_sound()
-        onlooker = self.stage.onlooker
-        mark, start = self.stage.server.log.count, time.perf_counter()
+        self.rig.wait_for_sound()
+        onlooker = self.rig.onlooker
+        mark, start = self.rig.server.log.count, time.perf_counter()
         kinds = list(messages) * times
         floods = [self._flood(k, seed + n, messages[k], seconds) for n, k in enumerate(kinds)]
         until = start + seconds if not floods else start + 10.0 * seconds + 60.0
@@ -98,7 +98,7 @@ class Watch:
                     phase.lost += 1
                 self._look()
                 time.sleep(REQUEST_INTERVAL)
-            events = self.stage.server.log.read(mark)
+            events = self.rig.server.log.read(mark)
             phase.seconds += time.perf_counter() - start
             for flood in floods:
                 self._count(phase, flood)
@@ -112,7 +112,7 @@ class Watch:
         phase.silences += int((events["sounds"] == 0).sum())
 
     def _flood(self, kind: str, seed: int, messages: int, seconds: float) -> subprocess.Popen[str]:
-        told = (self.stage.server.file, kind, seed, messages, seconds)
+        told = (self.rig.server.file, kind, seed, messages, seconds)
         command = [sys.executable, "-m", "pacinian_lab.server.fuzz.flood", *map(str, told)]
         return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
@@ -131,7 +131,7 @@ class Watch:
     @property
     def same(self) -> bool:
         """Whether all processes are those from the beginning."""
-        now = {name: process.pid for name, process in self.stage.server.parts().items()}
+        now = {name: process.pid for name, process in self.rig.server.parts().items()}
         return all(now.get(n, p.pid) == p.pid and p.is_running() for n, p in self.parts.items())
 
     def growth(self) -> dict[str, float]:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pacinian_lab.server.faults.rig import Rig
 from pacinian_lab.server.faults.server import Server
-from pacinian_lab.server.faults.stage import Stage
 from pacinian_lab.server.fuzz.observer import Phase, Watch
 
 if TYPE_CHECKING:
@@ -65,10 +65,10 @@ def run(
     with (
         tempfile.TemporaryDirectory(prefix="pacinian-hostile-") as folder,
         Server(Path(folder), CONFIGURATION.format(port=port)) as server,
-        Stage(server) as stage,
+        Rig(server) as rig,
     ):
-        stage.wait_for_sound()
-        watch, end = Watch(stage), time.perf_counter() + seconds
+        rig.wait_for_sound()
+        watch, end = Watch(rig), time.perf_counter() + seconds
         watch.phase(idle, {}, seed, min(3.0, 0.1 * seconds))
         while (done := flooded.sent.total()) < messages and time.perf_counter() < end:
             todo = min(CHUNK, messages - done)
@@ -81,7 +81,7 @@ def run(
         same, growth = watch.same, watch.growth()
         memory = {name: float(max(values)) for name, values in watch.memory.items()}
         counts = _counts(port)
-        stage.close()
+        rig.close()
         ended = server.terminate()
     return Found(flooded, burdened, idle, growth, memory, same, ended, counts)
 

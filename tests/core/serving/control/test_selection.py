@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pacinian.scene.setup import PluginConfig
-from pacinian.serving.control.output_lease import Session
+from pacinian.serving.control.output_lease import ClientSession
 from pacinian.serving.control.selection import MAX_PENDING, MAX_SELECTION_TIME, SUSPECT, Selection
 from pacinian.serving.settings import Settings
 from pacinian.wire.control import Choice, Select
@@ -16,7 +16,7 @@ from pacinian.wire.replies import Error, Ok
 from pacinian.wire.shapes import Polyline
 
 KNOWN = {"solver": ("auto", "gs"), "backend": ("simulated",)}
-GAME = Session(bytes(16), b"game", "", "game", "room", 0.25, 0.0)
+GAME = ClientSession(bytes(16), b"game", "", "game", "room", 0.25, 0.0)
 
 
 def ask(selection: Selection, now: float = 0.0, **what: Any) -> Any:

@@ -23,7 +23,7 @@ CHUNK = 100_000  # elements of B at a time, few enough that the kernel starts no
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class TargetPlane:
     """An array, and points of a plane with targets.
 
     uv: the points in the plane [m], (M, 2). proportions: (M,), 0 for silence.

@@ -1,4 +1,4 @@
-"""The stage for faults: a server, a game that makes it sound, and an onlooker."""
+"""The test rig for faults: a server, a game that makes it sound, and an onlooker."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Times(NamedTuple):
     note: str = ""
 
 
-class Stage(Closing):
+class Rig(Closing):
     """Runs a game and an onlooker on a running server; a context manager."""
 
     def __init__(self, server: Server) -> None:
