@@ -16,11 +16,13 @@ from websockets.sync.client import ClientConnection, connect
 
 from pacinian.viewing.run import view
 
+from ..waiting import PATIENCE
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-LIMIT = 60.0  # ends a test that hangs [s]
+LIMIT = PATIENCE  # ends a test that hangs [s]
 
 
 @contextlib.contextmanager
