@@ -1,6 +1,6 @@
-"""C++17 of the messages: a header and a source for each module of the wire, without exceptions and RTTI.
+"""Generates the messages in C++17: a header and a source for each module of the wire, without exceptions or RTTI.
 
-The core gets what a client needs: writers of what it sends, and readers of what it hears. The tests get the rest.
+The core gets what a client needs: writers of what it sends, and readers of what it receives. The tests get the rest.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ WIDTH = 100
 
 
 def generate(model: Model) -> dict[str, str]:
-    """The files."""
+    """Return the files: path and text."""
     made = {_header("protocol"): _protocol(model)}
     homes = _homes(model)
     modules = list(dict.fromkeys(message.module for message in model.messages))
@@ -47,7 +47,7 @@ def _declare_rest(model: Model, messages: list[Message]) -> str:
 
 
 def _functions(message: Message, model: Model, for_tests: bool) -> Iterator[str]:
-    """Declarations."""
+    """Return declarations of the functions that write or read a message."""
     export = "" if for_tests else "PACINIANCORE_API "
     if (message.name in model.heard) != for_tests:
         yield f"{export}bool read(Reader& in, std::uint32_t left, {message.name}& message);"
@@ -65,7 +65,7 @@ def _protocol(model: Model) -> str:
 
 
 def _homes(model: Model) -> dict[str, str]:
-    """The module that has each message, union or list of words."""
+    """Return the module that contains each message, union or enumeration."""
     homes = {message.name: message.module for message in (*model.messages, *model.bases)}
     homes |= {union.name: homes[_last(model, union)] for union in model.unions}
     for union in model.unions:
@@ -79,7 +79,7 @@ def _homes(model: Model) -> dict[str, str]:
 
 
 def _last(model: Model, union: Union) -> str:
-    """The kind of a union that is declared last."""
+    """Return the kind of a union that is declared last."""
     return [message.name for message in model.messages if message.name in union.kinds][-1]
 
 
@@ -118,7 +118,7 @@ def _declarations(model: Model, module: str, homes: dict[str, str]) -> str:
             if _last(model, union) == message.name:
                 kinds = ", ".join(((union.words.name,) if union.words else ()) + union.kinds)
                 lines += [_wrap_line(f"using {union.name} = std::variant<{kinds}>;"), ""]
-    lines += ["// Of what a client hears and of what it sends: see Reader and Writer."]
+    lines += ["// Functions for messages that a client sends or receives; see Reader and Writer."]
     lines += [line for message in own for line in _functions(message, model, False)]
     return _file(head, lines, opened=True)
 
@@ -207,7 +207,7 @@ def _read(message: Message) -> Iterator[str]:
 
 
 def _rules(rule: Rows | Grid | Indices) -> list[str]:
-    """Expressions that are false where a rule is broken."""
+    """Return expressions that are false if a rule is broken."""
     if isinstance(rule, Indices):
         return [f'in_bounds(in, "{rule.name}", message.{rule.name}, message.{rule.into})']
     if isinstance(rule, Grid):
@@ -236,7 +236,7 @@ def _write(message: Message) -> Iterator[str]:
 
 
 def _wrap_line(line: str) -> str:
-    """A line that is too long in several."""
+    """Split a line that is too long."""
     indent = " " * (len(line) - len(line.lstrip()) + 4)
     if len(line) > WIDTH and ", [&](" in line:
         head, _, function = line.partition(", [&](")

@@ -1,4 +1,4 @@
-"""C++ of the types: how a field is declared, read, and set to its default."""
+"""C++ types of the fields: how they are declared, read, and reset to their defaults."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CLEARED = Text, Bin, Array, Map  # empty by default, and so with their memory ke
 
 
 def declare_type(t: Type) -> str:
-    """The type in C++."""
+    """Return the type in C++."""
     match t:
         case Bool():
             return "bool"
@@ -56,7 +56,7 @@ def declare_type(t: Type) -> str:
 
 
 def read(t: Type, into: str) -> str:
-    """An expression that reads a value; false if it is none."""
+    """Return an expression that reads a value; it is false if the value is not valid."""
     match t:
         case Words():
             return f"in.choice({into})"
@@ -87,14 +87,14 @@ def read(t: Type, into: str) -> str:
 
 
 def initial(field: Field) -> str:
-    """What a field is in a new message, as an initialiser; "" where its type's own will do."""
+    """Return the initialiser of a field; "" if the default of its type suffices."""
     if not field.needed:
         return default(field.type, field.default)
     return STARTS.get(type(field.type), "")
 
 
 def default(t: Type, value: Any) -> str:
-    """A default in C++; "" where it is what the type has by itself."""
+    """Return a default in C++; "" if the type has it by itself."""
     if isinstance(value, Part):
         return f"{value.name}{{}}" if isinstance(t, Union) else ""
     if isinstance(value, str):
@@ -108,7 +108,7 @@ def default(t: Type, value: Any) -> str:
 
 
 def reset(field: Field) -> str:
-    """A statement that sets a field to its default, without memory where that can be."""
+    """Return a statement that resets a field to its default, without allocation where possible."""
     if isinstance(field.type, CLEARED):
         return f"message.{field.name}.clear();"
     if isinstance(field.type, Maybe):
@@ -118,7 +118,7 @@ def reset(field: Field) -> str:
 
 
 def list_names(t: Type) -> list[str]:
-    """The names of messages, unions and words that a type needs."""
+    """Return the names of messages, unions and enumerations that a type needs."""
     match t:
         case Words() | Part():
             return [t.name]
@@ -131,7 +131,7 @@ def list_names(t: Type) -> list[str]:
 
 
 def identifier(word: str) -> str:
-    """A word of the wire as a name."""
+    """Return a word of the wire as a name."""
     return word.replace("-", "_")
 
 

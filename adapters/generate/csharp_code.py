@@ -1,4 +1,4 @@
-"""How each type of a field is written and read in C#."""
+"""Generates the C# code that writes and reads a field of each type."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MOST = "int.MaxValue"
 
 
 def write(t: Type, name: str) -> list[str]:
-    """Statements that write a field."""
+    """Return statements that write a field."""
     match t:
         case Int():
             return [f"w.Whole({name});"]
@@ -67,7 +67,7 @@ def _each(name: str, statements: list[str]) -> list[str]:
 
 
 def read(t: Type, name: str) -> str:
-    """An expression that reads a single value; false if it is not valid."""
+    """Return an expression that reads a single value; it is false if the value is not valid."""
     match t:
         case Int() if t.low is None:
             return f"r.Whole(ref {name})"
@@ -99,7 +99,7 @@ def read(t: Type, name: str) -> str:
 
 
 def generate_read(t: Type, name: str) -> list[str]:
-    """Statements that read a field, and return whether it is valid."""
+    """Return statements that read a field, and return whether it is valid."""
     match t:
         case Maybe() if not isinstance(t.item, Float):
             return [
@@ -117,7 +117,7 @@ def generate_read(t: Type, name: str) -> list[str]:
 
 
 def loop(t: Type, name: str) -> list[str]:
-    """A method that reads the items of an array or map; nothing for other types."""
+    """Return a method that reads the items of an array or map; nothing for other types."""
     if not isinstance(t, (Array, Map)) or (isinstance(t, Array) and isinstance(t.item, Text)):
         return []
     head = (

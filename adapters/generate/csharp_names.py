@@ -1,4 +1,4 @@
-"""Names of messages in C# that UnityEngine or System.IO has, too: a script that uses both would not compile."""
+"""C# names for messages whose names UnityEngine or System.IO also has: a script that uses both would not compile."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NAMES = {
 
 
 def rename(model: Model) -> Model:
-    """The same messages, with names for C#. Their fields and what is on the wire stay."""
+    """Return the same messages with C# names. Their fields, and the names on the wire, stay."""
     made: Model = _rename(model)
     return made
 

@@ -1,4 +1,4 @@
-"""How each type of a field is in C#: its name, and its default."""
+"""C# types of the fields: names and defaults."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ if TYPE_CHECKING:
     from model import Field, Message, Type
 
 REALS, WHOLES = {2: "Vec2", 3: "Vec3", 4: "Quat"}, {2: "Int2", 3: "Int3"}
-RENAMED = {("Hands", "hands"): "All", ("Pressures", "pressures"): "Values"}  # no name of its class
+RENAMED = {("Hands", "hands"): "All", ("Pressures", "pressures"): "Values"}  # not the class name
 
 
 def pascal(name: str) -> str:
-    """A name as C# writes it."""
+    """Return a name in Pascal case."""
     return "".join(part[:1].upper() + part[1:] for part in name.replace("-", "_").split("_"))
 
 
 def member(message: Message, field: Field) -> str:
-    """What a field is called."""
+    """Return the name of a field."""
     return RENAMED.get((message.name, field.name), pascal(field.name))
 
 
 def union(t: Union) -> str:
-    """What all messages of a union are: their base, or an interface."""
+    """Return the common base or interface of a union's messages."""
     return t.base or f"I{t.name.removeprefix('Any')}"
 
 
 def declare_type(t: Type) -> str:
-    """The type of a field."""
+    """Return the type of a field."""
     match t:
         case Bool():
             return "bool"
@@ -73,12 +73,12 @@ def declare_type(t: Type) -> str:
 
 
 def number(value: float) -> str:
-    """A number as C# writes it."""
+    """Return a number as C# code."""
     return repr(value)
 
 
 def default(t: Type, value: Any) -> str:
-    """The default of a field that has one."""
+    """Return the default of a field that has one."""
     match t:
         case Words():
             return f"{t.name}.{pascal(value)}"

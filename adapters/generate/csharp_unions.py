@@ -1,4 +1,4 @@
-"""C# of what messages share: enumerations of words, unions, and what comes to each socket."""
+"""Generates the C# code that messages share: enumerations, unions, and reading from each socket."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from csharp_types import pascal, union
 if TYPE_CHECKING:
     from model import Model, Union
 
-REUSED = "one of the same kind that is there already is used again"
+REUSED = "if `value` is already a message of the same kind, it is reused"
 
 
 def words(model: Model, for_tests: bool) -> list[str]:
-    """Enumerations, and their words."""
+    """Return the enumerations and their encoded words."""
     lines: list[str] = []
     if not for_tests:
         for kind in model.words:
             lines += [f"/// <summary>{', '.join(kind.values)}.</summary>"]
             lines += [f"public enum {kind.name}", "{"]
             lines += [*(f"    {pascal(value)}," for value in kind.values), "}", ""]
-        lines += ["/// <summary>The words of the enumerations.</summary>"]
+        lines += ["/// <summary>The encoded words of the enumerations.</summary>"]
     lines += ["internal static partial class Words", "{"]
     if not for_tests:
         for kind in model.words:
@@ -42,7 +42,7 @@ def words(model: Model, for_tests: bool) -> list[str]:
 
 
 def unions(model: Model, for_tests: bool) -> list[str]:
-    """Interfaces, words that stand in for a message, and how it is told which one comes."""
+    """Return interfaces, words that stand for a message, and functions that read any message of a union."""
     lines: list[str] = []
     for each in model.unions:
         lines += _declare(each, model, for_tests)
@@ -59,7 +59,7 @@ def unions(model: Model, for_tests: bool) -> list[str]:
 
 
 def _declare(each: Union, model: Model, for_tests: bool) -> list[str]:
-    """The interface of a union, unless its messages have a base. Only tests write those that a client hears."""
+    """Return the interface of a union, unless its messages have a base. Only tests write what a client receives."""
     is_written = each.name in model.written
     if each.base or (for_tests and is_written):
         return []
@@ -74,11 +74,11 @@ def _declare(each: Union, model: Model, for_tests: bool) -> list[str]:
 
 
 def _generate_named(each: Union) -> list[str]:
-    """A class for a word where a message could be."""
+    """Return a class for a word that stands for a message."""
     assert each.words
     kind = each.words.name
     return [
-        f"/// <summary>A word in place of {each.name[0].lower()}{each.name[1:]}: one of {kind}.</summary>",
+        f"/// <summary>A word that stands for an {union(each)}: one of {kind}.</summary>",
         f"public sealed class Named{each.name} : {union(each)}",
         "{",
         "    /// <summary>The word.</summary>",
@@ -90,7 +90,7 @@ def _generate_named(each: Union) -> list[str]:
         f"        w.Word(Words.{kind}[(int)Value]);",
         "    }",
         "",
-        "    /// <summary>Reads it.</summary>",
+        "    /// <summary>Reads the word.</summary>",
         "    public bool Read(Reader r)",
         "    {",
         "        return Words.Read(r, ref Value);",
@@ -128,10 +128,13 @@ def _take(kind: str) -> list[str]:
 
 
 def protocol(model: Model, for_tests: bool) -> list[str]:
-    """The protocol's numbers, and what comes to each socket."""
+    """Return the constants of the protocol, and functions that read from each socket."""
     lines = ["public static partial class Protocol", "{"]
     if not for_tests:
-        lines.insert(0, "/// <summary>The protocol's numbers, and its messages.</summary>")
+        lines.insert(
+            0,
+            "/// <summary>Constants of the protocol, and functions that read its messages.</summary>",
+        )
         for name, value in model.constants.items():
             lines.append(f"    public const int {pascal(name.lower())} = {value};")
     for socket, (each, most) in model.sockets.items():

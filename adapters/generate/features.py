@@ -1,7 +1,7 @@
-"""Public surface of the layers for Unity and Unreal, and of the clients below them, read from their sources.
+"""Reads the public members of the Unity and Unreal layers, and of their clients, from the sources.
 
-Simple: it knows the style of these sources, not the languages. A member of one engine is the same feature as one of the
-other if their names are, but for the conventions in `plain`.
+This knows the style of these sources, not the languages. Members of both engines are the same feature if their names
+are equal, except for the conventions in `plain`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SETTING, STATUS, ACTION, EVENT = "setting", "status", "action", "event"
 
 @dataclass(frozen=True)
 class Member:
-    """What a game can use. name: as it is written. default: of a setting, as `default` makes it."""
+    """A member that a game can use. name: as in the source. default: of a setting, as `default` returns it."""
 
     name: str
     kind: str
@@ -30,7 +30,7 @@ Surface = dict[str, dict[str, Member]]  # members by feature, by class
 
 
 def plain(name: str, kind: str) -> str:
-    """A feature's name: without Unreal's `b` of a flag, `On` of an event, `Get`, `Is` and `Set` of a function."""
+    """Return a feature's name without Unreal's `b` of a flag, `On` of an event, `Get`, `Is` and `Set` of a function."""
     bare = "".join(word[:1].upper() + word[1:] for word in name.split("_"))
     bare = re.sub(
         r"^(?:B(?=[A-Z][a-z])|Get(?=[A-Z])|Is(?=[A-Z])|Set(?=[A-Z])|On(?=[A-Z]))", "", bare
@@ -39,7 +39,7 @@ def plain(name: str, kind: str) -> str:
 
 
 def default(text: str, scale: float = 1.0) -> str:
-    """A default in words that all languages share: numbers in SI units, the last name of a path; "" for nothing."""
+    """Return a default in a common form: numbers in SI units, the last name of a path; "" for nothing."""
     text = text.strip()
     if re.fullmatch(r"(?:[\w.:]+(?:::|\.))?[A-Za-z]\w*", text) and text not in {"true", "false"}:
         return re.split(r"::|\.", text)[-1]
@@ -63,7 +63,7 @@ def _add(surface: Surface, owner: str, member: Member) -> None:
 
 
 def _bodies(text: str) -> Iterator[tuple[str, str]]:
-    """Public classes of a C# file, and what is in them. Structs are values that members have."""
+    """Return the public classes of a C# file, and their bodies. Structs are values that members have."""
     heads = list(re.finditer(r"^    public (?:\w+ )*class (\w+)", text, re.MULTILINE))
     for head in heads:
         end = text.find("\n    }\n", head.end())
@@ -71,7 +71,7 @@ def _bodies(text: str) -> Iterator[tuple[str, str]]:
 
 
 def unity(sources: Iterable[Path]) -> Surface:
-    """Of C# files: serialized and public fields, properties, methods, events."""
+    """Read C# files: serialized and public fields, properties, methods and events."""
     found: Surface = {}
     for source in sorted(sources):
         text = re.sub(r'Tooltip\("[^"]*"\)', "Tooltip", source.read_text(encoding="utf-8"))
@@ -103,7 +103,7 @@ def unity(sources: Iterable[Path]) -> Surface:
 
 
 def unreal(headers: Iterable[Path]) -> Surface:
-    """Of C++ headers with UPROPERTY and UFUNCTION."""
+    """Read C++ headers with UPROPERTY and UFUNCTION."""
     found: Surface = {}
     for header in sorted(headers):
         text = header.read_text(encoding="utf-8")
@@ -132,7 +132,7 @@ def unreal(headers: Iterable[Path]) -> Surface:
 
 
 def core(header: Path, options: Path, events: Path) -> Surface:
-    """Of the client in C++."""
+    """Read the client in C++."""
     if not header.is_file():
         return {}
     found: Surface = {"Client": {}, "Options": {}}
@@ -158,7 +158,7 @@ def core(header: Path, options: Path, events: Path) -> Surface:
 
 
 def choices(sources: Iterable[Path]) -> dict[str, list[str]]:
-    """Enumerations, in C# or C++, and their words."""
+    """Return enumerations, in C# or C++, and their words."""
     found: dict[str, list[str]] = {}
     for source in sorted(sources):
         text = re.sub(

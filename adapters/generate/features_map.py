@@ -1,39 +1,39 @@
-"""What the feature table cannot read from the sources: pairs of names, exceptions with their reasons, and the wire."""
+"""Data that cannot be read from the sources: pairs of names, exceptions with reasons, and the features' wire fields."""
 
 from __future__ import annotations
 
-# Features whose names the engines' own conventions make different, as (class, feature) in each.
+# Features whose names differ by the engines' conventions, as (class, feature) in each.
 PAIRS = {
     ("HapticServer", "Current"): ("HapticScene", "Server"),
     ("ArrayOrigin", "Current"): ("HapticScene", "Origin"),
     ("HapticClient", "Dispose"): ("Client", "Close"),
 }
 
-# What one engine has for itself, and why.
+# Features that only one engine has, and why.
 ONLY_UNITY = {
-    ("HapticServer", "KeepAcrossScenes"): "in Unreal each level has a connection of its own",
-    ("PacinianSettings", "Current"): "in Unreal GetDefault<UPacinianSettings>()",
+    ("HapticServer", "KeepAcrossScenes"): "in Unreal each level has its own connection",
+    ("PacinianSettings", "Current"): "in Unreal, GetDefault<UPacinianSettings>()",
     ("HapticEffect", "PlayOnEnable"): "in Unreal each component has Auto Activate",
     (
         "HapticEffect",
         "TouchBegins",
     ): "a UnityEvent; in Unreal On Touch Began is bound in a Blueprint",
     ("HapticEffect", "TouchEnds"): "as above",
-    ("HapticStatus", "FontSize"): "a text on the screen; in Unreal a widget shows Get Silence",
+    ("HapticStatus", "FontSize"): "a text on the screen; in Unreal, a widget shows Get Silence",
     ("HapticStatus", "ShowWhileSounding"): "as above",
     ("HapticStatus", "Text"): "as above",
     (
         "HapticEnvelope",
         "Clip",
-    ): "Unity gives a clip's samples at run time, Unreal a sound's not: there give Samples",
+    ): "Unity provides a clip's samples at run time, Unreal does not: use Samples there",
     (
         "HapticHand",
         "Provider",
-    ): "Unity has no tracker of its own: XR Hand, or what derives from Hand Provider, is one",
+    ): "Unity has no built-in tracker; XR Hand, or another Hand Provider, is one",
     (
         "Options",
         "Transport",
-    ): "both have sockets of their own; for CURVE, C# has libzmq or NetMQ, and C++ libzmq",
+    ): "both have their own sockets; for CURVE, C# uses libzmq or NetMQ, and C++ libzmq",
 }
 ONLY_UNREAL = {
     (
@@ -44,7 +44,7 @@ ONLY_UNREAL = {
     ("HapticArray", "View"): "as above",
 }
 
-# Enumerations: in Unity, in Unreal.
+# Enumerations: their names in Unity and in Unreal.
 CHOICES = {
     "ClientStatus": "EHapticStatus",
     "EnvelopeKind": "EHapticEnvelope",
@@ -60,7 +60,7 @@ CHOICES = {
     "WaveMode": "EHapticWave",
 }
 
-# Messages and fields that features are: "class.feature" to "message" or "message.field". The same for several: a list.
+# Wire fields of features: "class.feature" to "message" or "message.field"; a list for several.
 WIRE = {
     "HapticServer.ClientName": "Hello.client",
     "HapticServer.SceneName": "Hello.scene",
@@ -199,7 +199,7 @@ WIRE = {
     "Options.Life": "Put.ttl",
 }
 
-# Messages and fields that no component has, and why. `Client.Put` and `Client.Select` take all of them.
+# Messages and fields that no component uses, and why. `Client.Put` and `Client.Select` take all.
 SHAPE = "through the client's Put; engines model with meshes and colliders"
 UNUSED = {
     "Path": "through the client's Put; components are points, surfaces and volumes",
@@ -208,34 +208,34 @@ UNUSED = {
     "Voxels": SHAPE,
     "Intersection": SHAPE,
     "Difference": SHAPE,
-    "Line": "of Path, and of STM through the client",
-    "Circle": "of Path, and of STM through the client",
-    "Lissajous": "of Path, and of STM through the client",
-    "Polyline": "of Path, and of STM through the client",
+    "Line": "for Path, and for STM through the client",
+    "Circle": "for Path, and for STM through the client",
+    "Lissajous": "for Path, and for STM through the client",
+    "Polyline": "for Path, and for STM through the client",
     "Field": "through the client's Field",
-    "Show": "of viewers, which draw what others have put; a game knows what it put",
-    "Clear": "through the client's Clear; effects remove what they have put",
-    "Status": "of tools without a subscription; here the state comes by itself",
-    "FrameState": "of drawings of the array's phases: nothing subscribes to it here",
+    "Show": "for viewers, which draw objects of other clients; a game knows its own",
+    "Clear": "through the client's Clear; effects remove their own objects",
+    "Status": "for tools without a subscription; a game subscribes to the state",
+    "FrameState": "for drawings of the array's phases, which neither package has",
     "Felt.material": "Stiffness and Reach are its fields",
-    "Felt.motion": "Move tells it from the second frame on",
+    "Felt.motion": "Move sends it from the second frame on",
     "Surface.texture": "through the client's Put",
     "Volume.texture": "through the client's Put",
-    "Surface.pose": "where the object is",
-    "Volume.pose": "where the object is",
-    "Point.position": "where the object is",
-    "Zone.position": "where the object is",
-    "HandFrame.name": "one hand of each side and client",
+    "Surface.pose": "the pose of the object",
+    "Volume.pose": "the pose of the object",
+    "Point.position": "the pose of the object",
+    "Zone.position": "the pose of the object",
+    "HandFrame.name": "one hand for each side and client",
     "STM.dwell": "through the client's Put",
     "Select.technique": "through the client's Select; effects have their own",
-    "Hello.id": "the client's",
-    "Hello.protocol": "the client's",
-    "Hello.version": "the application's, or the engine's name",
-    "Select.session": "the client's",
-    "Select.id": "the client's",
+    "Hello.id": "set by the client",
+    "Hello.protocol": "set by the client",
+    "Hello.version": "the application's version, or the engine's name",
+    "Select.session": "set by the client",
+    "Select.id": "set by the client",
 }
 
-# Messages each of whose fields must be a feature.
+# Messages of which every field must be a feature.
 WHOLE = (
     "Felt", "Material", "Point", "Surface", "Volume", "Zone", "HandFrame", "AM", "STM", "LM", "Constant", "Sine",
     "Square", "Pulse", "Noise", "Preset", "Wave", "Hello", "Select",

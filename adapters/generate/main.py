@@ -34,7 +34,7 @@ GENERATORS: tuple[tuple[Path, Callable[[Model], dict[str, str]]], ...] = (
 
 
 def main(arguments: list[str]) -> int:
-    """Write, or check."""
+    """Write the files, or check them."""
     model, check = wire.read(), "--check" in arguments
     wrong = 0
     for folder, generate in GENERATORS:

@@ -31,7 +31,7 @@ IMPORTERS = {
 
 
 def assets(package: Path) -> list[Path]:
-    """Files and folders that Unity imports, now or with a sample: those in `Documentation~` are not."""
+    """Return the files and folders that Unity imports: also those of samples, but not those in `Documentation~`."""
     found = []
     for path in sorted(package.rglob("*")):
         parts = path.relative_to(package).parts
@@ -42,12 +42,12 @@ def assets(package: Path) -> list[Path]:
 
 
 def guid(path: str) -> str:
-    """Of a path inside the package, as 32 hexadecimal digits."""
+    """Return the GUID of a path inside the package, as 32 hexadecimal digits."""
     return hashlib.md5(f"{NAME}/{path}".encode(), usedforsecurity=False).hexdigest()
 
 
 def text(package: Path, path: Path) -> str:
-    """What the .meta file of an asset contains. Raises KeyError for a kind of file that is not known here."""
+    """Return the content of an asset's .meta file. Raises KeyError for an unknown kind of file."""
     head = f"fileFormatVersion: 2\nguid: {guid(path.relative_to(package).as_posix())}\n"
     if path.is_dir():
         return head + "folderAsset: yes\nDefaultImporter:\n" + PLAIN
@@ -55,19 +55,19 @@ def text(package: Path, path: Path) -> str:
 
 
 def generate_metas(package: Path) -> dict[Path, str]:
-    """All .meta files and their contents."""
+    """Return all .meta files and their contents."""
     return {path.with_name(path.name + ".meta"): text(package, path) for path in assets(package)}
 
 
 def find_differing(package: Path) -> list[Path]:
-    """.meta files that are missing, different, or of nothing."""
+    """Return the .meta files that are missing, different, or without an asset."""
     metas = generate_metas(package)
     orphans = [path for path in package.rglob("*.meta") if path not in metas]
     return orphans + [p for p, t in metas.items() if not p.is_file() or p.read_text() != t]
 
 
 def write(package: Path) -> None:
-    """Write them all, and remove those of nothing."""
+    """Write all .meta files, and remove those without an asset."""
     metas = generate_metas(package)
     for path in find_differing(package):
         if path in metas:

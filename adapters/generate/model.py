@@ -1,18 +1,18 @@
-"""The messages of `pacinian.wire`, without a word of Python: what the generators of other languages read.
+"""The messages of `pacinian.wire` without Python types, as the generators of other languages read them.
 
-`wire.read()` makes the Model. A type is one of:
+`wire.read()` creates the Model. A type is one of:
 
-    Bool Int Float Text Words Bin      single values, with their bounds
-    Fixed                              an array of always so many numbers: `Fixed(Float, 3)` is a position
+    Bool Int Float Text Words Bin      single values with their bounds
+    Fixed                              an array of a fixed length: `Fixed(Float, 3)` is a position
     Array Map                          arrays of one type; maps from text to one type
     Part                               another message, by its name
-    Union                              one of several messages, told apart by `type`, or one of some words
-    Scalar Anything                    a bool, int, float or text; anything that MessagePack has
+    Union                              one of several messages with different `type`s, or one of several words
+    Scalar Anything                    a bool, int, float or text; any value of MessagePack
     Maybe                              one of these, or nil
 
 Rules for `bin` fields (`Message.bulk`) are those of `pacinian.wire.binary_arrays`: Rows, Grid, Indices. A reader checks
-them in their order when all fields are there and each is valid by itself. Lengths of text are in code points, those of
-`bin` in bytes. A bound that is None does not exist. An Int without bounds has 64 bits and a sign.
+them in order after all fields were read and each is valid by itself. Lengths of text are in code points, those of `bin`
+in bytes. A bound of None means no bound. An Int without bounds is signed and has 64 bits.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Bool:
-    """True or false."""
+    """A boolean."""
 
 
 @dataclass(frozen=True)
 class Int:
-    """A whole number in low..high."""
+    """An integer in low..high."""
 
     low: int | None = None
     high: int | None = None
@@ -39,7 +39,7 @@ class Int:
 
 @dataclass(frozen=True)
 class Float:
-    """A number in low..high, without NaN; any number, NaN too, without bounds. above: low itself is too low."""
+    """A number in low..high, without NaN; without bounds, any number including NaN. above: low itself is excluded."""
 
     low: float | None = None
     high: float | None = None
@@ -56,7 +56,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Words:
-    """One of some texts. name: of all of them, as for an enumeration."""
+    """One of several words. name: of the enumeration."""
 
     name: str
     values: tuple[str, ...]
@@ -89,7 +89,7 @@ class Array:
 
 @dataclass(frozen=True)
 class Map:
-    """A map of at most `most` keys. Of a key that comes twice the last counts."""
+    """A map of at most `most` keys. If a key is repeated, the last value counts."""
 
     key: Text
     item: Type
@@ -105,7 +105,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Union:
-    """One of some messages, by their names, or one of some words. base: what all these messages derive from, or ""."""
+    """One of several messages, by their names, or one of several words. base: the base of all these messages, or ""."""
 
     name: str
     kinds: tuple[str, ...]
@@ -115,7 +115,7 @@ class Union:
 
 @dataclass(frozen=True)
 class Scalar:
-    """A bool, an int, a float or a text, each in its bounds."""
+    """A bool, an int, a float or a text, each with its bounds."""
 
     whole: Int
     real: Float
@@ -124,7 +124,7 @@ class Scalar:
 
 @dataclass(frozen=True)
 class Anything:
-    """Anything that MessagePack has."""
+    """Any value of MessagePack."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ class Field:
     """A field of a message.
 
     needed: it has no default. default: None, bool, int, float, text, bytes, a tuple of numbers; () for an empty array
-    or map; a Part for that message with all its own defaults. text: what it means. bounds: in words, with the unit.
+    or map; a Part for that message with all its defaults. text: its description. bounds: in words, with the unit.
     """
 
     name: str
@@ -172,8 +172,8 @@ class Field:
 class Message:
     """A message, or a part of one.
 
-    tag: its `type`, the first key on the wire, or "" for a part without. base: the message that its first fields are
-    from, or "". fields: all of them, in their order. bulk: rules for its `bin` fields. module: of `pacinian.wire`.
+    tag: its `type`, the first key on the wire, or "" for a part without. base: the message from which its first fields
+    come, or "". fields: all fields in order. bulk: rules for its `bin` fields. module: of `pacinian.wire`.
     """
 
     name: str
@@ -187,11 +187,11 @@ class Message:
 
 @dataclass(frozen=True)
 class Model:
-    """All of the wire.
+    """The whole wire.
 
-    messages: each after those that it holds. bases: what some derive from; never on the wire themselves. words,
-    unions: by name. sockets: what may come there, and the most bytes. constants: numbers of the protocol. written,
-    heard: names of the messages, bases, words and unions that a client writes, and that it reads.
+    messages: each after those that it contains. bases: bases of messages; never on the wire themselves. words, unions:
+    by name. sockets: the messages of each, and the most bytes. constants: numbers of the protocol. written, heard:
+    names of the messages, bases, words and unions that a client writes, and that it reads.
     """
 
     messages: tuple[Message, ...]
@@ -205,5 +205,5 @@ class Model:
 
 
 def is_whole(model: Model, name: str) -> bool:
-    """Return whether a client both writes and reads what has this name."""
+    """Return whether a client both writes and reads the type with this name."""
     return name in model.written and name in model.heard

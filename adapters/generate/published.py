@@ -1,4 +1,4 @@
-"""What is published of the wire and of scene files: the pages, the schemas and the byte vectors."""
+"""Generates the published files of the wire and of scene files: pages, schemas and byte vectors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def generate(model: Model) -> dict[str, str]:
-    """The files of docs/ and of tests/wire/."""
+    """Return the files of docs/ and of tests/wire/."""
     return {
         "docs/wire.md": make_guide(),
         "docs/wire-messages.md": make_reference(),

@@ -1,4 +1,4 @@
-"""The model of `pacinian.wire`, read from its classes."""
+"""Reads the model of `pacinian.wire` from its classes."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ HEARD = "AnyReply", "AnyState", "Object"  # by a client; it reads its own object
 
 
 def read() -> Model:
-    """All of the wire."""
+    """Return the model of the whole wire."""
     kinds: dict[type[Struct], None] = {}
     for name, _ in SOCKETS.values():
         for kind in get_args(UNIONS[name]):
@@ -103,7 +103,7 @@ def read() -> Model:
 
 
 def _list_names(types: list[Type], messages: dict[str, Message]) -> frozenset[str]:
-    """The names of messages, bases, words and unions that there are in some types."""
+    """Return the names of all messages, bases, words and unions that some types contain."""
     names: set[str] = set()
     while types:
         for t in _within(types.pop()):
@@ -118,7 +118,7 @@ def _list_names(types: list[Type], messages: dict[str, Message]) -> frozenset[st
 
 
 def _gather(kind: type[Struct], found: dict[type[Struct], None]) -> None:
-    """Add a class, after all that it holds."""
+    """Add a class after all classes that it contains."""
     info: Any = inspect.type_info(kind)
     for field in info.fields:
         for held in _structs(field.type):
@@ -127,7 +127,7 @@ def _gather(kind: type[Struct], found: dict[type[Struct], None]) -> None:
 
 
 def _structs(t: Any) -> Iterator[type[Struct]]:
-    """The classes that a type names."""
+    """Return the classes that a type names."""
     if isinstance(t, inspect.StructType):
         yield t.cls
         return
@@ -138,7 +138,7 @@ def _structs(t: Any) -> Iterator[type[Struct]]:
 
 
 def _within(t: Type) -> Iterator[Type]:
-    """A type, and those in it."""
+    """Yield a type, and the types in it."""
     yield t
     if isinstance(t, (Array, Map, Maybe)):
         yield from _within(t.item)
@@ -189,7 +189,7 @@ def _default(field: Any) -> Any:
 
 
 def _type(t: Any, name: str) -> Type:
-    """A type, which is called so if nothing else calls it."""
+    """Return the type. name: of a union or an enumeration that has no other name."""
     match t:
         case inspect.Metadata():
             return _type(t.type, name)

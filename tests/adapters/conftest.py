@@ -1,4 +1,4 @@
-"""What is built once for all tests of the adapters."""
+"""Fixtures that are built once for all tests of the adapters."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def csharp_core(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Pacinian.dll."""
+    """Return the path of Pacinian.dll."""
     return tools.core(tmp_path_factory.mktemp("csharp"))
 
 
 @pytest.fixture(scope="session")
 def csharp_driver(csharp_core: Path) -> Path:
-    """A game in C# that does as its standard input says."""
+    """Return a game in C# that executes commands from standard input."""
     sources = [tools.CSHARP / "tests" / f"Client{name}.cs" for name in ("Driver", "Json")]
     return tools.csharp(csharp_core.with_name("ClientDriver.exe"), sources, csharp_core)
 
 
 @pytest.fixture
 def start(csharp_driver: Path) -> Callable[..., Game]:
-    """Starts such a game; a module for another language has its own."""
+    """Return a function that starts such a game; a module for another language replaces it."""
     return partial(begin, ["mono", "--debug", csharp_driver])
 
 
 @pytest.fixture
 def game(start: Callable[..., Game], file: Path) -> Iterator[Game]:
-    """One that is connected."""
+    """Return a connected game."""
     with start(file) as made:
         made.do("start")
         made.event("connected")
@@ -50,27 +50,27 @@ def game(start: Callable[..., Game], file: Path) -> Iterator[Game]:
 
 @pytest.fixture
 def server() -> Iterator[Fake]:
-    """Answers as it is told to."""
+    """Return a fake server, whose answers the test sets."""
     with Fake() as fake:
         yield fake
 
 
 @pytest.fixture
 def wire(server: Fake) -> Iterator[Slow]:
-    """By which commands come to it."""
+    """Return the transport of the commands to it."""
     with Slow(server.connection.command) as slow:
         yield slow
 
 
 @pytest.fixture
 def file(server: Fake, wire: Slow, tmp_path: Path) -> Path:
-    """Its connection file."""
+    """Return its connection file."""
     return replace(server.connection, command=wire.address).write(tmp_path / "connection.json")
 
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """A server of real processes, whose device remembers when it sounded."""
+    """Return a server of real processes, whose device records when it sounded."""
     with Server(tmp_path_factory.mktemp("server"), HELD) as made:
         yield made
 
@@ -79,7 +79,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def player(
     real: Server, start: Callable[..., Game], request: pytest.FixtureRequest
 ) -> Iterator[Game]:
-    """A game whose ball sounds. Its parameter: the lease that it asks for [s]."""
+    """Return a game whose ball sounds. Its parameter: the lease that it requests [s]."""
     wait_until_free(real)
     with start(real.file, getattr(request, "param", 0.0)) as made:
         made.do("start")

@@ -1,4 +1,4 @@
-"""A game that is written in another language, and does what it is told."""
+"""A game that is written in another language, and executes commands."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from ..core.client.fake import Fake
     from .slow import Slow
 
-HEAVY = 120  # objects that are more than the sockets take
-LEASE = 0.25  # [s], what a game asks for where its lease is to end
+HEAVY = 120  # more objects than the sockets take
+LEASE = 0.25  # [s], requested by a game whose lease is to end
 # of a server: the longest that it may have, so that neither a busy machine nor what ends a session lets a lease end
 HELD = "[safety]\nlease = 10.0\nstale = 1.0\n"
 
 
 class Game:
-    """A process that reads commands, a line each, and tells what happens in lines of JSON; a context manager."""
+    """A process that reads commands, one per line, and prints events as lines of JSON; a context manager."""
 
     def __init__(
         self, command: Sequence[str | Path], environment: Mapping[str, str] | None = None
@@ -54,32 +54,32 @@ class Game:
         self._reader.start()
 
     def say(self, line: str) -> None:
-        """A command, which is not waited for."""
+        """Send a command, and do not wait."""
         assert self.process.stdin is not None
         self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
 
     def do(self, line: str) -> dict[str, Any]:
-        """A command, and what it tells when that is done."""
+        """Send a command, and return its result."""
         self.say(line)
         return self.wait(lambda told: told.get("did") == line.split(maxsplit=1)[0])
 
     def status(self) -> dict[str, Any]:
-        """How it stands."""
+        """Return the game's status."""
         self.say("status")
         return self.wait(lambda told: "status" in told)
 
     def felt(self, name: str) -> dict[str, Any]:
-        """What is felt of an object."""
+        """Return what is felt of an object."""
         self.say(f"felt {name}")
         return self.wait(lambda told: told.get("region") == name)
 
     def event(self, what: str, code: str = "") -> dict[str, Any]:
-        """The next event of that kind, and of that code."""
+        """Return the next event of this kind and code."""
         return self.wait(lambda t: t.get("event") == what and code in ("", t.get("code")))
 
     def wait(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        """The next thing told that is wanted; what is told before it is not waited for any more."""
+        """Return the next wanted event; drop the events before it."""
         end = time.monotonic() + PATIENCE
         while True:
             try:
@@ -91,7 +91,7 @@ class Game:
                 return told
 
     def until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        """How it stands, when that is as wanted."""
+        """Return the status as soon as it is as wanted."""
         status: dict[str, Any] = {}
 
         def stands() -> bool:
@@ -106,7 +106,7 @@ class Game:
         return status
 
     def sounding(self, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
-        """How it stands when it sounds, and is as wanted; it arms again where that took longer than its lease."""
+        """Return the status as soon as it sounds and is as wanted; arm again if that took longer than the lease."""
 
         def sounds(status: dict[str, Any]) -> bool:
             if not status["armed"]:
@@ -116,10 +116,10 @@ class Game:
         return self.until(sounds)
 
     def end(self) -> int:
-        """Let it end by itself.
+        """Let the game end by itself.
 
-        Its input ends, too: Mono, at its own end, interrupts a thread that reads only once, and waits for ever
-        if that was just before the thread began to.
+        This also ends its input. At its own end, Mono interrupts a reading thread only once, and would wait for ever if
+        that was just before the thread began to read.
         """
         with suppress(OSError, ValueError):
             self.say("end")
@@ -131,11 +131,11 @@ class Game:
         return code
 
     def stand_still(self) -> None:
-        """Let its thread stand still until it is told the next thing."""
+        """Block the game's thread until the next command."""
         self.say("freeze")
 
     def kill(self) -> None:
-        """End it in the middle of what it does."""
+        """Kill the game."""
         self.process.kill()
         self.process.wait()
         self._close()
@@ -180,21 +180,23 @@ def begin(
     timeout: float = 600.0,
     **more: str,
 ) -> Game:
-    """A game of a connection file. Times in [s]: the lease it asks for, 0: the server's; the life of its commands;
-    how long an answer may take. more: its environment.
+    """Start a game with a connection file.
+
+    Times in [s]: the lease that it requests, 0: the server's; the time to live of its commands; the timeout of an
+    answer. more: environment variables.
     """
     words = [*program, file, str(lease), str(life), str(timeout)]
     return Game(words, {**os.environ, **more})
 
 
 def look(server: Server) -> State:
-    """What a server says of itself. Each look is a session of its own, which nothing has to renew."""
+    """Return what a server says of itself. Each call opens a session, which needs no renewal."""
     with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as client:
         return client.status()
 
 
 def count_parts(server: Server, name: str = "ball") -> int:
-    """Of how many solids a volume consists. name: how its own name begins; of several the last."""
+    """Return the number of solids in a volume. name: the start of its name; if several match, the last counts."""
     with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as client:
         objects = client.show().objects
     shape = next((objects[key].shape for key in reversed(objects) if key.startswith(name)), None)  # type: ignore[union-attr]
@@ -202,7 +204,7 @@ def count_parts(server: Server, name: str = "ball") -> int:
 
 
 def find_server(file: Path) -> list[psutil.Process]:
-    """The processes of the server that has written a connection file."""
+    """Return the processes of the server that has written a connection file."""
     server = psutil.Process(json.loads(file.read_text(encoding="utf-8"))["pid"])
     return [server, *server.children(recursive=True)]
 
@@ -215,14 +217,14 @@ def sound(game: Game) -> None:
 
 
 def wait_until_free(server: Server) -> None:
-    """Wait until nobody owns the output: the session that did has ended, not only its lease."""
+    """Wait until nobody owns the output: the owner's session has ended, not only its lease."""
     eventually(lambda: not look(server).owner)
 
 
 def wait_for_silence(server: Server, since: float, log: Log | None = None) -> None:
-    """Wait until the device, which has sounded, was silent after `since` [s], of `time.perf_counter`.
+    """Wait until the device, which has sounded, was silent after `since` [s], a time of `time.perf_counter`.
 
-    It may have been silent before, where a busy machine kept its game waiting. log: of its other device.
+    It may have been silent before, if a busy machine delayed its game. log: of its other device.
     """
     log = log or server.log
 
@@ -236,7 +238,7 @@ def wait_for_silence(server: Server, since: float, log: Log | None = None) -> No
 
 
 def wait_for_expiry(server: Server, since: float, stood: float = 0.0) -> None:
-    """Wait until the device was silent after `since` [s], and control, too, finds the lease over.
+    """Wait until the device was silent after `since` [s], and control also finds the lease over.
 
     stood: shortest wait [s]. The lease counts from the last renewal, which may be earlier than a game's last tick.
     """
@@ -245,20 +247,21 @@ def wait_for_expiry(server: Server, since: float, stood: float = 0.0) -> None:
 
 
 def sounded_since(server: Server, mark: int) -> bool:
-    """Whether the device has sounded since it had told so much."""
+    """Return whether the device has sounded since the entry `mark` of its log."""
     return bool(server.log.read(mark)["sounds"].any())
 
 
 def kill(server: Server) -> None:
-    """End the server's parent, and wait until all of it has ended."""
+    """Kill the server's parent, and wait until all of the server has ended."""
     server.signal("control", signal.SIGKILL)
     eventually(lambda: not server.list_running())
 
 
 def fill(server: Fake, game: Game, wire: Slow) -> None:
-    """Hold up its commands, and send until there is no room: what is put then waits.
+    """Block the game's commands, and send until there is no room; then new ones wait.
 
-    After each, its own thread says another thing to control: so none took the place of the one before.
+    After each command, the client's thread sends a message to control. This proves that no command replaced the one
+    before.
     """
     server.until(
         lambda: bool(game.do("clear") and server.of(commands.Clear))

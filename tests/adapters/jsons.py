@@ -1,4 +1,4 @@
-"""JSON objects, sound and not, and what msgspec finds in them: for readers in other languages."""
+"""JSON objects, valid and not, and what msgspec finds in them, for readers in other languages."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ VALUES: list[Any] = [
     *(True, False, None, [], {}, [1, [2.5, {"a": "b"}]], {"pid": 3}),
 ]
 EXTRA = ["", "0", "-", ".", "e", "+", '"', "\\u", "\\ud800", "\\udc00", ",", "}", "]", ":", "\x01"]
-OVERFLOWING = re.compile(r"\de\d{3}")  # numbers that msgspec finds too large, and a scanner skips
+OVERFLOWING = re.compile(r"\de\d{3}")  # too large for msgspec; a scanner skips them
 
 
 def cases(count: int) -> Iterator[tuple[str, str]]:
-    """At most so many texts, the same each time, each with a name to be looked for."""
+    """Return at most `count` texts, always the same, each with a name to look for."""
     choose = random.Random(1)
     for _ in range(count):
         text, name = _text(choose), choose.choice(["pid", "token", "ü"])
@@ -30,7 +30,7 @@ def cases(count: int) -> Iterator[tuple[str, str]]:
 
 
 def _text(choose: random.Random) -> str:
-    """A JSON object, as a rule with something in it that should not be there, or without something that should."""
+    """Return a JSON object, usually with a wrong or a missing part."""
     names = ["pid", "token", "ü", "control", ""]
     made = {choose.choice(names): choose.choice(VALUES) for _ in range(choose.randrange(5))}
     text = json.dumps(made, ensure_ascii=choose.random() < 0.5, indent=choose.choice([None, 1]))
@@ -40,7 +40,7 @@ def _text(choose: random.Random) -> str:
 
 
 def found(text: str, name: str) -> str:
-    """What msgspec finds in it."""
+    """Return what msgspec finds in it."""
     try:
         value = msgspec.json.decode(text.encode()).get(name)
     except (msgspec.DecodeError, ValueError, AttributeError):

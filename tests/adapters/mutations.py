@@ -1,4 +1,4 @@
-"""Messages that were tampered with, and what Python makes of them: for readers in other languages."""
+"""Tampered messages, and what Python makes of them, for readers in other languages."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ HEADS = b"\xc0\xc1\xc4\xc7\xca\xcb\xcf\xd0\xd4\xd9\xdb\xdd\xdf\x80\x90\xa0\xff"
 
 
 def vectors() -> list[tuple[str, bytes]]:
-    """Socket and bytes of all vectors."""
+    """Return socket and bytes of all vectors."""
     found: list[dict[str, Any]] = []
     for name in FILES:
         found += json.loads((WIRE / f"{name}.json").read_text(encoding="utf-8"))
@@ -40,7 +40,7 @@ def vectors() -> list[tuple[str, bytes]]:
 
 
 def verdict(socket: str, data: bytes) -> str:
-    """A line of socket, bytes, and what Python makes of it: "valid" and the usual bytes, or "refused" and where."""
+    """Return a line: socket, bytes, and "valid" with the usual bytes or "refused" with the path of the error."""
     try:
         said = "valid", encode(DECODE[socket](data)).hex()
     except WireError as error:
@@ -49,19 +49,19 @@ def verdict(socket: str, data: bytes) -> str:
 
 
 def mutated(known: list[tuple[str, bytes]], choose: random.Random) -> tuple[str, bytes]:
-    """One of these, with other values or other bytes."""
+    """Return one of these messages with other values or bytes."""
     socket, data = choose.choice(known)
     socket = choose.choice([*DECODE]) if choose.random() < 0.05 else socket
     try:
         if choose.random() < 0.5:
             return socket, _other_values(data, choose)
     except (ValueError, TypeError, IndexError, OverflowError):
-        pass  # it is no message already, or what was put into it is none
+        pass  # it was not a message before, or the inserted bytes are not
     return socket, _other_bytes(data, choose)
 
 
 def _places(value: Any) -> Iterator[tuple[Any, Any]]:
-    """All maps and arrays, with each of their keys."""
+    """Yield all maps and arrays, with each of their keys."""
     if isinstance(value, (dict, list)):
         for key, item in list(value.items() if isinstance(value, dict) else enumerate(value)):
             yield value, key
@@ -69,7 +69,7 @@ def _places(value: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def _other_values(data: bytes, choose: random.Random) -> bytes:
-    """Something replaced by junk or by something else of the message, gone, new, or in another order."""
+    """Replace, remove, add or reorder something."""
     value: Any = msgpack.unpackb(data, strict_map_key=False)
     places = list(_places(value))
     holder, key = choose.choice(places)
@@ -92,7 +92,7 @@ def _other_values(data: bytes, choose: random.Random) -> bytes:
 
 
 def _other_bytes(data: bytes, choose: random.Random) -> bytes:
-    """A few bytes changed, cut out, put in, or copied from elsewhere."""
+    """Change, cut out, insert or copy a few bytes."""
     made = bytearray(data)
     for _ in range(choose.randint(1, 3)):
         at, way = choose.randrange(len(made) + 1), choose.randrange(10)

@@ -30,7 +30,7 @@ ACTS = ("wave on", 2.0), ("hand off", 0.5), ("hand on", 1.0), ("freeze", 0.8), (
 
 
 def played() -> tuple[list[tuple[float, State]], list[float]]:
-    """States, with the time at which each came, and when each act began [s]."""
+    """Return the states, with the arrival time of each, and the time at which each act began [s]."""
     states: list[tuple[float, State]] = []
     ended = Event()
 
@@ -64,7 +64,7 @@ def played() -> tuple[list[tuple[float, State]], list[float]]:
 
 
 def draw(states: list[tuple[float, State]], starts: list[float]) -> Figure:
-    """The hand's place, the largest pressure, the force that is felt."""
+    """Draw the hand's position, the largest pressure, and the force that is felt."""
     t = np.array([at for at, _ in states]) - starts[0]
     palm = [np.frombuffer(s.hands or b"\0\0\xc0\x7f", "<f4")[0] for _, s in states]
     most = [

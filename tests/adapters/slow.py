@@ -1,4 +1,4 @@
-"""A wire that can be held up, and let go on."""
+"""A link that a test can block and release."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROOM = 1 << 14  # [bytes] that wait in it
 
 
 class Slow:
-    """Passes bytes on to a `tcp://host:port`, as long as it may; a context manager. address: where it listens."""
+    """Forwards bytes to a `tcp://host:port` unless it is blocked; a context manager. address: where it listens."""
 
     def __init__(self, to: str) -> None:
         host, port = to.removeprefix("tcp://").rsplit(":", 1)
@@ -38,7 +38,7 @@ class Slow:
                 near, _ = self._listener.accept()
                 try:
                     far = socket.create_connection(self._to)
-                except OSError:  # nobody is there, now
+                except OSError:  # no program listens now
                     near.close()
                     continue
                 self._open += near, far

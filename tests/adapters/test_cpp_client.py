@@ -1,4 +1,4 @@
-"""The client in C++: by itself, and by all tests of the one in C#, as ThreadSanitizer watches its threads."""
+"""The client in C++: its own tests, and all tests of the one in C#, while ThreadSanitizer watches its threads."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
 PURE = "client_outbox", "client_session", "client_felt"
-ONLY = {"csharp_core", "csharp_driver"}  # what tests of nothing but C# need
+ONLY = {"csharp_core", "csharp_driver"}  # fixtures for C# alone
 OTHER = {
-    "test_one_that_is_forgotten_says_goodbye",  # C++ forgets nothing
+    "test_one_that_is_forgotten_says_goodbye",  # no finaliser in C++
 }
 
 
 def shared(test: object) -> bool:
-    """Whether a test is of C++, too."""
+    """Return whether a test is also for C++."""
     if not inspect.isfunction(test) or not test.__name__.startswith("test_"):
         return False
     return test.__name__ not in OTHER and not ONLY & set(inspect.signature(test).parameters)
@@ -52,7 +52,7 @@ def programs() -> Path:
 
 @pytest.fixture
 def start(programs: Path) -> Start:
-    """Starts a game, in C++."""
+    """Return a function that starts a game in C++."""
     return partial(begin, [programs / "client_answers"], **tools.WATCHED)
 
 
@@ -88,13 +88,13 @@ def test_its_threads_do_not_race(server: Fake, game: Game) -> None:
 
 @pytest.fixture(scope="module")
 def with_libzmq() -> Path:
-    """A game that was built with libzmq."""
+    """Return a game that was built with libzmq."""
     settings = "-DPACINIAN_LIBZMQ=ON", *tools.RACES, tools.JOINED
     return tools.cmake("libzmq", ["client_answers"], *settings) / "client_answers"
 
 
 def write_keys(server: Fake, path: Path, **other: str) -> dict[str, str]:
-    """A connection file with keys in place of a token."""
+    """Write a connection file with keys instead of a token."""
     public, secret = zmq.curve_keypair()
     keys = {"public_key": public.decode(), "secret_key": secret.decode(), **other}
     replace(server.connection, token="", **keys).write(path)
@@ -152,7 +152,7 @@ def test_it_is_not_linked_with_libzmq(programs: Path) -> None:
 
 
 def test_it_waits_without_working(server: Fake, game: Game) -> None:
-    """A thread that went round and round would take all of a core."""
+    """A thread that polls would use a whole core."""
     game.until(lambda s: s["latency"] > 0.0)
     before, begin = read_processor_time(game), time.monotonic()
     time.sleep(1.0)
@@ -160,6 +160,6 @@ def test_it_waits_without_working(server: Fake, game: Game) -> None:
 
 
 def read_processor_time(game: Game) -> float:
-    """What its process took [s]."""
+    """Return the processor time of a process [s]."""
     fields = Path(f"/proc/{game.process.pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

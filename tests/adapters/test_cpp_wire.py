@@ -1,4 +1,4 @@
-"""The C++ core reads and writes as Python does: byte vectors, mutations of them, JSON, coordinates."""
+"""The C++ core reads and writes as Python does: byte vectors, mutations of them, JSON and coordinates."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ANSWERS = "vectors_answers", "space_answers"
 
 @pytest.fixture(scope="module")
 def programs() -> Path:
-    """A folder of the test programs, which stop at wrong addresses and undefined behaviour."""
+    """Return the folder of the test programs, which abort at invalid addresses and undefined behaviour."""
     return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON", tools.JOINED)
 
 
@@ -40,7 +40,7 @@ def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
 
 
 def answers(program: Path, lines: Iterable[str]) -> list[str]:
-    """What a program answers to each line."""
+    """Return what a program answers to each line."""
     done = subprocess.run(
         program, input="".join(f"{line}\n" for line in lines), capture_output=True, text=True,
         check=False,
@@ -50,7 +50,7 @@ def answers(program: Path, lines: Iterable[str]) -> list[str]:
 
 
 def compare(programs: Path, cases: Iterable[tuple[str, bytes]]) -> list[str]:
-    """What C++ makes of messages, which is what Python makes of them."""
+    """Return what C++ makes of messages, which must equal what Python makes of them."""
     lines = [verdict(*case).split("\t") for case in cases]
     told = answers(programs / "vectors_answers", (f"{line[0]} {line[1]}" for line in lines))
     wanted = [" ".join(line[2:]).rstrip() for line in lines]
@@ -94,7 +94,7 @@ def spelt(*values: Any) -> str:
 
 
 def same_turn(quaternion: Any, matrix: Any) -> None:
-    """A quaternion is this rotation matrix."""
+    """Check that a quaternion is this rotation matrix."""
     assert Rotation.from_quat(quaternion).as_matrix() == pytest.approx(matrix, abs=1e-12)
 
 
@@ -110,7 +110,7 @@ def test_unreal_poses_and_velocities_against_matrices(programs: Path) -> None:
         assert made[:3] == pytest.approx(AXES @ place / 100.0, abs=1e-12)
         same_turn(made[3:7], AXES @ turn.as_matrix() @ AXES.T)
         assert made[7:10] == pytest.approx(AXES @ velocity / 100.0, abs=1e-12)
-        rate = AXES @ cross_matrix(spin) @ AXES.T  # of a place that turns, in the world
+        rate = AXES @ cross_matrix(spin) @ AXES.T  # of a rotating point, in the world
         assert cross_matrix(made[10:]) == pytest.approx(rate, abs=1e-12)
     lines = (f"back {spelt(made[:7])}" for made in told)
     for made, turn, place in zip(
@@ -125,7 +125,7 @@ def cross_matrix(v: Any) -> np.ndarray[Any, Any]:
 
 
 def kabsch(known: Any, touched: Any) -> tuple[Any, Any]:
-    """Rotation and translation by the singular values, without a reflection."""
+    """Return the rotation (never a reflection) and translation, by singular values."""
     a, b = known - known.mean(0), touched - touched.mean(0)
     u, _, vt = np.linalg.svd(b.T @ a)
     matrix = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
@@ -145,7 +145,7 @@ def test_calibration_against_singular_values(programs: Path, mirrored: bool) -> 
     compared = 0
     told = answers(programs / "space_answers", lines)
     for (known, touched), line in zip(cases, told, strict=True):
-        if line == "refused":  # mirrored points may be brought together in two ways
+        if line == "refused":  # mirrored points can be fitted in two ways
             continue
         made = np.array(line.split(), dtype=float)
         matrix, at = kabsch(known, touched)

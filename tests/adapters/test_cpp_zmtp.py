@@ -1,4 +1,4 @@
-"""ZMTP in C++, under sanitizers: byte vectors, and all that the C# one is tested against."""
+"""ZMTP in C++ under sanitizers: byte vectors, and all tests of the C# one."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["bind"]  # a fixture
 
 PURE = "zmtp_vectors", "zmtp_limits", "zmtp_standstill"
 FUZZED = 1000  # conversations for each seed
-OTHER = {  # of C#'s, which subscribes as it goes, has threads that wait, and a fuzzer of its own
+OTHER = {  # tests only for C#, which subscribes later, has waiting threads, and has its own fuzzer
     "test_subscriptions", "test_a_peer_of_3_0_is_subscribed_to_by_messages", "test_one_that_goes",
     "test_whatever_a_peer_sends",
 }  # fmt: skip
@@ -45,7 +45,7 @@ globals().update(
 
 @pytest.fixture(scope="module")
 def programs() -> Path:
-    """A folder of the programs, which stop at wrong addresses and undefined behaviour."""
+    """Return the folder of the programs, which abort at invalid addresses and undefined behaviour."""
     targets = [*PURE, "zmtp_fuzz", "zmtp_answers"]
     return tools.cmake("sanitized", targets, "-DPACINIAN_SANITIZE=ON", tools.JOINED)
 

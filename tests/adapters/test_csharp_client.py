@@ -1,4 +1,4 @@
-"""The client in C# and servers that refuse, hang, go, or come back: it never waits, and nothing old arrives."""
+"""The client in C#, and servers that refuse, hang, end or come back: it never blocks, and nothing old arrives."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ pytestmark = pytest.mark.deep("mono", "mcs")
 
 
 def subscribed(server: Fake, game: Game) -> None:
-    """Wait until it hears what is published."""
+    """Wait until the client receives published states."""
     server.stream = lambda: state(0)
     game.until(lambda s: s["objects"] >= 0)
     server.stream = None
 
 
 def count_messages(server: Fake) -> int:
-    """How many messages have come that are no renewals."""
+    """Return how many messages have arrived, except renewals."""
     return len(server.seen) - len(server.of(control.Renew))
 
 
@@ -78,7 +78,7 @@ def test_the_newest_state_and_what_comes_unasked(server: Fake, game: Game) -> No
     server.publish(*(state(i, solver=f"s{i}") for i in range(1, 51)))
     assert game.until(lambda s: s["sequence"] == 50)["solver"] == "s50"
     game.do("arm")
-    server.until(lambda: bool(server.of(control.Arm)))  # whose answer is before what is said now
+    server.until(lambda: bool(server.of(control.Arm)))  # its answer precedes later messages
     assert game.until(lambda s: s["armed"])["owner"]
     for code in ("expired", "owner", "stopped", "fault"):
         server.say(replies.Error(code=code, message=f"it is {code}", advice="arm again"))
@@ -107,7 +107,7 @@ def test_what_is_felt_is_told_by_the_objects_name(server: Fake, game: Game) -> N
 
 
 def test_touches_begin_move_and_end(server: Fake, game: Game) -> None:
-    """Also for a state that was lost, for a hand that changes objects between two, and with the session."""
+    """Also if a state is lost, if a hand moves to another object between two states, and at the session's end."""
     subscribed(server, game)
     own = game.status()["scene"]
     numbers = itertools.count(1)
@@ -141,7 +141,7 @@ def test_touches_begin_move_and_end(server: Fake, game: Game) -> None:
 
 
 def test_one_bad_object_refuses_itself_by_name(server: Fake, game: Game) -> None:
-    """It is not sent, so that no other object is refused with it."""
+    """It is not sent, so that no other object is rejected with it."""
     for line, path, says in (
         ("ball small -0.03 5", "$.objects[small].shape.radius", "0"),
         ("ball mute 0.03 0", "$.objects[mute]", "must have a radiation pressure or a force"),
@@ -175,7 +175,7 @@ def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
         assert "call Start" in status["why"]
         assert not game.do("put ball 0 0 0.2 5")["done"]
         game.do("start")
-        # C++ tells it before the start, too
+        # C++ reports it also before the start
         refused = eventually(
             lambda: next((t for t in game.told if t.get("code") == "session"), None)
         )
@@ -215,11 +215,11 @@ def test_what_cannot_be_read_is_told_once_and_skipped(server: Fake, game: Game, 
 def test_renewals_come_from_the_games_own_tick(server: Fake, game: Game) -> None:
     server.until(lambda: len(server.of(control.Renew)) > 3)
     stopped = game.do("tick off")["time"]
-    game.do("put ball 0 0 0.2 5")  # the client's own thread lives
+    game.do("put ball 0 0 0.2 5")  # the client's own thread is alive
     server.until(lambda: bool(server.of(commands.Put)))
     renewals = [r.time for r in server.of(control.Renew)]
     assert renewals == sorted(renewals)
-    assert renewals[-1] <= stopped  # none bears a later time than that of a tick
+    assert renewals[-1] <= stopped  # none has a later time than that of a tick
     game.do("tick on")
     server.until(lambda: len(server.of(control.Renew)) > len(renewals) + 3)
 
@@ -237,7 +237,7 @@ def test_no_call_waits_for_the_clients_own_thread_which_alone_waits_for_the_serv
     for line in CALLS:
         assert game.do(line)["done"], line
     assert game.status()["status"] == "Connected"
-    server.until(lambda: bool(server.of(control.Stop)))  # has a way of its own
+    server.until(lambda: bool(server.of(control.Stop)))  # uses its own connection
     assert not server.of(commands.Put) + server.of(commands.Clear) + server.of(control.Arm)
     game.do("release")
     server.until(lambda: bool(server.of(commands.Clear) and server.of(control.Reset)))
@@ -252,7 +252,7 @@ def test_a_server_that_hangs_is_lost(
         with start(path, timeout=2.0) as game:
             game.do("start")
             game.event("connected")
-            if how == "stopped":  # as a process that is: even its heartbeats end
+            if how == "stopped":  # like a stopped process, whose heartbeats end, too
                 line.goes.clear()
                 says = "has gone"
             else:
@@ -263,7 +263,7 @@ def test_a_server_that_hangs_is_lost(
 
 
 def height(move: commands.Move) -> float:
-    """[m] Of the first of its objects."""
+    """Return the height of its first object [m]."""
     return float(unpack(move.poses, 7)[0, 2])
 
 
@@ -283,7 +283,7 @@ def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: 
 def test_what_waits_too_long_is_not_sent(
     server: Fake, wire: Slow, file: Path, start: Callable[..., Game]
 ) -> None:
-    """A trial in which the link was lost says nothing, as a new one has room: there is another."""
+    """A trial in which the link was lost does not count, because a new link has room: try again."""
     with start(file, life=1.0) as game:
         game.do("start")
         end, sessions = time.monotonic() + PATIENCE, -1
@@ -297,7 +297,7 @@ def test_what_waits_too_long_is_not_sent(
             game.until(lambda s, t=asked: s["time"] > t + 1.0)  # type: ignore[misc]
             wire.goes.set()
             hands = len(server.of(commands.Hands))
-            game.do("wave on")  # hands are sent after all else that waits
+            game.do("wave on")  # hands are sent after all other commands
             server.until(lambda n=hands: len(server.of(commands.Hands)) > n)  # type: ignore[misc]
             game.do("lose")
         assert len(server.of(commands.Move)) == moves

@@ -1,4 +1,4 @@
-"""The client in C# from its start to its end: where nobody is, with whom it may not speak, and stops."""
+"""The client in C# from start to end: missing servers, rejected credentials, and stops."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pacinian.wire import control, replies
 from pacinian.wire.connection import Connection
 
 from ..core.client.fake import Fake, usual
-from ..core.client.standing import server_apart, stand_still
+from ..core.client.stopped_processes import server_apart, stand_still
 from ..waiting import PATIENCE
 from . import tools
 from .game import Game, begin, fill
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("mono", "mcs")
 
-QUIET = 1.4  # [s], nearly as long as a link may be quiet
+QUIET = 1.4  # [s], nearly as long as a link may be silent
 
 
 @pytest.mark.parametrize("theirs", [0, 2])
@@ -48,7 +48,7 @@ def test_another_version_tells_which_side_to_update(
     with start(file) as game:
         game.do("start")
         assert f"update the {side}" in game.until(lambda s: s["status"] == "Refused")["problem"]
-        server.answers.clear()  # it was updated
+        server.answers.clear()  # after an update
         game.event("connected")
 
 
@@ -68,7 +68,7 @@ def test_a_wrong_token_until_there_is_a_right_one(
 def test_the_content_of_a_connection_file_in_place_of_its_path(
     server: Fake, tmp_path: Path, start: Start
 ) -> None:
-    """As on a headset: the server's process is on another machine, where nobody can look for it."""
+    """As on a headset: the server's process is on another machine, so that its number means nothing."""
     path = replace(server.connection, pid=2**22 + 1).write(tmp_path / "connection.json")
     with start(path.read_text(encoding="utf-8")) as game:
         game.do("start")
@@ -98,7 +98,7 @@ def test_where_nobody_is(tmp_path: Path, start: Start) -> None:
         game.until(lambda s: "no token" in s["problem"])
         Connection(pid=0, control="nowhere", command=at, state=at, token="x").write(path)
         game.until(lambda s: "cannot connect to nowhere" in s["problem"])
-        far = "tcp://192.0.2.1:5"  # to which a token would go in clear text
+        far = "tcp://192.0.2.1:5"  # where a token would be sent in clear text
         Connection(pid=0, control=far, command=far, state=far, token="x").write(path)
         game.until(lambda s: f"cannot connect to {far}" in s["problem"])
         path.write_text("[]")
@@ -119,7 +119,7 @@ def test_a_stop_has_a_way_of_its_own_and_is_told_where_it_is_not_confirmed(
     server: Fake, file: Path, start: Start
 ) -> None:
     with start(file, timeout=2.0) as game:
-        game.do("stop")  # not even started
+        game.do("stop")  # not started
         server.until(lambda: bool(server.of(control.Stop)))
         game.do("start")
         game.event("connected")
@@ -129,9 +129,7 @@ def test_a_stop_has_a_way_of_its_own_and_is_told_where_it_is_not_confirmed(
         game.do("reset")
         server.until(lambda: bool(held))
         game.event("refused", "stop")
-        server.until(
-            lambda: bool(server.of(control.Reset))
-        )  # which has waited for it, not for ever
+        server.until(lambda: bool(server.of(control.Reset)))  # after a limited wait
 
 
 @pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "hangs"])
@@ -139,7 +137,7 @@ def test_the_end_waits_for_nobody(
     server: Fake, wire: Slow, file: Path, start: Start, tmp_path: Path, when: str
 ) -> None:
     path = tmp_path / "none.json" if when == "connecting" else file
-    with start(path) as game:  # which has all the time for an answer
+    with start(path) as game:  # has enough time for an answer
         if when != "never started":
             game.do("start")
         if when not in {"never started", "connecting"}:
@@ -148,7 +146,7 @@ def test_the_end_waits_for_nobody(
             fill(server, game, wire)
         if when == "hangs":
             server.deaf = True
-        for _ in range(2):  # once more does nothing
+        for _ in range(2):  # the second call does nothing
             game.do("dispose")
         assert game.status()["status"] == "Stopped"
         for line in ("start", "put ball 0 0 0.2 5", "clear", "arm", "stop"):
@@ -159,7 +157,7 @@ def test_the_end_waits_for_nobody(
 
 
 def answered(game: Game) -> None:
-    """Ask the server something, and wait for its answer, or until there is none."""
+    """Send the server a request, and wait for its answer, or until there will be none."""
     if game.do("field at 0 0 0.2")["done"]:
         game.wait(lambda told: "field" in told)
 
@@ -169,7 +167,7 @@ def answered(game: Game) -> None:
 def test_neither_side_is_lost_that_stands_still_for_a_moment(
     start: Start, tmp_path: Path, who: str
 ) -> None:
-    """A trial in which the link may have been quiet for too long says nothing: there is another."""
+    """A trial in which the link may have been silent for too long does not count: try again."""
     with (
         server_apart() as (server, connection),
         start(connection.write(tmp_path / "c.json")) as game,
@@ -204,7 +202,7 @@ def test_its_domain_can_be_unloaded_as_an_editor_does(
 
 
 def with_library_of_wheel(driver: Path, folder: Path) -> list[str | Path]:
-    """The driver in a folder with pyzmq's own libzmq, as the Unity package copies it. Skips where pyzmq has none."""
+    """The driver in a folder with pyzmq's own libzmq, as the Unity package copies it. Skips if pyzmq has none."""
     libraries = Path(zmq.__file__).parents[1] / "pyzmq.libs"
     for library in libraries.glob("*.so*") if libraries.exists() else ():
         name = "libzmq.so" if library.name.startswith("libzmq") else library.name

@@ -1,4 +1,4 @@
-"""The client in C# and a real server: what is felt, and when there is silence."""
+"""The client in C# with a real server: what is felt, and when there is silence."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_a_game_that_does_not_tick_is_silent_when_its_lease_is_over(
     since = time.perf_counter()
     player.do("tick off")
     wait_for_expiry(real, since, stood=2.0 * LEASE)
-    assert player.do("put other 0 0 0.3 5")["done"]  # the client's own thread lives
+    assert player.do("put other 0 0 0.3 5")["done"]  # the client's own thread is alive
     player.until(lambda s: s["cause"] == "lease lost" or s["armed"])
     player.do("tick on")
     still = player.event("stood still")
@@ -107,7 +107,7 @@ def test_a_game_that_goes_on_is_silent_if_it_was_armed_only_once_or_stopped_mean
 def test_a_whole_program_that_stood_still_is_told_apart_from_a_long_frame(
     real: Server, player: Game, whole: bool
 ) -> None:
-    """As at a breakpoint, at which the client's own thread stands still, too."""
+    """As at a breakpoint, where the client's own thread stands still, too."""
     if whole:
         player.do("hold")
     since = time.perf_counter()
@@ -130,7 +130,7 @@ def test_a_game_that_ends_is_silent(real: Server, player: Game, how: str) -> Non
     else:
         player.do("dispose")
     wait_for_silence(real, since)
-    wait_until_free(real)  # so it was the end of its session, not that of its lease
+    wait_until_free(real)  # so the session has ended, not only its lease
     if how == "dispose":
         assert player.end() == 0
 
@@ -147,7 +147,7 @@ def test_a_stop_from_a_game_without_a_session(
     player.do("arm")
     assert player.event("refused", "stopped")["advice"] == "reset first"
     player.do("stop")
-    player.do("reset")  # after the stop, however slow that is
+    player.do("reset")  # after the stop, however slow it is
     player.do("arm")
     player.until(lambda s: s["armed"] and s["output"] == "sounding")
 
@@ -161,7 +161,7 @@ def test_a_server_that_is_killed_and_started_again(real: Server, player: Game) -
     mark = real.log.count
     real.start()
     player.event("connected")
-    status = player.until(lambda s: s["objects"] == 0)  # which a state of the new one says
+    status = player.until(lambda s: s["objects"] == 0)  # as reported in a state of the new server
     assert (status["armed"], status["owner"], status["output"]) == (False, False, "silent")
     assert not sounded_since(real, mark)
     sound(player)

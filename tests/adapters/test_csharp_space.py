@@ -1,4 +1,4 @@
-"""Coordinates in C#, against matrices and against NumPy and SciPy."""
+"""Coordinates in C#, compared with matrices, NumPy and SciPy."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("mono", "mcs")
 
-UNITY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # its x, y, z in the world
+UNITY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # Unity's axes in the world
 COUNT = 300
 random = np.random.default_rng(1)
 TURNS = Rotation.random(COUNT, random_state=2)
@@ -34,7 +34,7 @@ OTHERS = random.normal(size=(COUNT, 3))
 
 @pytest.fixture(scope="module")
 def ask(csharp_core: Path) -> Ask:
-    """Does an operation on rows of numbers in C#."""
+    """Run an operation in C# on rows of numbers."""
     program = tools.csharp(
         csharp_core.with_name("Space.exe"), [tools.CSHARP / "tests" / "Space.cs"], csharp_core
     )
@@ -56,7 +56,7 @@ def matrices(quaternions: Any) -> Array:
 
 
 def frames(places: Any, quaternions: Any) -> Array:
-    """Frames as (K, 4, 4) matrices."""
+    """Return frames as (K, 4, 4) matrices."""
     made = np.tile(np.eye(4), (len(places), 1, 1))
     made[:, :3, :3], made[:, :3, 3] = Rotation.from_quat(quaternions).as_matrix(), places
     return made
@@ -95,10 +95,10 @@ def test_all_of_unity_s_maps_are_their_own_inverse(ask: Ask) -> None:
 
 
 def test_what_turns_in_unity_turns_the_same_way_in_the_world(ask: Ask) -> None:
-    """Small turns: by the matrix of the cross product, which is mapped as any matrix is."""
+    """For small rotations, maps the matrix of the cross product like any matrix."""
     for made, spin in zip(ask("angular", PLACES), PLACES, strict=True):
         near(skew(made), UNITY @ skew(spin) @ UNITY.T)
-    step = 1e-6  # [s]; Unity's own rotation after it, mapped, is that by the mapped velocity
+    step = 1e-6  # [s]; Unity's own rotation after it, mapped, equals that by the mapped velocity
     later = Rotation.from_rotvec(step * PLACES) * TURNS
     mapped = Rotation.from_quat(ask("rotation", later.as_quat()))
     before = Rotation.from_quat(ask("rotation", QUATERNIONS))
@@ -132,7 +132,7 @@ def test_quaternions_are_normalised(ask: Ask) -> None:
 
 
 def kabsch(known: Array, touched: Array) -> tuple[Array, Array]:
-    """Rotation, without a reflection, and translation, by the singular values."""
+    """Return the rotation (never a reflection) and translation, by singular values."""
     a, b = known - known.mean(0), touched - touched.mean(0)
     u, _, vt = np.linalg.svd(b.T @ a)
     matrix = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
@@ -140,7 +140,7 @@ def kabsch(known: Array, touched: Array) -> tuple[Array, Array]:
 
 
 def touches(count: int, *, noise: float, mirrored: bool = False) -> tuple[Array, Array]:
-    """Known points of arrays, and where they were touched, (100, count, 3)."""
+    """Return known points of arrays, and the touched positions, (100, count, 3)."""
     known = random.uniform(-0.1, 0.1, (100, count, 3))
     seen = known * ([1.0, 1.0, -1.0] if mirrored else 1.0)
     touched = np.einsum("nij,nkj->nki", MATRICES[:100], seen) + PLACES[:100, None]
@@ -148,7 +148,7 @@ def touches(count: int, *, noise: float, mirrored: bool = False) -> tuple[Array,
 
 
 def fitted(ask: Ask, known: Array, touched: Array) -> Array:
-    """Position, rotation, residual, worst; NaN where it is refused."""
+    """Return position, rotation, residual, worst; NaN if the fit is refused."""
     return ask("fit", np.concatenate([known, touched], axis=2).reshape(len(known), -1))
 
 
@@ -165,7 +165,7 @@ def test_calibration_against_singular_values(ask: Ask, count: int, noise: float)
             left = np.linalg.norm(known @ matrix.T + place - touched, axis=1)
             near(made[7:], [np.sqrt(np.mean(left**2)), left.max()], 1e-9)
             compared += 1
-    assert compared > 95  # those that are refused lie about on a line
+    assert compared > 95  # the refused ones lie nearly on a line
 
 
 def test_points_that_are_mirrored_make_no_reflection_but_a_large_residual(ask: Ask) -> None:

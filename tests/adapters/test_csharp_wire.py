@@ -1,4 +1,4 @@
-"""The C# core reads and writes every message as Python does, whatever the bytes, without garbage."""
+"""The C# core reads and writes every message as Python does, for any bytes, and without garbage."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.deep("mono", "mcs")
 
 TESTS = tools.CSHARP / "tests"
-HUGE = re.compile(rb"\xcf[\x80-\xff]")  # whole numbers beyond 63 bits, which C# has no room for
+HUGE = re.compile(rb"\xcf[\x80-\xff]")  # integers beyond 63 bits, which C# has no type for
 KNOWN = vectors()
 STOP = b"\x82\xa4type\xa4stop"
 
 
 @pytest.fixture(scope="module")
 def both_sides(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The core with readers and writers of all messages."""
+    """Return the core with readers and writers of all messages."""
     return tools.core(tmp_path_factory.mktemp("both-sides"), tools.SERVER_SIDE.glob("*.cs"))
 
 
 @pytest.fixture
 def program(both_sides: Path) -> Program:
-    """Compiles a program of the tests beside the core, once."""
+    """Return a function that compiles a test program beside the core, once."""
 
     def made(name: str) -> Path:
         path = both_sides.with_name(f"{name}.exe")
@@ -50,7 +50,7 @@ def program(both_sides: Path) -> Program:
 
 
 def told(program: Path, lines: Iterable[str], folder: Path) -> str:
-    """What a program says at last of some lines in a file; fails if it does not agree with them."""
+    """Return the last output of a program for some lines in a file; fail if it finds differences."""
     (folder / "lines").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     return tools.run("mono", program, folder / "lines").splitlines()[-1]
 
@@ -61,7 +61,7 @@ def test_every_vector(program: Program, tmp_path: Path) -> None:
 
 
 def sizes() -> Iterator[tuple[str, Struct]]:
-    """Socket and messages that have heads of all lengths in them, and numbers of all lengths."""
+    """Yield socket and messages with heads of all lengths, and with numbers of all lengths."""
     key = {"session": bytes(16), "sequence": 1, "time": 0.0}
     for n in (31, 32, 255, 256, 1000):
         yield "reply", replies.Error(code="busy", message="ü" * n)
@@ -88,7 +88,7 @@ def test_all_lengths_of_heads_and_numbers(program: Program, tmp_path: Path) -> N
 
 
 def test_of_a_name_that_comes_twice_the_last_counts(program: Program, tmp_path: Path) -> None:
-    """And objects that are used again are never two at once."""
+    """Also checks that a reused object never occurs twice."""
     points = {name: objects.Point(position=(0.0, 0.0, ord(name) / 1000)) for name in "abcd"}
     put = commands.Put(session=bytes(16), sequence=1, time=0.0, objects=points)
     data = encode(put)
@@ -129,14 +129,14 @@ MEANT = "valid", "82a474797065a473746f70a2696405"
 def test_what_is_long_or_deep(
     program: Program, tmp_path: Path, data: bytes, wanted: tuple[str, str]
 ) -> None:
-    """No stack overflows, and of what is skipped nothing is kept."""
+    """The stack must not overflow, and skipped values must not be stored."""
     line = "\t".join(["control", data.hex(), *wanted])
     assert told(program("Vectors"), [line], tmp_path) == "1 messages, 0 differ"
     told(program("VectorsGarbage"), [line], tmp_path)
 
 
 def test_decoding_and_encoding_again_allocates_nothing(program: Program, tmp_path: Path) -> None:
-    """And what is refused allocates no more than a few times its length."""
+    """Also checks that a rejected message allocates at most a few times its length."""
     lines = [verdict(*vector) for vector in KNOWN]
     last = told(program("VectorsGarbage"), lines, tmp_path)
     assert last == f"{len(lines)} messages, 0 with garbage"

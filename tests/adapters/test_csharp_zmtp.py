@@ -1,4 +1,4 @@
-"""ZMTP in C#, without libzmq, against libzmq's own sockets, and against peers that err, tarry, or mean ill."""
+"""ZMTP in C# without libzmq, against libzmq's own sockets, and against faulty, slow or hostile peers."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def start(driver: Path) -> Start:
 
 @pytest.fixture
 def bind() -> Iterator[Bind]:
-    """Makes a socket of libzmq, and gives it with its address."""
+    """Return a function that creates a socket of libzmq, with its address."""
     with ExitStack() as stack:
         context = stack.enter_context(zmq.Context())
         zap = ThreadAuthenticator(context)
@@ -89,7 +89,7 @@ def pattern(count: int) -> bytes:
 
 
 def digest(data: bytes) -> int:
-    """As the driver's."""
+    """Return the same digest as the driver."""
     total = 0
     for byte in data:
         total = (total * 31 + byte) % 1_000_003
@@ -106,7 +106,7 @@ def connected(game: Game) -> None:
 
 
 def received(game: Game) -> bytes:
-    """The next message, which is short."""
+    """Return the next message, which is short."""
     told = game.wait(lambda t: "received" in t)
     return bytes.fromhex(told["hex"])
 
@@ -180,7 +180,7 @@ def test_ipv6(start: Start) -> None:
 
 
 def count_threads(game: Game) -> int:
-    """Threads that wait for bytes, by the name that the system keeps of it."""
+    """Return the number of threads that wait for bytes, by their name in the system."""
     names = Path(f"/proc/{game.process.pid}/task").glob("*/comm")
     return sum(name.read_text().startswith("Pacinian") for name in names)
 
@@ -220,7 +220,7 @@ def test_who_is_refused(bind: Bind, start: Start) -> None:
         with start("Dealer", address, token) as game:
             how, why = ended(game)
             assert how == FOREIGN
-            assert why == "" or problem in why  # libzmq may be the first to close it
+            assert why == "" or problem in why  # libzmq may close the connection first
     with start("Dealer", at_plain, "x" * 64) as game:
         how, why = ended(game)
         assert (how, "400" in why) == (DENIED, True)
@@ -232,7 +232,7 @@ def test_who_is_refused(bind: Bind, start: Start) -> None:
 
 
 def test_heartbeats_go_both_ways(bind: Bind, start: Start) -> None:
-    """Each side answers those of the other, with what they bring."""
+    """Each side answers the other's heartbeats with their content."""
     router, address = bind(zmq.ROUTER, heartbeat=10)
     with Slow(address) as line:
         heard: dict[str, bytes] = {"near": b"", "far": b""}
@@ -312,7 +312,7 @@ def test_a_byte_at_a_time(start: Start) -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6, 0.9, 1.0])
 def test_cut_off_in_the_middle(start: Start, share: float) -> None:
-    """It is told how it ended, and connects again if it may."""
+    """The socket reports how it ended, and reconnects if it may."""
     hand = greeting() + ready(b"PUB")
     said = hand + frame(b"state" * 100)
     with (

@@ -1,4 +1,4 @@
-"""The examples in C# and C++: a hand that moves at 90 Hz feels a ball; then the game is killed in the middle of it."""
+"""The examples in C# and C++: a hand that moves at 90 Hz feels a ball; then the game is killed while it plays."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 SECONDS = 4.0
-REACH = 0.06  # [m] from the ball's centre: its radius is half of it
-SPARE = 4.0  # [bytes] a frame, of a text in the state that changes now and then
+REACH = 0.06  # [m] from the ball's centre; the radius is half of it
+SPARE = 4.0  # [bytes] per frame, for a text in the state that changes sometimes
 
 
 @pytest.fixture
@@ -29,15 +29,16 @@ def server(tmp_path: Path) -> Any:
 
 
 def steady(game: Game, of_game: str, of_worker: str, spare: float) -> dict[str, Any]:
-    """What it tells of a stretch in which the game took no memory, and the client's own thread less than can be spared
-    for each frame; before it, buffers may grow.
+    """Return the report of a stretch without allocations of the game, and with few of the client's own thread.
+
+    Before it, buffers may grow.
     """
     return game.wait(lambda told: told.get(of_game) == 0.0 and told[of_worker] < spare)
 
 
 def killed(server: Server, game: Game) -> None:
-    """Kill it while it sounds, after which the server's other device must be silent, and nobody own it."""
-    # the hand may be lost for a moment where frames are late
+    """Kill it while it sounds. The server's other device must then be silent, and the output free."""
+    # late frames may lose the hand for a moment
     eventually(lambda: look(server).output == "sounding")
     since = time.perf_counter()
     game.kill()

@@ -1,4 +1,4 @@
-"""Unity and Unreal have the same features, with the same defaults, and all of the wire that they should have."""
+"""Unity and Unreal have the same features with the same defaults, and all that they should have of the wire."""
 
 from __future__ import annotations
 

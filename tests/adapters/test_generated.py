@@ -1,4 +1,4 @@
-"""The messages of the adapters are those of `pacinian.wire`."""
+"""The generated messages of the adapters match `pacinian.wire`."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_messages_come_after_those_that_they_hold(model: Any) -> None:
 
 
 def test_the_cores_have_only_what_a_client_needs(model: Any) -> None:
-    """Which is not to read what it sends, but for objects, nor to write what it hears."""
+    """They neither read what a client sends (except objects), nor write what it receives."""
     core = tools.ADAPTERS / "unreal" / "Pacinian" / "Source" / "PacinianCore"
     cpp = "".join(path.read_text(encoding="utf-8") for path in core.rglob("*.h"))
     files = (tools.CORE / "Wire").glob("Messages*.cs")
@@ -114,7 +114,7 @@ def test_the_cores_have_only_what_a_client_needs(model: Any) -> None:
 
 
 def held(t: Any) -> set[str]:
-    """The messages that a type names."""
+    """Return the messages that a type names."""
     kind = type(t).__name__
     if kind == "Part":
         return {t.name}

@@ -1,4 +1,4 @@
-"""Games in C++ and C#, and one in Unreal's stead, that start the server: it ends with them; they find another's."""
+"""Games in C++ and C#, and a stub of one in Unreal, start the server, which ends with them, or find another one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SERVER = str(Path(sys.executable).with_name("pacinian"))
 
 
 def build_cpp() -> Path:
-    """The folder with the games in C++ and in Unreal's stead."""
+    """Return the folder with the game in C++ and the stub of one in Unreal."""
     unreal.generate(tools.CPP / "build" / "watched" / "headers")
     return tools.watched("client_server", "play")
 
@@ -39,7 +39,7 @@ def file(tmp_path: Path) -> Path:
     ]
 )
 def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., Game]]:
-    """Starts a game, whose server is as told; the folder of `file` is the one for temporary files."""
+    """Start a game with a server program; the folder of `file` is the one for temporary files."""
     program: list[str | Path] = (
         [build_cpp() / "core" / "client_server"] if request.param == "cpp" else []
     )
@@ -64,7 +64,7 @@ def start(request: pytest.FixtureRequest, file: Path) -> Iterator[Callable[..., 
 
 
 def is_ours(game: Game, yes: bool) -> None:
-    """Wait until it is connected, to a server that it has started or not."""
+    """Wait until it is connected to a server that it has started, or to another one."""
     told = game.until(lambda s: s["status"] and s["runs"] is yes)
     assert told["problem"] == ""
 

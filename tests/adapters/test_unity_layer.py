@@ -1,4 +1,4 @@
-"""The Unity layer, played by stand-ins of the engine's types and a real server. Nothing here runs inside Unity."""
+"""The Unity layer, played with stubs of the engine's types and a real server. Nothing here runs inside Unity."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("mono", "mcs")
 
-TOUCHES = 60  # states in which the ball is touched, in which the hand has been to and fro
-SKIN = 0.01  # [m]: samples are on the hand's skin, at most so deep in the ball
+TOUCHES = 60  # states in which the ball is touched while the hand moves to and fro
+SKIN = 0.01  # [m] samples are on the hand's skin, at most this deep in the ball
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 @pytest.fixture
 def game(real: Server, built: unity.Built, request: pytest.FixtureRequest) -> Iterator[Game]:
-    """A level whose ball is touched. Its parameter: the lease that it asks for [s]."""
+    """Return a level whose ball is touched. Its parameter: the lease that it requests [s]."""
     wait_until_free(real)
     lease = str(getattr(request, "param", 0.0))
     with Game(["mono", "--debug", built.player, real.file, lease]) as made:
@@ -74,7 +74,7 @@ def sounds(game: Game) -> None:
 
 
 def flash(game: Game, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
-    """How it stands when the point sounds, as wanted; it is played again where a machine takes longer than it lasts."""
+    """Return the status as soon as the point sounds, as wanted; play it again if a slow machine missed it."""
 
     def flashes(status: dict[str, Any]) -> bool:
         if not status["playing"]:
@@ -85,7 +85,7 @@ def flash(game: Game, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[s
 
 
 def test_the_packages_own_tests(built: unity.Built, tmp_path: Path) -> None:
-    """Like the editor, it runs in the project's folder: the server that it starts logs there."""
+    """Like the editor, they run in the project's folder, where the started server logs."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     said = tools.run(
         "env", f"PATH={path}", "mono", "--debug", built.runner,
@@ -116,7 +116,7 @@ def test_the_manuals_examples_compile(built: unity.Built, tmp_path: Path) -> Non
 
 
 def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
-    # on a busy machine the hand may be lost for a moment, and nothing be felt
+    # on a busy machine the hand may be lost for a moment, so that nothing is felt
     status = game.until(lambda s: s["hands"] == s["objects"] == 1)
     assert (status["armed"], status["problem"]) == (True, "")
 
@@ -131,7 +131,7 @@ def test_what_is_touched_is_felt_and_drawn_where_it_is(game: Game) -> None:
     game.until(lambda s: not s["playing"] and s["flash"] == 0.0)  # its duration is over
     game.do("hand off")
     game.until(lambda s: s["output"] == "silent")
-    game.do("hands off")  # without any, the scene stays one that is felt by hands only
+    game.do("hands off")  # without hands, the scene is still felt only by hands
     game.do("hand on")
     game.do("disable")
     game.do("enable")
@@ -160,7 +160,7 @@ def test_a_child_that_gets_a_collider_becomes_part_of_the_ball_while_it_plays(
 
 
 def test_a_game_starts_a_server_and_takes_it_along(built: unity.Built, tmp_path: Path) -> None:
-    """It ends with play mode."""
+    """The server ends with play mode."""
     file = tmp_path / "connection.json"
     with Game(["mono", "--debug", built.player, file, "0"]) as game:
         game.do(f"serve {Path(sys.executable).with_name('pacinian')} --quiet")
@@ -180,7 +180,7 @@ def test_a_game_starts_a_server_and_takes_it_along(built: unity.Built, tmp_path:
 
 def test_frames_make_no_garbage(game: Game) -> None:
     def clean() -> bool:
-        game.do("warm")  # buffers grow until they are large enough, also for a machine that is late
+        game.do("warm")  # buffers grow until they are large enough, even for a slow machine
         return bool(game.until(lambda s: s["frames"] > 90)["worst"] == 0)
 
     eventually(clean)
@@ -188,17 +188,18 @@ def test_frames_make_no_garbage(game: Game) -> None:
 
 def test_what_is_changed_while_it_runs(game: Game) -> None:
     game.do("strength 8")
-    game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 3.0)  # by where the hand is
+    game.until(lambda s: s["output"] == "sounding" and s["emitted"] > 3.0)  # by the hand's position
     game.do("strength 2")
     weak = [False] * TOUCHES
 
     def is_weak(status: dict[str, Any]) -> bool:
-        """Wherever the hand is.
+        """Return whether the pressure is weak, wherever the hand is.
 
-        For 0.2 s of each second it is beside the ball, and nothing is felt. A slow machine sees few states in between.
+        For 0.2 s of each second the hand is beside the ball, and nothing is felt. A slow machine sees few states in
+        between.
         """
         if status["emitted"] > 0.0:
-            weak.append(status["emitted"] < 3.0)  # at the rim it may be a third more than asked
+            weak.append(status["emitted"] < 3.0)  # at the rim it may be a third more than requested
         return all(weak[-TOUCHES:])
 
     game.until(is_weak)
@@ -207,7 +208,7 @@ def test_what_is_changed_while_it_runs(game: Game) -> None:
     game.until(lambda s: s["intensity"] == 0.5)
     game.do("solver lagrange")
     game.until(lambda s: s["solver"] == "lagrange" and s["output"] == "sounding")
-    game.do("solver gs")  # any keeps the quiet zone of the level
+    game.do("solver gs")  # any solver keeps the level's quiet zone
     game.until(lambda s: s["solver"] == "gs" and s["output"] == "sounding")
     game.do("hum 40")
     game.do("intensity 1")
@@ -217,7 +218,7 @@ def test_what_is_changed_while_it_runs(game: Game) -> None:
     assert "none-such" in game.status()["problem"]
     game.do("solver auto")
     game.until(lambda s: s["solver"] == "auto")
-    game.do("both 100000")  # more than the server allows, in one message with what it does
+    game.do("both 100000")  # more than the server allows, in one message with an allowed object
     assert "radiation_pressure" in game.event("refused")["code"]
     assert flash(game, lambda s: s["objects"] == 1)["wrong"]
     game.do("strength 8")
@@ -236,7 +237,7 @@ def test_whatever_ends_it_ends_the_sound_and_does_not_hang(
     since = time.perf_counter()
     game.do(how)
     wait_for_silence(real, since)
-    wait_until_free(real)  # so it was not the end of its lease
+    wait_until_free(real)  # so the session has ended, not only its lease
     assert not game.status()["current"]
     assert game.end() == 0
 
@@ -295,7 +296,7 @@ def test_a_freeze_is_silent_in_time_and_sounds_again_when_the_game_goes_on(
 def test_a_pause_of_the_editor_ends_the_sound_at_once_and_is_no_failure(
     real: Server, game: Game
 ) -> None:
-    """The session goes on however long it is, and the output is let go; a stop in the meantime holds."""
+    """The session continues however long the pause is, and the output is released; a stop during the pause holds."""
     since = time.perf_counter()
     game.do("pause on")
     wait_for_silence(real, since)
@@ -316,7 +317,7 @@ def test_a_pause_of_the_editor_ends_the_sound_at_once_and_is_no_failure(
 
 
 def test_touches_are_told_to_server_and_effect_where_they_are(game: Game) -> None:
-    """The hand goes to and fro once a second, and leaves the ball each time: as often as it comes, it goes."""
+    """The hand moves to and fro once a second, and leaves the ball each time: touches end as often as they begin."""
     status = game.until(lambda s: s["began"] >= 3 and s["moved"] > s["began"])
     assert status["hand"] == "right"
     assert 0.0 < status["pressed"] <= 1.0
@@ -362,7 +363,7 @@ def test_after_a_restart_of_the_server_objects_are_put_again(
     game.do("warm")
     assert not game.until(lambda s: s["output"] == "silent" and s["frames"] > 45)["armed"]
     assert not sounded_since(real, mark)
-    game.do("arm")  # and nothing else: the objects are there
+    game.do("arm")  # nothing else is needed: the objects are there
     sounds(game)
 
 

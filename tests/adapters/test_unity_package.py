@@ -30,7 +30,7 @@ PAGES = sorted(PACKAGE.rglob("*.md"))
 
 
 def guids() -> dict[str, Path]:
-    """Assets by their GUIDs."""
+    """Return the assets by their GUIDs."""
     found: dict[str, Path] = {}
     for meta in PACKAGE.rglob("*.meta"):
         match = re.search(r"^guid: ([0-9a-f]{32})$", meta.read_text(encoding="utf-8"), re.MULTILINE)
@@ -125,7 +125,7 @@ def test_components_have_the_fields_that_are_set(path: Path) -> None:
 
 
 def fields(source: Path) -> list[str]:
-    """Names of what Unity keeps of a component, in order, with those of its base class first."""
+    """Return the names of the fields that Unity serialises, in order, those of the base class first."""
     text = re.sub(r'"[^"]*"', '""', source.read_text(encoding="utf-8"))
     base = re.search(r"class \w+ : (Haptic\w+)", text)
     first = fields(PACKAGE / "Runtime" / f"{base[1]}.cs") if base else []

@@ -1,4 +1,4 @@
-"""The Unreal plugin's components, over stand-ins for the engine's classes, play against a real server."""
+"""The Unreal plugin's components, with stubs of the engine's classes, play against a real server."""
 
 from __future__ import annotations
 
@@ -44,21 +44,21 @@ RADIUS = 0.03
 
 @pytest.fixture(scope="module")
 def program() -> Path:
-    """The game, compiled without a warning; the editor's part with it."""
+    """Return the game, compiled without a warning, including the editor's part."""
     unreal.generate(tools.CPP / "build" / "watched" / "headers")
     return tools.watched("play") / "play"
 
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """One for all; a test that kills it starts it again."""
+    """Return one server for all tests; a test that kills it starts it again."""
     with Server(tmp_path_factory.mktemp("server"), HELD) as running:
         yield running
 
 
 @pytest.fixture
 def play(program: Path, server: Server) -> Iterator[Callable[..., Game]]:
-    """Starts the game, which is ended in any case."""
+    """Return a function that starts the game, and end it after the test."""
     wait_until_free(server)
     games: list[Game] = []
 
@@ -76,7 +76,7 @@ def play(program: Path, server: Server) -> Iterator[Callable[..., Game]]:
 
 
 def touch(game: Game) -> pc.Hand:
-    """A hand that rests on the ball."""
+    """Return a hand that rests on the ball."""
     hand = pc.Hand.open("right", pc.Pose((0.0, -0.03, 0.215)))
     game.do(f"joints {numbers(level(hand.joints))}")
     return hand
@@ -103,10 +103,10 @@ def test_a_hand_that_moves_feels_a_ball(play: Callable[..., Game], server: Serve
     felt = array(np.reshape(told["samples"], (-1, 3)))
     depth = np.linalg.norm(felt - BALL, axis=1)
     assert np.all(np.abs(depth - RADIUS) < 0.02)
-    assert np.all(felt[:, 2] > BALL[2])  # its upper side, where the hand is
+    assert np.all(felt[:, 2] > BALL[2])  # the upper side, where the hand is
     state = look(server)
 
-    def sees_hand_and_ball() -> bool:  # where frames are late the hand is lost for a moment
+    def sees_hand_and_ball() -> bool:  # late frames may lose the hand for a moment
         nonlocal state
         state = look(server)
         return bool(state.hands and state.objects)
@@ -136,7 +136,7 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
     game.do("duration point 1000")
     game.do("play point")
     eventually(lambda: there("Things.Point"))
-    game.do("duration point 0.001")  # which is over
+    game.do("duration point 0.001")  # its duration is over
     eventually(there)
     game.until(lambda s: not s["playing"])
     game.do("duration point 0")
@@ -189,7 +189,7 @@ def test_the_editor_draws_effects_in_their_true_size(play: Callable[..., Game]) 
     game = play("unarmed", "handless")
 
     def outline(name: str) -> Array:
-        """Places in the level that are drawn, (K, 3) [cm], from the middle of all."""
+        """Return the drawn positions in the level, (K, 3) [cm], relative to their mean."""
         game.say(f"outline {name}")
         told = game.wait(lambda t: "outline" in t)
         assert (told["drawn"], told["why"]) == (True, "")
@@ -255,9 +255,10 @@ def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
 
 
 def _upper(state: State, half: tuple[float, float], height: float) -> np.ndarray[Any, Any]:
-    """
-    Normals, (K, 3), of the points that are at that height [m]; none of a box's rim. None at all unless all points are
-    on a plate that goes so far [m] on each side of (10, 30) mm, and on both sides of that.
+    """Return the normals, (K, 3), of the points at a height [m], except those of a box's rim.
+
+    Return none at all unless all points are on a plate that extends `half` [m] to each side of (10, 30) mm, and there
+    are points on all sides of its middle.
     """
     points, normals = (
         np.frombuffer(rows, "<f4").reshape(-1, 3) for rows in (state.points, state.normals)
@@ -394,8 +395,8 @@ def test_what_ends_sound(play: Callable[..., Game], server: Server, way: str) ->
     game.do(way)
     wait_for_silence(server, since)
     if way not in {"lost", "handless", "stop", "level"}:
-        wait_until_free(server)  # so it was not the end of the lease
-    if way == "level":  # another one, in which nothing is touched
+        wait_until_free(server)  # so the session has ended, not only the lease
+    if way == "level":  # another level, in which nothing is touched
         connected(game)
     if way == "stop":
         assert game.event("ended")["code"] == "stopped"

@@ -1,4 +1,4 @@
-"""The Unreal plugin as text: what its build and its engine would refuse, found without them."""
+"""The Unreal plugin as text: checks of its build and its engine, without them."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_libzmq_is_used_only_where_it_is() -> None:
 
 @pytest.mark.deep("cmake")
 def test_the_recipe_places_libzmq_where_the_module_looks(tmp_path: Path) -> None:
-    """It is configured, and places stand-ins for what it would have built: it fetches nothing."""
+    """CMake configures it, and it places stubs of what it would have built: it downloads nothing."""
     recipe = unreal.SOURCE / "ThirdParty"
     tools.run("cmake", "-S", recipe, "-B", tmp_path / "build")
     assert "zeromq" in tools.run("cmake", "--build", tmp_path / "build", "--target", "help")
@@ -104,7 +104,7 @@ def test_sources_keep_to_what_the_engine_has() -> None:
         assert not re.search(only_core, text), path
         assert not re.search(r"\b(sleep|Sleep|Wait|FEvent|zmq_\w+)\b", text), path
         raw = path.read_text(encoding="utf-8")
-        longest = 250 if path.parent.name == "Public" else 200  # a class cannot be cut apart
+        longest = 250 if path.parent.name == "Public" else 200  # a class cannot be split
         assert len(raw.splitlines()) <= longest, path
         for include in re.findall(r'#include "(.*?)"', raw):
             of_core = include.startswith("pacinian/")

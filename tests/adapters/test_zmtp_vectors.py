@@ -1,4 +1,4 @@
-"""The byte vectors of ZMTP over TCP, in C# and C++: all but those about times, and about sending what is no text."""
+"""The byte vectors of ZMTP over TCP, in C# and C++: all except those about times and about sending binary data."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ if TYPE_CHECKING:
 __all__ = ["driver"]  # a fixture
 
 WORD = re.compile(r"'([^']*)'|\{(\w+)\}|(?:(\d+)\*)?([0-9a-f]+)")
-SHOWN = 40  # [bytes] of a message that a driver tells
+SHOWN = 40  # [bytes] of a message that a driver prints
 
 
 class Case(NamedTuple):
-    """Steps: what is done, and with what."""
+    """Steps: what is done, and with which arguments."""
 
     name: str
     steps: list[tuple[str, str]]
 
 
 def read_cases() -> tuple[dict[str, bytes], list[Case]]:
-    """The words that stand for bytes, and the cases."""
+    """Return the words that stand for bytes, and the cases."""
     words: dict[str, bytes] = {}
     cases: list[Case] = []
     for line in (WIRE / "zmtp.txt").read_text(encoding="utf-8").splitlines():
@@ -70,7 +70,7 @@ OVER_TCP = [case for case in CASES if not {"time", "sends"} & {what for what, _ 
     ]
 )
 def start(request: pytest.FixtureRequest) -> Callable[[str, str, str], Game]:
-    """Starts a socket: of a kind, to an address, with a password."""
+    """Return a function that starts a socket: of a kind, for an address, with a password."""
     if request.param == "cpp":
         settings = "-DPACINIAN_SANITIZE=ON", tools.JOINED
         program = [tools.cmake("sanitized", ["zmtp_answers"], *settings) / "zmtp_answers"]
@@ -98,7 +98,7 @@ def expect(peer: Peer, wanted: bytes) -> None:
 def follow(step: tuple[str, str], game: Game, peer: Peer) -> None:
     what, rest = step
     if what == "gives":
-        with suppress(OSError):  # which it may have refused, and closed
+        with suppress(OSError):  # the peer may have refused and closed it
             peer.send(read_bytes(rest, WORDS))
     elif what == "says":
         expect(peer, read_bytes(rest, WORDS))

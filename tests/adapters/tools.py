@@ -1,4 +1,4 @@
-"""Compilers that the adapters need, and what they build."""
+"""The compilers that the adapters need, and what they build."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 ADAPTERS = Path(__file__).resolve().parents[2] / "adapters"
 CORE = ADAPTERS / "unity" / "Runtime" / "Core"
 CSHARP = ADAPTERS / "csharp"
-SERVER_SIDE = CSHARP / "tests" / "ServerSide"  # reads what a client sends, and writes what it hears
+SERVER_SIDE = CSHARP / "tests" / "ServerSide"  # reads what a client sends, writes what it receives
 CPP = ADAPTERS / "cpp"
 LIMIT = 550.0  # [s] for a compiler
-JOINED = "-DCMAKE_UNITY_BUILD=ON"  # sources compiled together, as Unreal does: sooner done
-# all programs with threads are built only once, and ThreadSanitizer watches them in all tests
+JOINED = "-DCMAKE_UNITY_BUILD=ON"  # sources compiled together, as Unreal does, which is faster
+# programs with threads are built once, and ThreadSanitizer watches them in all tests
 RACES = "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -g1 -fsanitize=thread"
 WATCHED = {"TSAN_OPTIONS": "exitcode=66"}
 WATCHED_LIBZMQ = {
@@ -31,7 +31,7 @@ WATCHED_LIBZMQ = {
 
 
 def run(*command: str | Path, limit: float = LIMIT, folder: Path | None = None) -> str:
-    """What a command says, in both streams. Fails the test with that if it does not end well and in time [s]."""
+    """Return the output of a command, both streams. Fail the test with it if the command fails or takes too long."""
     words = [str(word) for word in command]
     try:
         done = subprocess.run(
@@ -47,7 +47,7 @@ def run(*command: str | Path, limit: float = LIMIT, folder: Path | None = None) 
 def csharp(
     made: Path, sources: Iterable[Path], *libraries: Path, defines: Iterable[str] = ()
 ) -> Path:
-    """Compile C#, without a warning, to a program or (.dll) a library beside those that it needs."""
+    """Compile C# without warnings, to a program or a library (.dll) beside the libraries that it needs."""
     made.parent.mkdir(parents=True, exist_ok=True)
     run(
         "mcs", "-nologo", "-langversion:7.2", "-warn:4", "-warnaserror", "-optimize+", "-debug",
@@ -60,14 +60,14 @@ def csharp(
 
 
 def core(folder: Path, more: Iterable[Path] = ()) -> Path:
-    """The engine-free core in C#, as a library. more: sources that it does not contain."""
+    """Compile the engine-free core in C# to a library. more: additional sources."""
     made = csharp(folder / "Pacinian.dll", [*CORE.rglob("*.cs"), *more])
     shutil.copy(CSHARP / "Pacinian.dll.config", folder)
     return made
 
 
 def cmake(kind: str, targets: Iterable[str], *settings: str, source: Path = CPP) -> Path:
-    """The folder in which programs are built in that way; what is built already stays."""
+    """Build programs, and return their folder; what is built already stays."""
     folder = CPP / "build" / kind
     folder.parent.mkdir(exist_ok=True)
     with FileLock(folder.with_suffix(".lock")):  # another worker may build in it
@@ -77,16 +77,16 @@ def cmake(kind: str, targets: Iterable[str], *settings: str, source: Path = CPP)
 
 
 def watched(*targets: str) -> Path:
-    """The folder with `play` of the Unreal plugin's stand-ins, and that of the client's programs in it: `core`."""
+    """Return the folder with `play` of the Unreal plugin's stubs; the client's programs are in its folder `core`."""
     return cmake("watched", targets, *RACES, JOINED, source=CPP / "stubs")
 
 
 def read_examples(page: Path, language: str, having: str) -> list[str]:
-    """The examples of a page in a language that contain some text."""
+    """Return the examples of a page in a language that contain a text."""
     found = re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     return [example for example in found if having in example]
 
 
 def environment() -> dict[str, str]:
-    """In which what is watched ends with an error if its threads race."""
+    """Return an environment in which a watched program ends with an error if its threads race."""
     return {**os.environ, **WATCHED}

@@ -1,4 +1,4 @@
-"""The Unity package, compiled against stand-ins of the engine's types, which also play it."""
+"""The Unity package, compiled with stubs of the engine's types, which can also play it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 PACKAGE = tools.ADAPTERS / "unity"
 STUBS = tools.CSHARP / "stubs"
-SYSTEMS = {  # the sample, with each of Unity's input systems
+SYSTEMS = {  # the sample with each of Unity's input systems
     "Sample.dll": ["ENABLE_LEGACY_INPUT_MANAGER"],
     "SampleInputSystem.dll": ["ENABLE_INPUT_SYSTEM", "PACINIAN_INPUT_SYSTEM"],
 }
@@ -23,7 +23,7 @@ VERSIONS = {  # of other packages
 
 
 class Built(NamedTuple):
-    """What was compiled. player: plays a level as it is told. runner: of tests. packages: tests with other packages."""
+    """The compiled programs. player: plays a level by commands. runner: runs tests. packages: tests other packages."""
 
     player: Path
     runner: Path
@@ -33,7 +33,7 @@ class Built(NamedTuple):
 
 
 def build(folder: Path) -> Built:
-    """Compile all of the package's assemblies, with references as its asmdefs have them."""
+    """Compile all of the package's assemblies, with the references of its asmdefs."""
     core = tools.csharp(folder / "Pacinian.Core.dll", tools.CORE.rglob("*.cs"))
     shutil.copy(tools.CSHARP / "Pacinian.dll.config", folder / "Pacinian.Core.dll.config")
     engine = tools.csharp(folder / "UnityEngine.dll", (STUBS / "UnityEngine").glob("*.cs"))
@@ -65,7 +65,7 @@ def build(folder: Path) -> Built:
 
 
 def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
-    """Tests of the components for other packages, with these in one of their versions."""
+    """Compile tests of the components for other packages, with one version of each."""
     made = list(libraries)
     for stub, part in (("XRInteraction", "XRInteraction"), ("Ultraleap", "Ultraleap")):
         source = STUBS / "Packages" / f"{stub}.cs"
@@ -74,7 +74,7 @@ def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
         name = folder / f"Pacinian.Haptics.{part}.dll"
         made.append(tools.csharp(name, sources, *made, defines=defines))
     source = STUBS / "Packages" / "Tests.cs"
-    name = folder / "Pacinian.Haptics.Tests.dll"  # sees what is internal
+    name = folder / "Pacinian.Haptics.Tests.dll"  # sees internal members
     return tools.csharp(name, [source], *made, defines=defines)
 
 

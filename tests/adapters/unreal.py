@@ -1,4 +1,4 @@
-"""The Unreal plugin without Unreal: what its header tool would write, and the plugin's parts, as text."""
+"""The Unreal plugin without Unreal: what its header tool would write, and the plugin's parts as text."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 
 
 class Member(NamedTuple):
-    """A property or function that Unreal knows of. comment: the lines before it. text: its declaration."""
+    """A property or function that Unreal knows. comment: the lines before it. text: its declaration."""
 
     kind: str
     specifiers: str
@@ -40,19 +40,19 @@ class Class(NamedTuple):
 
 
 def layer() -> list[Path]:
-    """The sources that need the engine."""
+    """Return the sources that need the engine."""
     files = [*(SOURCE / "Pacinian").rglob("*"), *(SOURCE / "PacinianEditor").rglob("*")]
     files.append(SOURCE / "PacinianCore" / "Private" / "PacinianCoreModule.cpp")
     return sorted(f for f in files if f.suffix in {".h", ".cpp"})
 
 
 def code(path: Path) -> str:
-    """A source without its comments and strings."""
+    """Return a source without its comments and strings."""
     return STRING.sub('""', COMMENT.sub("", path.read_text(encoding="utf-8")))
 
 
 def classes(header: Path) -> list[Class]:
-    """The classes of a header that Unreal knows of."""
+    """Return the classes of a header that Unreal knows."""
     found: list[Class] = []
     lines = header.read_text(encoding="utf-8").splitlines()
     name = base = ""
@@ -78,7 +78,7 @@ def _member(kind: str, specifiers: str, lines: list[str], at: int) -> Member:
 
 
 def generate(folder: Path) -> None:
-    """Write the headers that the engine and its tool would add; what is the same stays as it is."""
+    """Write the headers that the engine and its tool would provide; unchanged files stay."""
     for line in (STUBS / "headers.txt").read_text(encoding="utf-8").splitlines():
         if line and not line.startswith("#"):
             name, file = line.split()

@@ -35,7 +35,7 @@ def ready(kind: bytes = b"ROUTER") -> bytes:
 
 
 def frames(data: bytes) -> list[tuple[int, bytes]]:
-    """Flags and bodies of whole frames; what is cut off is left out."""
+    """Return flags and bodies of whole frames; leave out a truncated one."""
     found: list[tuple[int, bytes]] = []
     while len(data) > 1:
         long = data[0] & 2
@@ -49,7 +49,7 @@ def frames(data: bytes) -> list[tuple[int, bytes]]:
 
 
 class Listener:
-    """Takes connections; a context manager. address: where."""
+    """Accepts connections; a context manager. address: where."""
 
     def __init__(self) -> None:
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -84,18 +84,18 @@ class Peer:
         self._stream.sendall(data)
 
     def send_slowly(self, data: bytes) -> None:
-        """A byte at a time."""
+        """Send byte by byte."""
         for i in range(len(data)):
             self._stream.sendall(data[i : i + 1])
 
     def read(self) -> bool:
-        """Some more; whether there was."""
+        """Read more bytes. Return whether there were any."""
         data = self._stream.recv(1 << 16)
         self.heard += data
         return bool(data)
 
     def greet(self, minor: int = 1, kind: bytes = b"ROUTER") -> None:
-        """The whole handshake of NULL."""
+        """Run the whole handshake of NULL."""
         self.send(greeting(minor) + ready(kind))
         while len(self.heard) < GREETING:
             assert self.read()
@@ -103,7 +103,7 @@ class Peer:
         self.expect(4, b"\5READY")
 
     def expect(self, flags: int, body: bytes) -> bytes:
-        """The next frame, which must have these flags and begin so."""
+        """Read the next frame, which must have these flags and begin with these bytes."""
         while not (found := frames(self.heard)):
             assert self.read(), self.heard
         first = found[0]

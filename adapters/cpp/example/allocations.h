@@ -5,15 +5,15 @@
 
 namespace example {
 
-/// Whose calls of `operator new` are counted.
+/// The thread whose calls of `operator new` are counted.
 enum Thread { others, game, worker };
 
 inline thread_local Thread thread = others;
-inline long allocations[3] = {};  // each is written by one thread, but for those of `others`
+inline long allocations[3] = {};  // one thread writes each, except that of `others`
 
 }  // namespace example
 
-// One copy for the whole program: to be included by one source only.
+// Defines operators for the whole program: include it in only one source.
 
 void* operator new(std::size_t size) {
   if (example::thread != example::others) ++example::allocations[example::thread];

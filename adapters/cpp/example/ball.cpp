@@ -1,5 +1,6 @@
-// A ball, and a hand that moves through it: connects, plays for a while, and tells in a line of JSON how that went; then
-// plays on until it is killed, and tells of each stretch. Arguments, each optional: connection file, seconds, solver and backend to change to.
+// A ball, and a hand that moves through it. Connects, plays for a while, and prints its measurements as a line of JSON;
+// then plays on until it is killed, and prints a line for each stretch.
+// Arguments, each optional: connection file, seconds, solver and backend to change to.
 
 #include <algorithm>
 #include <chrono>
@@ -17,7 +18,7 @@ namespace {
 namespace wire = pacinian::wire;
 
 constexpr double rate = 90.0;    // [Hz]
-constexpr double patience = 60;  // [s] until it is felt
+constexpr double patience = 60;  // [s] until the ball is felt
 constexpr double height = 0.2;   // [m] of the ball above the array
 
 wire::Volume ball() {
@@ -28,7 +29,7 @@ wire::Volume ball() {
   return made;
 }
 
-/// Part of sorted numbers; 0 if there are none.
+/// Returns a quantile of sorted numbers; 0 if there are none.
 double quantile(const std::vector<double>& sorted, double share) {
   if (sorted.empty()) return 0.0;
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
@@ -50,7 +51,7 @@ class Play {
     client_.start();
   }
 
-  /// Plays for so long, or until it is felt; false if it was not.
+  /// Plays for this time, or until the ball is felt. Returns false if it was not felt in time.
   bool frames(double seconds, bool until_felt = false) {
     const double end = client_.now() + seconds;
     for (double due = client_.now(); due < end && !(until_felt && felt_); due += 1.0 / rate) {
@@ -68,7 +69,7 @@ class Play {
     client_.select(std::move(choice));
   }
 
-  /// From now on is counted; how many frames since then.
+  /// Starts to count frames and allocations.
   void count() { frames_ = 0, std::copy_n(example::allocations, 3, before_); }
 
   void tell() {
@@ -117,7 +118,7 @@ class Play {
     if (calls_.size() < calls_.capacity()) calls_.push_back(client_.now() - begin);
   }
 
-  /// What the server says that it has emitted.
+  /// Measures what the server reports that it emits.
   void look(const wire::State& state) {
     felt_ = felt_ || state.output == wire::Output::sounding;
     if (state.output == wire::Output::sounding) {

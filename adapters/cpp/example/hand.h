@@ -7,7 +7,8 @@ namespace example {
 
 namespace wire = pacinian::wire;
 
-/// An adult's flat right hand in OpenXR's joints, its palm at a place [m], fingers along +y, looking down.
+/// Writes an adult's flat right hand in OpenXR's joints. Its palm is at a position [m] and faces down; its fingers
+/// point along +y.
 inline void place_hand(wire::HandFrame& hand, float x, float y, float z) {
   const auto joint = [&](float right, float forward) {
     for (const float value : {x + right, y + forward, z}) wire::append(hand.joints, value);

@@ -1,6 +1,6 @@
-// A game that does what its standard input says, a command a line, and tells what happens in lines of JSON.
-// Arguments, all but the first optional: connection file (-: the default), lease [s] (0: the server's), life of a command
-// [s], timeout of an answer [s].
+// A game that executes commands from standard input, one per line, and prints events as lines of JSON.
+// Arguments, all but the first optional: connection file (-: the default), lease [s] (0: the server's), time to live of
+// a command [s], timeout of an answer [s].
 
 #include <poll.h>
 #include <unistd.h>
@@ -34,13 +34,13 @@ void touched(const char* what, const wire::TouchState& touch) {
   say({{"event", what}, {"object", touch.object}, {"hand", touch.hand}, {"strength", touch.strength}});
 }
 
-/// A clock at which the client's own thread stands still for as long as the game wants.
+/// A clock that can block the client's own thread.
 class Clock {
  public:
   double now() {
     if (std::this_thread::get_id() != game_) {
       std::unique_lock<std::mutex> guard(lock_);
-      if (worker_ == std::thread::id()) worker_ = std::this_thread::get_id();  // the first that asks
+      if (worker_ == std::thread::id()) worker_ = std::this_thread::get_id();  // the first that reads the clock
       if (worker_ == std::this_thread::get_id() && held_) {
         stands_ = true;
         changed_.notify_all();
@@ -51,7 +51,7 @@ class Clock {
     return pacinian::steady_clock();
   }
 
-  /// Back when that thread stands still.
+  /// Returns when that thread is blocked.
   void hold() {
     std::unique_lock<std::mutex> guard(lock_);
     held_ = true;
@@ -89,7 +89,7 @@ class Game {
     };
   }
 
-  /// One frame.
+  /// Plays one frame.
   void step() {
     if (!ticks_) return;
     client_.tick();
@@ -100,7 +100,7 @@ class Game {
     client_.hands(hands_);
   }
 
-  /// Does what a line says. False at the end.
+  /// Executes a command. Returns false at the end.
   bool obey(const std::string& line) {
     std::istringstream words(line);
     std::string what, name;
@@ -167,7 +167,7 @@ class Game {
     return what != "reset" || client_.reset();
   }
 
-  /// Stands still until more is said.
+  /// Blocks the game's thread until more input arrives.
   static void freeze() {
     pollfd input = {STDIN_FILENO, POLLIN, 0};
     ::poll(&input, 1, -1);
@@ -210,7 +210,7 @@ class Game {
   bool ticks_ = true, waves_ = false;
 };
 
-/// Adds what has come on standard input within a time [s]; false at its end.
+/// Adds the input that arrives within a time [s]. Returns false at the end of the input.
 bool read(std::string& waiting, double seconds) {
   pollfd input = {STDIN_FILENO, POLLIN, 0};
   if (::poll(&input, 1, static_cast<int>(1e3 * seconds)) <= 0) return true;

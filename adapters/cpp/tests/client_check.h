@@ -8,17 +8,17 @@
 
 namespace check {
 
-/// Keeps what is sent, as long as there is room.
+/// Stores what is sent, as long as there is room.
 class Sink : public pacinian::client::MessageSink {
  public:
-  bool control(const pacinian::wire::Writer& message) override {
+  bool send_control(const pacinian::wire::Writer& message) override {
     return keep(message, controls, pacinian::wire::decode_control);
   }
-  bool command(const pacinian::wire::Writer& message) override {
+  bool send_command(const pacinian::wire::Writer& message) override {
     return keep(message, commands, pacinian::wire::decode_command);
   }
 
-  /// Those of one kind.
+  /// Returns the messages of one type.
   template <class T, class Any>
   static std::vector<T> of(const std::vector<Any>& all) {
     std::vector<T> found;

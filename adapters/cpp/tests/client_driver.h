@@ -8,7 +8,7 @@
 
 namespace driver {
 
-/// A text in JSON.
+/// Returns a text as JSON.
 inline std::string quoted(const std::string& text) {
   std::string made = "\"";
   for (const char c : text) {
@@ -43,7 +43,7 @@ inline std::string object(Pairs pairs) {
   return made + "}";
 }
 
-/// Tells a line.
+/// Prints a JSON object as a line.
 inline void say(Pairs pairs) {
   std::puts(object(pairs).c_str());
   std::fflush(stdout);

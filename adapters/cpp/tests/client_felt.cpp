@@ -1,4 +1,4 @@
-// What is felt of an object is found by its name, and takes no memory.
+// RegionFelt finds an object by its name, and allocates nothing.
 
 #include <initializer_list>
 
@@ -33,7 +33,7 @@ void by_name() {
   state.output = wire::Output::silent;
   EXPECT(!RegionFelt::of(&state, "plate").known());
   state.output = wire::Output::sounding;
-  wire::append(state.felt, 1.0F);  // not four for each
+  wire::append(state.felt, 1.0F);  // not four numbers for each object
   EXPECT(!RegionFelt::of(&state, "plate").known());
 }
 

@@ -1,11 +1,11 @@
-// What waits to be sent: of each object only the newest; how often it is tried to connect; round trips.
+// Tests of the outbox, the reconnect pauses and the round trips.
 
 #include <cmath>
 
 #include "client/reconnect_backoff.h"
 #include "client/object_validation.h"
 #include "client/outbox.h"
-#include "client/timing.h"
+#include "client/server_clock.h"
 #include "client_check.h"
 #include "client_scene.h"
 
@@ -19,7 +19,7 @@ using pacinian::client::Outbox;
 using pacinian::client::Place;
 using pacinian::client::Speed;
 using pacinian::client::Stamp;
-using pacinian::client::Timing;
+using pacinian::client::ServerClock;
 namespace wire = pacinian::wire;
 
 struct Box : Outbox {
@@ -159,18 +159,18 @@ void pauses_grow_and_shrink() {
   EXPECT(attempts.status() == Status::connecting && attempts.due() <= 0.0);
   double now = 5.0, expected = 0.1;
   for (int i = 0; i < 8; ++i, expected = std::fmin(2.0, 2.0 * expected)) {
-    attempts.failed({"nobody", false}, now);
+    attempts.record_failure({"nobody", false}, now);
     EXPECT(std::fabs(attempts.due() - now - expected) < 1e-9);
     now = attempts.due();
   }
   EXPECT(attempts.status() == Status::connecting && attempts.problem() == "nobody");
-  attempts.succeeded();
+  attempts.record_success();
   EXPECT(attempts.status() == Status::connected && attempts.problem().empty());
-  attempts.failed({"has gone", false}, now);
+  attempts.record_failure({"has gone", false}, now);
   EXPECT(std::fabs(attempts.due() - now - 0.1) < 1e-9);
-  attempts.failed({"update the server", true}, now);
+  attempts.record_failure({"update the server", true}, now);
   EXPECT(attempts.status() == Status::refused && attempts.due() > now);
-  for (int i = 0; i < 8; ++i) attempts.failed({"no connection file", false}, now, ReconnectBackoff::unasked);
+  for (int i = 0; i < 8; ++i) attempts.record_failure({"no connection file", false}, now, ReconnectBackoff::unasked);
   EXPECT(std::fabs(attempts.due() - now - 0.5) < 1e-9);
 }
 
@@ -180,16 +180,16 @@ void refusals_are_told_without_what_is_empty() {
 }
 
 void round_trips() {
-  Timing timing;
-  EXPECT(timing.trips().median == 0.0 && timing.offset() == 0.0);
+  ServerClock server_clock;
+  EXPECT(server_clock.trips().median == 0.0 && server_clock.offset() == 0.0);
   for (int i = 1; i <= 300; ++i) {
-    timing.answered(0.0, i);
-    timing.clocked(i, i + (i % 7 ? 0.01 : 0.001), i + 100.0 + (i % 7 ? 0.009 : 0.0005));
+    server_clock.add_trip(0.0, i);
+    server_clock.add_mark(i, i + (i % 7 ? 0.01 : 0.001), i + 100.0 + (i % 7 ? 0.009 : 0.0005));
   }
-  EXPECT(timing.trips().median == 150.0 && timing.trips().longest == 300.0);
-  EXPECT(timing.trips().p99 == 297.0);
-  EXPECT(std::fabs(timing.offset() - 100.0) < 1e-9);
-  EXPECT(std::fabs(timing.age(400.0, 301.0) - 1.0) < 1e-9);
+  EXPECT(server_clock.trips().median == 150.0 && server_clock.trips().longest == 300.0);
+  EXPECT(server_clock.trips().p99 == 297.0);
+  EXPECT(std::fabs(server_clock.offset() - 100.0) < 1e-9);
+  EXPECT(std::fabs(server_clock.age(400.0, 301.0) - 1.0) < 1e-9);
 }
 
 }  // namespace

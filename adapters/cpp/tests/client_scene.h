@@ -20,7 +20,7 @@ inline wire::Point point(double x, double y, double z, double pressure) {
   return made;
 }
 
-/// pressure: 0: none is given.
+/// pressure: 0 for none.
 inline wire::Volume ball(double radius, double pressure) {
   wire::Volume made;
   made.shape = wire::Sphere{radius};
@@ -34,7 +34,7 @@ inline wire::Pose pose(double x, double y, double z) {
   return made;
 }
 
-/// Many points in one object.
+/// Returns one object with many points.
 inline wire::Particles rain(int count) {
   wire::Particles made;
   made.radiation_pressure = 5.0;

@@ -1,4 +1,4 @@
-// One session after another, without a socket, by a clock of the test's.
+// Tests of ServerSession without a socket, and with the test's own clock.
 
 #include "client_talk.h"
 
@@ -13,7 +13,7 @@ void a_session_begins() {
   Talk talk;
   talk.sink.full = true;
   talk.begin(talk.now);
-  talk.speak();  // it is not connected yet
+  talk.send();  // not connected yet
   EXPECT(talk.sink.controls.empty());
   talk.sink.full = false;
   talk.connect();
@@ -25,15 +25,15 @@ void only_ticks_renew() {
   Talk talk;
   talk.connect();
   EXPECT(talk.renewals(101.0) == 0 && talk.wants_tick(talk.now));
-  talk.tick(101.0);
-  EXPECT(talk.renewals(102.0) == 1);  // frozen since
+  talk.record_tick(101.0);
+  EXPECT(talk.renewals(102.0) == 1);  // the game is frozen
   EXPECT(talk.sent<wire::Renew>().back().time == 101.0);
   for (int i = 0; i < 90; ++i) {
-    talk.tick(talk.now);
+    talk.record_tick(talk.now);
     talk.renewals(talk.now + 1.0 / 90.0);
   }
   const std::size_t all = talk.sent<wire::Renew>().size();
-  EXPECT(all > 30 && all < 60);  // some ten in a lease
+  EXPECT(all > 30 && all < 60);  // about ten in a lease
   const auto sequences = talk.sent<wire::Renew>();
   for (std::size_t i = 1; i < all; ++i) EXPECT(sequences[i].sequence > sequences[i - 1].sequence);
 }
@@ -41,8 +41,8 @@ void only_ticks_renew() {
 void an_old_tick_does_not_renew_a_new_session() {
   Talk talk;
   talk.connect();
-  talk.tick(talk.now);
-  talk.lose({"has gone", false});
+  talk.record_tick(talk.now);
+  talk.set_lost({"has gone", false});
   talk.now += 1.0;
   talk.connect();
   EXPECT(talk.renewals(talk.now + 1.0) == 0);
@@ -52,20 +52,20 @@ void another_version_says_which_side_to_update() {
   for (const std::int64_t major : {0, 2}) {
     Talk talk;
     talk.begin(talk.now);
-    talk.speak();
+    talk.send();
     talk.reply(talk.welcoming(major));
     EXPECT(talk.loss() && talk.loss()->refused && !talk.connected());
     const char* advice = major == 0 ? "update the server" : "update the client";
     EXPECT(talk.loss()->why.find(advice) != std::string::npos);
     EXPECT(talk.events.size() == 1 && talk.events[0].refusal.code == "version");
     talk.begin(talk.now);
-    talk.speak();
+    talk.send();
     talk.reply(talk.welcoming(major));
-    EXPECT(talk.events.size() == 1);  // told once
+    EXPECT(talk.events.size() == 1);  // reported once
   }
   Talk talk;
   talk.begin(talk.now);
-  talk.speak();
+  talk.send();
   talk.fail(talk.sent<wire::Hello>().back().id, wire::Code::version, "the client speaks protocol 1");
   EXPECT(talk.loss() && talk.loss()->why.find("update the older") != std::string::npos);
 }
@@ -73,26 +73,26 @@ void another_version_says_which_side_to_update() {
 void nothing_resumes() {
   Talk talk;
   talk.connect();
-  talk.ask({Request::Kind::arm}, talk.now);
-  talk.speak();
+  talk.add_request({Request::Kind::arm}, talk.now);
+  talk.send();
   talk.ok(talk.sent<wire::Arm>().back().id);
   EXPECT(talk.armed && talk.owner);
   talk.sink.full = true;
-  talk.ask({Request::Kind::reset}, talk.now);
+  talk.add_request({Request::Kind::reset}, talk.now);
   Request field{Request::Kind::field};
   int told = 0;
-  field.told = [&](const auto& pressures) { told += pressures.empty(); };
-  talk.ask(std::move(field), talk.now);
-  talk.speak();
+  field.callback = [&](const auto& pressures) { told += pressures.empty(); };
+  talk.add_request(std::move(field), talk.now);
+  talk.send();
   talk.sink.full = false;
   talk.events.clear();
   talk.fail(0, wire::Code::session, "the bus was started anew");
   EXPECT(talk.loss() && !talk.armed && !talk.owner && !talk.connected());
   EXPECT(talk.events.size() == 2 && talk.events[0].kind == Event::Kind::lost);
-  if (talk.events[1].told) talk.events[1].told({});
+  if (talk.events[1].callback) talk.events[1].callback({});
   EXPECT(told == 1);
   talk.connect();
-  talk.tick(talk.now);
+  talk.record_tick(talk.now);
   talk.renewals(talk.now + 0.1);
   EXPECT(talk.sent<wire::Arm>().size() == 1 && talk.sent<wire::Reset>().empty());
   EXPECT(talk.sent<wire::Renew>().back().session == wire::Bytes(16, 2));
@@ -104,8 +104,8 @@ void ends_of_sound_before_arm_are_forgotten() {
   talk.events.clear();
   talk.fail(0, wire::Code::expired);
   EXPECT(talk.events.size() == 1 && talk.events[0].kind == Event::Kind::ended);
-  talk.ask({Request::Kind::arm}, talk.now);
-  talk.speak();
+  talk.add_request({Request::Kind::arm}, talk.now);
+  talk.send();
   talk.ok(talk.sent<wire::Arm>().back().id);
   EXPECT(talk.forget_ended);
   talk.fail(0, wire::Code::owner);
@@ -117,17 +117,17 @@ void ends_of_sound_before_arm_are_forgotten() {
 void silence_of_the_server_is_a_loss() {
   Talk asked, hangs;
   asked.connect();
-  asked.ask({Request::Kind::reset}, asked.now);
-  asked.speak();
+  asked.add_request({Request::Kind::reset}, asked.now);
+  asked.send();
   EXPECT(asked.due(asked.now) <= asked.now + 2.0);
   asked.now += 5.0;
-  asked.hear(nullptr, 0, asked.now);  // no message, but a sign of life
-  asked.pass_time(asked.now);
+  asked.handle_message(nullptr, 0, asked.now);  // not a message, but a sign of life
+  asked.check_timeouts(asked.now);
   EXPECT(asked.loss() && asked.loss()->why.find("`reset`") != std::string::npos);
   hangs.connect();
-  hangs.pass_time(hangs.now + 1.9);
+  hangs.check_timeouts(hangs.now + 1.9);
   EXPECT(!hangs.loss());
-  hangs.pass_time(hangs.now + 2.1);
+  hangs.check_timeouts(hangs.now + 2.1);
   EXPECT(hangs.loss());
 }
 
@@ -136,19 +136,19 @@ void resets_wait_for_a_stop() {
   talk.connect();
   talk.sink.controls.clear();
   talk.hold_resets(true);
-  talk.ask({Request::Kind::reset}, talk.now);
-  talk.ask({Request::Kind::arm}, talk.now);
+  talk.add_request({Request::Kind::reset}, talk.now);
+  talk.add_request({Request::Kind::arm}, talk.now);
   talk.now += 1.9;
-  talk.tick(talk.now);
-  talk.speak();
+  talk.record_tick(talk.now);
+  talk.send();
   talk.now += 0.2;
-  talk.speak();
-  talk.hear(nullptr, 0, talk.now);
-  talk.pass_time(talk.now);
+  talk.send();
+  talk.handle_message(nullptr, 0, talk.now);
+  talk.check_timeouts(talk.now);
   EXPECT(!talk.loss() && talk.sent<wire::Renew>().size() == 1);
   EXPECT(talk.sent<wire::Reset>().empty() && talk.sent<wire::Arm>().empty());
   talk.hold_resets(false);
-  talk.speak();
+  talk.send();
   EXPECT(talk.sent<wire::Reset>().size() == 1 && talk.sent<wire::Arm>().size() == 1);
   EXPECT(std::holds_alternative<wire::Arm>(talk.sink.controls.back()));
 }
@@ -158,11 +158,11 @@ void what_cannot_be_read_is_told() {
   talk.connect();
   talk.events.clear();
   const std::uint8_t bytes[] = {0x81, 0xA2, 'i', 'd', 7};
-  talk.hear(bytes, sizeof bytes, talk.now);
+  talk.handle_message(bytes, sizeof bytes, talk.now);
   EXPECT(talk.events.size() == 1 && talk.events[0].refusal.code == "malformed");
   EXPECT(talk.events[0].refusal.advice == "update the older of game and server");
-  for (int i = 0; i < 1000; ++i) talk.hear(bytes, sizeof bytes, talk.now);
-  EXPECT(talk.events.size() == 1);  // told once
+  for (int i = 0; i < 1000; ++i) talk.handle_message(bytes, sizeof bytes, talk.now);
+  EXPECT(talk.events.size() == 1);  // reported once
 }
 
 }  // namespace

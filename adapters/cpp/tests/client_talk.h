@@ -15,7 +15,7 @@ inline wire::Hello hello() {
   return made;
 }
 
-/// A session and a server that answers as it is told to.
+/// A session, with a server whose answers the test sets.
 struct Talk : ServerSession {
   Talk() : ServerSession(hello(), 2.0) {}
 
@@ -23,9 +23,9 @@ struct Talk : ServerSession {
   void reply(T message) {
     wire::Writer writer;
     wire::encode(wire::AnyReply(std::move(message)), writer, SIZE_MAX);
-    hear(writer.data(), writer.size(), now);
+    handle_message(writer.data(), writer.size(), now);
   }
-  void speak() { ServerSession::speak(now, sink); }
+  void send() { ServerSession::send_requests(now, sink); }
   template <class T>
   std::vector<T> sent() const {
     return check::Sink::of<T>(sink.controls);
@@ -41,9 +41,9 @@ struct Talk : ServerSession {
   }
   void connect() {
     begin(now);
-    speak();
+    send();
     reply(welcoming());
-    speak();
+    send();
     wire::Abilities found;
     found.id = sent<wire::Capabilities>().back().id;
     reply(found);
@@ -62,7 +62,7 @@ struct Talk : ServerSession {
   }
   std::size_t renewals(double until) {
     const std::size_t before = sent<wire::Renew>().size();
-    for (; now < until; now += 0.001) speak();
+    for (; now < until; now += 0.001) send();
     return sent<wire::Renew>().size() - before;
   }
 

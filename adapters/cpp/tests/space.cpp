@@ -1,4 +1,5 @@
-// Coordinates by their own laws: there and back, as reflections of matrices, and calibration from exact points.
+// Tests of coordinates by their own laws: conversions and back, matrices of reflections, and calibration from exact
+// points.
 
 #include <cmath>
 #include <cstdio>
@@ -59,7 +60,7 @@ void calibration() {
         known.push_back(any_place());
         touched.push_back(apply(origin, known.back()));
       }
-      if (!calibrate(known, touched, made, problem)) continue;  // by chance about on a line
+      if (!calibrate(known, touched, made, problem)) continue;  // by chance nearly on a line
       expect(made.residual < 1e-9 && made.worst < 1e-9, "exact points leave a residual");
       const Vec3 place = any_place();
       close_to(apply(made.origin, place), apply(origin, place), "the origin", 1e-6);

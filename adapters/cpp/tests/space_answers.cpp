@@ -1,4 +1,4 @@
-// Answers each line of numbers by numbers: what Python compares with matrices.
+// Answers each line of numbers with numbers, which Python compares with matrices.
 //
 //     pose x y z qx qy qz qw vx vy vz wx wy wz     Unreal's pose and velocities, in the world
 //     back x y z qx qy qz qw                       the world's pose, in Unreal

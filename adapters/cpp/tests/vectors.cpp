@@ -1,4 +1,4 @@
-// Every byte vector is read and written again; what is malformed is refused, with the path that Python gives.
+// Reads every byte vector and writes it again. Malformed ones must be rejected with the path that Python gives.
 
 #include <cstdio>
 

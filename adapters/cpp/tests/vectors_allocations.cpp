@@ -1,4 +1,4 @@
-// What is sent and read each frame takes no memory again, and bytes that are no message take little.
+// Messages that are sent and read each frame must not allocate again, and malformed bytes must allocate little.
 
 #include <cstdio>
 #include <cstdlib>
@@ -41,7 +41,7 @@ void expect(bool good, const char* what, std::size_t found) {
   std::printf("%s: %zu\n", what, found);
 }
 
-/// Of many times, all but the first take no memory.
+/// Checks that only the first of many calls allocates.
 template <class F>
 void steady(const char* what, F once) {
   once(0);

@@ -11,7 +11,7 @@ namespace vectors {
 
 using pacinian::wire::Bytes;
 
-/// One of the byte vectors of tests/wire.
+/// A byte vector of tests/wire.
 struct Vector {
   std::string name, socket, path;
   Bytes data, meant;
@@ -33,7 +33,7 @@ inline std::string hex(const Bytes& data) {
   return text;
 }
 
-/// All vectors of a file, which has one key a line; empty if there is no such file.
+/// Reads all vectors of a file with one key per line; empty if there is no such file.
 inline std::vector<Vector> read(const std::string& folder, const std::string& name) {
   std::vector<Vector> made;
   std::ifstream file(folder + "/" + name + ".json");
@@ -54,7 +54,7 @@ inline std::vector<Vector> read(const std::string& folder, const std::string& na
   return made;
 }
 
-/// All that are valid.
+/// Returns all valid vectors.
 inline std::vector<Vector> valid(const std::string& folder) {
   std::vector<Vector> all;
   for (const char* name : {"command", "control", "reply", "state", "tolerated"})
@@ -65,10 +65,10 @@ inline std::vector<Vector> valid(const std::string& folder) {
   return all;
 }
 
-/// What each socket's messages are read into, again and again.
+/// The objects into which each socket's messages are decoded, again and again.
 class Sockets {
  public:
-  /// Reads a message, and writes it again. False, with `error`, if it is none.
+  /// Reads a message, and writes it again. Returns false and `error` if it is malformed.
   bool again(const std::string& socket, const Bytes& data, Bytes& made) {
     const std::uint8_t* bytes = data.data();
     const std::size_t size = data.size();

@@ -1,4 +1,5 @@
-// Seeded mutations of the byte vectors: refused with a path, or a message that stays what it is when written again.
+// Seeded mutations of the byte vectors: each must be rejected with a path, or give a message that is the same when
+// written again.
 
 #include <cstdio>
 #include <cstdlib>
@@ -17,7 +18,7 @@ class Mutator {
 
   std::size_t below(std::size_t most) { return most ? random_() % most : 0; }
 
-  /// A few bytes changed, cut out, doubled, or taken from another message.
+  /// Changes, cuts out or repeats a few bytes, or takes some from another message.
   Bytes mutate(const std::vector<Vector>& all) {
     static constexpr std::uint8_t heads[] = {0xC0, 0xC1, 0xC4, 0xC6, 0xC7, 0xC9, 0xCB, 0xCF, 0xD3,
                                              0xD9, 0xDB, 0xDC, 0xDD, 0xDE, 0xDF, 0xFF, 0x7F, 0x80};

@@ -1,6 +1,6 @@
-// A socket that does what its standard input says, a command a line, and tells what happens in lines of JSON. Arguments:
-// Dealer or Sub, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of connecting
-// and of the handshake [s], `again` to reconnect. A Sub begins to connect when it is told what to subscribe to.
+// A socket that executes commands from standard input, one per line, and prints events as lines of JSON.
+// Arguments: Dealer or Sub, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of
+// connecting and of the handshake [s], `again` to reconnect. A Sub starts to connect when it gets its topic.
 
 #include <unistd.h>
 

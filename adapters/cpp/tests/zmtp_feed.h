@@ -8,18 +8,18 @@
 
 #include "zmtp/zmtp_connection.h"
 
-/// Stands for TCP between a connection and a test.
+/// Replaces TCP between a connection and a test.
 namespace feed {
 
 using pacinian::zmtp::ZmtpConnection;
 
-/// Reads all messages that have come.
+/// Reads all messages that have arrived.
 inline void read_all(ZmtpConnection& from, std::deque<std::string>& messages) {
   std::vector<std::uint8_t> message;
   while (from.read(message)) messages.emplace_back(message.begin(), message.end());
 }
 
-/// Gives some bytes; how many there was room for.
+/// Gives some bytes. Returns how many there was room for.
 inline std::size_t give_some(ZmtpConnection& to, const char* bytes, std::size_t count, double now) {
   const auto room = to.input().reserve();
   count = std::min(count, room.size);
@@ -29,7 +29,7 @@ inline std::size_t give_some(ZmtpConnection& to, const char* bytes, std::size_t 
   return count;
 }
 
-/// Gives bytes, at most so many at once, until it has ended; and reads the messages that come of it.
+/// Gives bytes, at most `at_once` at a time, until the connection ends, and reads the messages.
 inline void give(ZmtpConnection& to, const std::string& bytes, double now, std::size_t at_once,
                  std::deque<std::string>& messages) {
   for (std::size_t at = 0; at < bytes.size() && to.ending() == pacinian::zmtp::Ending::none;) {
@@ -38,7 +38,7 @@ inline void give(ZmtpConnection& to, const std::string& bytes, double now, std::
   }
 }
 
-/// Takes what is to be sent.
+/// Takes the bytes to be sent.
 inline std::string take(ZmtpConnection& from) {
   const std::string found(reinterpret_cast<const char*>(from.output().data()), from.output().size());
   from.output().mark_sent(found.size());

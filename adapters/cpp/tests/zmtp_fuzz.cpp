@@ -1,5 +1,6 @@
-// What a peer sends, tampered with or random, in parts of any size: no wrong address, bounded memory, and an end. Under
-// sanitizers. Arguments: seed, number of conversations.
+// Feeds tampered or random bytes of a peer in parts of any size, under sanitizers: no invalid address, bounded memory,
+// and an end.
+// Arguments: seed, number of conversations.
 
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +27,7 @@ class Fuzz {
  public:
   explicit Fuzz(unsigned seed) : random_(seed) {}
 
-  /// How it ended.
+  /// Runs a conversation. Returns how it ended.
   std::string converse() {
     Settings settings;
     settings.kind = choose(2) ? Kind::dealer : Kind::sub;
@@ -71,7 +72,7 @@ class Fuzz {
     }
   }
 
-  /// What a server says that means well.
+  /// Returns what a well-behaved server sends.
   std::string make_transcript(const Settings& settings) {
     FrameWriter said;
     std::string greeting(64, '\0');
@@ -121,7 +122,7 @@ class Fuzz {
     return made;
   }
 
-  /// The head of a large frame.
+  /// Returns the head of a large frame.
   std::string make_announcement() {
     std::string made = make_noise(9);
     made[0] = static_cast<char>(2 + 4 * choose(2) + choose(2));

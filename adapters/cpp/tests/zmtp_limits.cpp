@@ -1,4 +1,4 @@
-// What bounds a connection: memory, waiting messages and heartbeats; how it is closed; addresses.
+// Tests of a connection's limits (memory, waiting messages, heartbeats), of its end, and of addresses.
 
 #include "expect.h"
 #include "zmtp/endpoint.h"
@@ -27,7 +27,7 @@ std::string make_greeting() {
   return made.replace(12, 4, "NULL");
 }
 
-/// One that is ready, and has said all that it had to say.
+/// A connection that is ready, and has nothing to send.
 struct Ready : ZmtpConnection {
   Ready() : ZmtpConnection(settings(), 0.0) {
     give(make_greeting() + std::string("\4\x1c\5READY\x0bSocket-Type\0\0\0\6ROUTER", 30));
@@ -96,7 +96,7 @@ void how_a_connection_is_closed() {
   made.note_closed();
   EXPECT(made.ending() == Ending::gone && !made.has_room());
   feed::read_all(made, made.messages);
-  EXPECT(made.messages.size() == 1 && made.messages[0] == "a");  // what has come is still read
+  EXPECT(made.messages.size() == 1 && made.messages[0] == "a");  // received messages are still read
 }
 
 void after_an_error_nothing_is_read() {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-/// The file of byte vectors of ZMTP, which says how it is written.
+/// Reads the file of ZMTP's byte vectors, which explains its own format.
 namespace script {
 
 struct Step {
@@ -30,7 +30,7 @@ inline std::string read_hexadecimal(const std::string& digits) {
   return made;
 }
 
-/// One that is parted from others by spaces: text in quotes, a word in braces, or digits, perhaps so many times.
+/// Reads a word between spaces: text in quotes, a name in braces, or digits with an optional repeat count.
 inline std::string read_word(const std::string& word, const Words& known) {
   if (word.front() == '\'') return word.substr(1, word.size() - 2);
   if (word.front() == '{') return known.at(word.substr(1, word.size() - 2));
@@ -41,7 +41,7 @@ inline std::string read_word(const std::string& word, const Words& known) {
   return made;
 }
 
-/// Parts a text at spaces outside of quotes.
+/// Splits a text at spaces outside quotes.
 inline std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> words(1);
   bool is_quoted = false;
@@ -62,7 +62,7 @@ inline std::string read_bytes(const std::string& text, const Words& known) {
   return made;
 }
 
-/// All cases of a file, with bytes in place of their words.
+/// Reads all cases of a file, with bytes in place of their words.
 inline std::vector<Case> read(const std::string& path) {
   std::vector<Case> cases;
   Words known;

@@ -1,4 +1,4 @@
-// A program that stood still while it connected, longer than a connection may take, is connected.
+// A program that stood still while it connected, for longer than the connect timeout, must still connect.
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace pacinian::zmtp;
 
-constexpr int waiting = 8;  // connections: more than the listener's queue has room for, so that the next one must wait
+constexpr int waiting = 8;  // more connections than the listener's queue has room for, so that the next one must wait
 
 constexpr int max_looks = 6000;
 

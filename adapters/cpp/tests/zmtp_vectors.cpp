@@ -1,4 +1,4 @@
-// Every case of the byte vectors of ZMTP, whole and a byte at a time.
+// Runs every case of ZMTP's byte vectors, with all bytes at once and byte by byte.
 
 #include <algorithm>
 #include <deque>
@@ -31,12 +31,12 @@ Settings read_settings(const script::Step& step) {
   return made;
 }
 
-/// A connection that is told what the steps of a case say.
+/// Runs the steps of a case on a connection.
 class Runner {
  public:
   explicit Runner(std::size_t at_once) : at_once_(at_once) {}
 
-  /// "" if the step is as it should be.
+  /// Returns "" if the step succeeds.
   std::string run(const script::Step& step) {
     if (step.what == "dealer" || step.what == "sub") {
       settings_ = read_settings(step);
@@ -67,7 +67,7 @@ class Runner {
     return "";
   }
 
-  /// "" if nothing is left over.
+  /// Returns "" if no message is left over.
   std::string finish() const { return messages_.empty() ? "" : "a message was not expected"; }
 
  private:

@@ -7,14 +7,14 @@ using Pacinian.Wire;
 namespace Pacinian.Example
 {
     /// <summary>
-    /// From nothing to a hand that feels a ball: connects, puts it, moves the hand at 90 Hz, swaps solver and backend, reads
-    /// back what is emitted, and prints a line of JSON; then it goes on until it is killed, and prints one for each stretch.
-    /// Arguments: connection file (-: the default), for how long the hand moves before the first line [s].
+    /// A complete game: connects, puts a ball, moves a hand at 90 Hz, changes solver and backend, reads back what is
+    /// emitted, and prints a line of JSON. Then it plays on until it is killed, and prints a line for each stretch.
+    /// Arguments: connection file (-: the default), how long the hand moves before the first line [s].
     /// </summary>
     internal sealed class EndToEnd
     {
         private const double Frame = 1.0 / 90.0; // [s]
-        private const double Steady = 0.2, Swaps = 0.6, Changes = 0.8; // shares of the time from which that is
+        private const double Steady = 0.2, Swaps = 0.6, Changes = 0.8; // fractions of the time at which these begin
         private const double Patience = 60.0; // [s]
         private const double Height = 0.2; // [m]
 
@@ -67,7 +67,7 @@ namespace Pacinian.Example
             }
             Until(() => _client.State.Solver == _solver && _client.State.Backend == _backend
                 && _client.State.Output == Output.Sounding && _client.State.Points.Count > 0);
-            while (true) // until it is killed
+            while (true) // until the program is killed
             {
                 Console.Out.WriteLine(Report());
                 Console.Out.Flush();

@@ -3,15 +3,15 @@ using System.Globalization;
 
 namespace Pacinian.Example
 {
-    /// <summary>Numbers of one kind, of which quantiles are told. It takes no memory while it takes numbers.</summary>
+    /// <summary>Collects numbers for quantiles. Adding a number allocates nothing.</summary>
     public sealed class Figures
     {
         private readonly double[] _all = new double[100000];
 
-        /// <summary>How many there are.</summary>
+        /// <summary>The number of numbers.</summary>
         public int Count { get; private set; }
 
-        /// <summary>One more; of too many, the first stay.</summary>
+        /// <summary>Adds a number. Beyond the capacity, new numbers are ignored.</summary>
         public void Add(double value)
         {
             if (Count < _all.Length)
@@ -20,14 +20,14 @@ namespace Pacinian.Example
             }
         }
 
-        /// <summary>That share of them, 0..1, is not larger; NaN of none.</summary>
+        /// <summary>Returns the quantile for a fraction 0..1; NaN if there are no numbers.</summary>
         public double Quantile(double share)
         {
             Array.Sort(_all, 0, Count);
             return Count == 0 ? double.NaN : _all[(int)Math.Round(share * (Count - 1))];
         }
 
-        /// <summary>A number as JSON has it.</summary>
+        /// <summary>Returns a number as JSON.</summary>
         public static string Json(double value)
         {
             bool finite = !double.IsNaN(value) && !double.IsInfinity(value);

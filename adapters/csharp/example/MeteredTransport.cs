@@ -3,13 +3,13 @@ using System.Threading;
 
 namespace Pacinian.Example
 {
-    /// <summary>A transport that tells how much memory its thread takes.</summary>
+    /// <summary>A transport that measures the allocations of its thread.</summary>
     public sealed class MeteredTransport : ITransport
     {
         private readonly ITransport _inner = Transports.Make();
         private long _bytes;
 
-        /// <summary>What its thread has allocated until it waited last [bytes].</summary>
+        /// <summary>The allocations of its thread up to its last wait [bytes].</summary>
         public long Bytes
         {
             get { return Interlocked.Read(ref _bytes); }

@@ -3,7 +3,7 @@ using System.Threading;
 
 namespace Pacinian.Tests
 {
-    /// <summary>Loads and unloads a domain with a connected client, twice, as an editor does. Argument: connection file.</summary>
+    /// <summary>Loads and unloads a domain with a connected client twice, as an editor does. Argument: connection file.</summary>
     public sealed class ClientDomain : MarshalByRefObject
     {
         private HapticClient _client;
@@ -16,7 +16,7 @@ namespace Pacinian.Tests
                 Type type = typeof(ClientDomain);
                 ((ClientDomain)domain.CreateInstanceAndUnwrap(type.Assembly.FullName, type.FullName)).Play(arguments[0]);
                 Console.Out.WriteLine("connected");
-                AppDomain.Unload(domain); // without a Dispose
+                AppDomain.Unload(domain); // without Dispose
                 Console.Out.WriteLine("unloaded");
             }
         }

@@ -8,9 +8,9 @@ using Pacinian.Wire;
 namespace Pacinian.Tests
 {
     /// <summary>
-    /// A game that does what its standard input says, a command a line, and tells what happens on its standard output,
-    /// a JSON object a line. Arguments: connection file (-: the default), lease [s] (0: the server's), life of a command [s],
-    /// timeout of an answer [s].
+    /// A game that executes commands from standard input, one per line, and prints events as lines of JSON. Arguments:
+    /// connection file (-: the default), lease [s] (0: the server's), time to live of a command [s], timeout of an
+    /// answer [s].
     /// </summary>
     internal sealed class ClientDriver
     {
@@ -145,7 +145,7 @@ namespace Pacinian.Tests
                 "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
         }
 
-        /// <summary>On another thread.</summary>
+        /// <summary>Makes a call on another thread.</summary>
         private static bool Elsewhere(Func<bool> call)
         {
             bool done = false;
@@ -168,7 +168,7 @@ namespace Pacinian.Tests
             ClientJson.Say("field", answer == null ? -1 : answer.Values.Count / 8, "time", _client.Now);
         }
 
-        /// <summary>The game's thread stands still until it is told something.</summary>
+        /// <summary>Blocks the game's thread until a command arrives.</summary>
         private void Freeze()
         {
             while (_lines.IsEmpty)
@@ -177,7 +177,7 @@ namespace Pacinian.Tests
             }
         }
 
-        /// <summary>At which the client's own thread stands still between "hold" and "release".</summary>
+        /// <summary>Returns the time. Blocks the client's own thread between "hold" and "release".</summary>
         private double Clock()
         {
             if (Thread.CurrentThread.Name == "Pacinian" && !_held.WaitOne(0))

@@ -4,10 +4,10 @@ using System.Text;
 
 namespace Pacinian.Tests
 {
-    /// <summary>One JSON object in one line.</summary>
+    /// <summary>Prints a JSON object as a line.</summary>
     internal static class ClientJson
     {
-        /// <summary>Prints names and values in turn: texts, numbers, booleans; what is null is left out.</summary>
+        /// <summary>Prints pairs of name and value: texts, numbers, booleans. Leaves out null.</summary>
         public static void Say(params object[] pairs)
         {
             StringBuilder text = new StringBuilder("{");

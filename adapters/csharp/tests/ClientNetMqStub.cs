@@ -1,6 +1,6 @@
 using System;
 
-// As much of NetMQ 4.0.1's surface as is used, so that what uses it is compiled. It does nothing.
+// The part of NetMQ 4.0.1's interface that the client uses, so that its transport is compiled. It does nothing.
 namespace NetMQ
 {
     [Flags]

@@ -4,8 +4,8 @@ using System.Threading;
 namespace Pacinian.Tests
 {
     /// <summary>
-    /// A game that starts the server, does what its standard input says, and tells how that stands. Arguments: connection file,
-    /// log of the server, program, more arguments of it.
+    /// A game that starts the server, executes commands from standard input, and prints the server's state. Arguments:
+    /// connection file, log of the server, program, more arguments of the server.
     /// </summary>
     internal static class ClientServer
     {

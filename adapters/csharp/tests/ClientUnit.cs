@@ -4,7 +4,7 @@ using System.Reflection;
 
 namespace Pacinian.Tests
 {
-    /// <summary>Runs all public methods of the classes here, and says how many passed.</summary>
+    /// <summary>Runs all public methods of the test classes, and prints how many passed.</summary>
     internal static class ClientUnit
     {
         private static int Main()

@@ -3,7 +3,7 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>What is sent is, byte for byte, what the messages of the wire write.</summary>
+    /// <summary>Commands must have the same bytes as the wire's messages.</summary>
     internal sealed class ClientUnitCommands
     {
         private const double Life = 1.0; // [s]

@@ -4,7 +4,7 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>What waits to be sent: the newest of each object, for as long as it may live.</summary>
+    /// <summary>Tests of the outbox: replaced commands and the time to live.</summary>
     internal sealed class ClientUnitOutbox
     {
         private const double Life = 1.0; // [s]

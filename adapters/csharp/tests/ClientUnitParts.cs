@@ -3,30 +3,32 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>Round trips, clocks, what is asked, and what is told.</summary>
+    /// <summary>Tests of round trips, clocks, requests and notices.</summary>
     internal sealed class ClientUnitParts
     {
         public void TripsAndTheServersClock()
         {
-            Timing timing = new Timing();
-            ClientUnit.Equal(0.0, timing.Offset);
-            ClientUnit.Equal(0.0, timing.Trips.Median);
+            ServerClock clock = new ServerClock();
+            ClientUnit.Equal(0.0, clock.Offset);
+            ClientUnit.Equal(0.0, clock.Trips.Median);
             for (int i = 1; i <= 100; i++)
             {
-                timing.Answered(i, i + 0.001 * i, i + 5.0 + 0.0005 * i);
+                clock.AddTrip(i, i + 0.001 * i);
+                clock.AddMark(i, i + 0.001 * i, i + 5.0 + 0.0005 * i);
             }
-            ClientUnit.Near(0.051, timing.Trips.Median, 1e-9);
-            ClientUnit.Near(0.099, timing.Trips.P99, 1e-9);
-            ClientUnit.Near(0.100, timing.Trips.Longest, 1e-9);
-            ClientUnit.Near(5.0, timing.Offset, 1e-9);
-            timing.Clocked(200.0, 200.0001, 300.0);
-            ClientUnit.Near(99.99995, timing.Offset, 1e-9); // the shortest of late
+            ClientUnit.Near(0.051, clock.Trips.Median, 1e-9);
+            ClientUnit.Near(0.099, clock.Trips.P99, 1e-9);
+            ClientUnit.Near(0.100, clock.Trips.Longest, 1e-9);
+            ClientUnit.Near(5.0, clock.Offset, 1e-9);
+            clock.AddMark(200.0, 200.0001, 300.0);
+            ClientUnit.Near(99.99995, clock.Offset, 1e-9); // the shortest recent one
             for (int i = 0; i < 2000; i++)
             {
-                timing.Answered(i, i + 0.5, i);
+                clock.AddTrip(i, i + 0.5);
+                clock.AddMark(i, i + 0.5, i);
             }
-            ClientUnit.Near(0.5, timing.Trips.Median, 1e-9); // older ones are forgotten
-            ClientUnit.Near(-0.25, timing.Offset, 1e-9);
+            ClientUnit.Near(0.5, clock.Trips.Median, 1e-9); // older ones are dropped
+            ClientUnit.Near(-0.25, clock.Offset, 1e-9);
         }
 
         public void TheLastNumbersAreSorted()
@@ -98,7 +100,7 @@ namespace Pacinian.Tests
             ClientUnit.Holds(requests.Next == null);
             Notice notice;
             Standing standing = new Standing();
-            ClientUnit.Holds(inbox.Take(out notice, ref standing)); // who asked is told
+            ClientUnit.Holds(inbox.TakeNotice(out notice, ref standing)); // the caller of the request is notified
             ClientUnit.Equal(Happening.Answered, notice.What);
             ClientUnit.Holds(notice.Answer == null);
         }
@@ -113,21 +115,21 @@ namespace Pacinian.Tests
             for (int i = 1; i <= 9; i++)
             {
                 inbox.Back.Sequence = i;
-                inbox.Publish();
+                inbox.PublishState();
                 bool looks = i % 3 == 0;
                 if (looks)
                 {
-                    ClientUnit.Holds(inbox.Look(out standing, out trips, out offset));
-                    ClientUnit.Holds(!inbox.Look(out standing, out trips, out offset));
+                    ClientUnit.Holds(inbox.TakeState(out standing, out trips, out offset));
+                    ClientUnit.Holds(!inbox.TakeState(out standing, out trips, out offset));
                 }
                 ClientUnit.Equal(i / 3 * 3, inbox.Read == null ? 0 : (int)inbox.Read.Sequence);
                 ClientUnit.Holds(inbox.Read != inbox.Back);
             }
-            inbox.Publish();
-            inbox.Stand(new Standing { Session = 2 });
-            ClientUnit.Holds(inbox.Read != null); // until the next look
-            ClientUnit.Holds(!inbox.Look(out standing, out trips, out offset));
-            ClientUnit.Holds(inbox.Read == null); // what was published in another session is not read
+            inbox.PublishState();
+            inbox.SetStanding(new Standing { Session = 2 });
+            ClientUnit.Holds(inbox.Read != null); // valid until the next look
+            ClientUnit.Holds(!inbox.TakeState(out standing, out trips, out offset));
+            ClientUnit.Holds(inbox.Read == null); // states of another session are not read
         }
 
         public void OfTooManyNoticesTheNewestStay()
@@ -135,13 +137,13 @@ namespace Pacinian.Tests
             Inbox inbox = new Inbox();
             for (int i = 0; i < 3000; i++)
             {
-                inbox.Refuse(new Refusal { Message = i.ToString() });
+                inbox.AddRefusal(new Refusal { Message = i.ToString() });
             }
             Notice notice;
             Standing standing = new Standing();
             int count = 0;
             string last = "";
-            while (inbox.Take(out notice, ref standing))
+            while (inbox.TakeNotice(out notice, ref standing))
             {
                 last = notice.Why.Message;
                 count++;
@@ -153,7 +155,7 @@ namespace Pacinian.Tests
         public void KeysAreReadAsTheStandardHasThem()
         {
             byte[] key;
-            ClientUnit.Holds(Z85.Read("rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7", out key)); // of ZeroMQ's RFC 26
+            ClientUnit.Holds(Z85.Read("rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7", out key)); // from ZeroMQ's RFC 26
             ClientUnit.Equal(
                 "54FCBA24E93249969316FB617C872BB0C1D1FF14800427C594CBFACF1BC2D652",
                 BitConverter.ToString(key).Replace("-", ""));
@@ -189,7 +191,7 @@ namespace Pacinian.Tests
             state.Output = Output.Silent;
             ClientUnit.Holds(!RegionFelt.Of(state, "ball").Known);
             state.Output = Output.Sounding;
-            state.Felt.Add(1f); // not four for each
+            state.Felt.Add(1f); // not four numbers for each object
             ClientUnit.Holds(!RegionFelt.Of(state, "ball").Known);
         }
 

@@ -4,7 +4,7 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>One session after another, with a transport that does as it is told and a clock that stands still.</summary>
+    /// <summary>Tests of sessions, with a scripted transport and a clock that the test sets.</summary>
     internal sealed class ClientUnitSessions
     {
         private readonly Scripted _wire = new Scripted();
@@ -34,7 +34,7 @@ namespace Pacinian.Tests
             Pauses(2.0);
             ClientUnit.Equal(ClientStatus.Refused, _shared.Inbox.Standing.Status);
             ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("token or key"));
-            ClientUnit.Equal("", Told());
+            ClientUnit.Equal("", TakeNotices());
         }
 
         public void ItIsConnectedWhenTheServerHasSaidWhatItCan()
@@ -44,7 +44,7 @@ namespace Pacinian.Tests
             ClientUnit.Equal("hall", standing.Scene);
             ClientUnit.Equal(1, standing.Session);
             ClientUnit.Holds(!standing.Armed && standing.Abilities != null && standing.Problem == "");
-            ClientUnit.Equal("Connected", Told());
+            ClientUnit.Equal("Connected", TakeNotices());
             ClientUnit.Equal("Hello Capabilities", _wire.Said());
         }
 
@@ -53,7 +53,7 @@ namespace Pacinian.Tests
             Step(0.0);
             Step(2.01);
             ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("no answer to `hello` within 2 s"));
-            ClientUnit.Equal("", Told());
+            ClientUnit.Equal("", TakeNotices());
         }
 
         public void ItRenewsOnlyWhenTheGameHasTicked()
@@ -65,7 +65,7 @@ namespace Pacinian.Tests
             double ticked = _now;
             _shared.Heartbeat.LastTick = ticked;
             Step(0.005);
-            ClientUnit.Near(ticked, ((Renew)_wire.Last).Time); // not when it was sent
+            ClientUnit.Near(ticked, ((Renew)_wire.Last).Time); // not the time of sending
             Answer(new Renewed { Id = 3, Owner = true, Armed = true, ServerTime = _now });
             Step(0.001);
             ClientUnit.Holds(_shared.Inbox.Standing.Armed);
@@ -119,7 +119,7 @@ namespace Pacinian.Tests
             Step(0.001);
             ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("has gone; nothing of this session goes on"));
             ClientUnit.Holds(!_shared.Inbox.Standing.Armed && _shared.Inbox.Standing.Session == 0);
-            ClientUnit.Equal("Connected Answered Lost", Told());
+            ClientUnit.Equal("Connected Answered Lost", TakeNotices());
             ClientUnit.Holds(!_shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now));
             _wire.End = Ending.None;
             _wire.Full = false;
@@ -135,13 +135,13 @@ namespace Pacinian.Tests
         public void WhatCameBeforeTheEndIsHeard()
         {
             Connect();
-            Told();
+            TakeNotices();
             Answer(new Error { Code = Code.Expired, Message = "late" });
             _wire.End = Ending.Gone;
             Step(0.001);
-            ClientUnit.Equal("Ended", Told());
+            ClientUnit.Equal("Ended", TakeNotices());
             Step(0.001);
-            ClientUnit.Equal("Lost", Told());
+            ClientUnit.Equal("Lost", TakeNotices());
         }
 
         public void AResetWaitsForAStop()
@@ -159,16 +159,16 @@ namespace Pacinian.Tests
 
         public void ItSaysGoodbye()
         {
-            ClientUnit.Holds(!_sessions.Leave(_now) && _sessions.Left);
+            ClientUnit.Holds(!_sessions.SayGoodbye(_now) && _sessions.GoodbyeAnswered);
             Connect();
             _wire.Said();
-            ClientUnit.Holds(_sessions.Leave(_now) && !_sessions.Left);
+            ClientUnit.Holds(_sessions.SayGoodbye(_now) && !_sessions.GoodbyeAnswered);
             _shared.Heartbeat.LastTick = _now;
             Step(0.001);
             ClientUnit.Equal("Bye", _wire.Said());
             Answer(new Ok { Id = 3 });
             Step(0.001);
-            ClientUnit.Holds(_sessions.Left);
+            ClientUnit.Holds(_sessions.GoodbyeAnswered);
         }
 
         private void Connect()
@@ -207,12 +207,12 @@ namespace Pacinian.Tests
             _wire.Answers.Enqueue(message);
         }
 
-        private string Told()
+        private string TakeNotices()
         {
             List<string> all = new List<string>();
             Notice notice;
             Standing standing = new Standing();
-            while (_shared.Inbox.Take(out notice, ref standing))
+            while (_shared.Inbox.TakeNotice(out notice, ref standing))
             {
                 all.Add(notice.What.ToString());
             }

@@ -4,7 +4,7 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>A transport that does as it is told. Answers: what comes on the control socket.</summary>
+    /// <summary>A scripted transport. Answers: the messages of the control socket.</summary>
     internal sealed class Scripted : ITransport
     {
         public readonly Queue<IMessage> Answers = new Queue<IMessage>();

@@ -8,7 +8,10 @@ using Pacinian.Zmtp;
 
 namespace Pacinian.Tests
 {
-    /// <summary>ZMTP against bytes written by hand from RFC 37, 24 and 23. Quoted text stands for its bytes, the rest is hexadecimal.</summary>
+    /// <summary>
+    /// Tests of ZMTP with bytes written by hand from RFC 37, 24 and 23. Quoted text stands for its bytes; the rest is
+    /// hexadecimal.
+    /// </summary>
     internal sealed class ClientUnitZmtp
     {
         private const string Zeros = "000000000000000000000000000000";
@@ -60,7 +63,7 @@ namespace Pacinian.Tests
             Ends(Ending.Foreign, "cannot be read", Greeting31 + Plain + Filler + "04 0b 05'ERROR' 05'full'");
             Ends(Ending.Foreign, "a?[31mb?", Greeting31 + Plain + Filler + "04 0f 05'ERROR' 08'a' 1b '[31mb' 0a");
             Ends(Ending.Denied, "400", Greeting31 + Plain + Filler + "04 0a 05'ERROR' 03'400'");
-            Ends(Ending.Denied, "400", Greeting31 + Plain + Filler + "04 09 '^RROR' 03'400'"); // as libzmq has it
+            Ends(Ending.Denied, "400", Greeting31 + Plain + Filler + "04 09 '^RROR' 03'400'"); // as libzmq writes it
             Ends(Ending.Foreign, "of type PUB", Greeting31 + Plain + Filler + "04 08 07'WELCOME'" + PubReady);
             Ends(Ending.Foreign, "of type", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 06 05'READY'");
             Ends(Ending.Foreign, "cut off", Greeting31 + Plain + Filler + "04 08 07'WELCOME' 04 08 05'READY' 0b41");
@@ -236,7 +239,7 @@ namespace Pacinian.Tests
 
         public void AProgramThatStoodStillWhileItConnectedIsConnected()
         {
-            const int patience = 100000; // [us] in which a connection is made if the listener's queue has room for it
+            const int patience = 100000; // [us] for a connection if the listener's queue has room
             TcpListener listener = new TcpListener(IPAddress.Loopback, 0);
             listener.Start(1);
             List<Socket> opened = new List<Socket>();
@@ -253,7 +256,7 @@ namespace Pacinian.Tests
             {
                 double now = 0.0;
                 ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, wake, () => now);
-                for (int i = opened.Count; i > 0; i--) // those that have come, and then the one that waited
+                for (int i = opened.Count; i > 0; i--) // those already connected, then the one that waited
                 {
                     opened.Add(listener.AcceptSocket());
                 }
@@ -278,7 +281,7 @@ namespace Pacinian.Tests
             Gives(made, "04 05 04'PONG'", 1.4);
             made.CheckTime(1.54);
             ClientUnit.Equal(Ending.None, made.Ending);
-            made.CheckTime(1.6); // one that waits: no other is added
+            made.CheckTime(1.6); // a waiting heartbeat prevents another
             ClientUnit.Equal(1, made.Output.Frames);
             made.CheckTime(3.03);
             ClientUnit.Equal(Ending.None, made.Ending);
@@ -305,7 +308,7 @@ namespace Pacinian.Tests
             Gives(made, "00 01 'a'");
             made.NoteClosed();
             ClientUnit.Equal(Ending.Gone, made.Ending);
-            Reads(made, "'a'"); // what has come is still read
+            Reads(made, "'a'"); // received messages are still read
             made = Connected(SocketKind.Dealer);
             Gives(made, "04 0b 05'ERROR' 04'over'");
             Reads(made);
@@ -365,12 +368,12 @@ namespace Pacinian.Tests
             listener.Start();
             using (AutoResetEvent wake = new AutoResetEvent(false))
             {
-                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, wake, Timing.Now);
+                ZmtpSocket socket = new ZmtpSocket(new ZmtpSettings(), (IPEndPoint)listener.LocalEndpoint, false, wake, SteadyClock.Now);
                 using (Socket peer = listener.AcceptSocket())
                 {
                     peer.Send(Bytes(Greeting31 + Null));
                     Until(() => Works(socket) && peer.Available >= 64);
-                    ClientUnit.Holds(socket.Patience > 0.0); // a greeting in two parts: there is nothing to do
+                    ClientUnit.Holds(socket.Patience > 0.0); // a greeting in two parts: nothing to do
                     peer.Send(Bytes(Filler + RouterReady + "00 03 'abc' 00 01 'd'"));
                     Until(() => Works(socket) && socket.HasRoom && socket.Patience == 0.0);
                     Until(() => socket.Receive(_into) == 3);
@@ -437,9 +440,9 @@ namespace Pacinian.Tests
 
         private static void Until(Func<bool> done)
         {
-            for (double end = Timing.Now() + 60.0; !done(); Thread.Sleep(1))
+            for (double end = SteadyClock.Now() + 60.0; !done(); Thread.Sleep(1))
             {
-                ClientUnit.Holds(Timing.Now() < end);
+                ClientUnit.Holds(SteadyClock.Now() < end);
             }
         }
 

@@ -4,7 +4,7 @@ using System.Globalization;
 using Pacinian;
 using Pacinian.Wire;
 
-/// <summary>Reads lines of an operation and numbers, and writes the numbers that it gives.</summary>
+/// <summary>Reads lines with an operation and numbers, and writes the resulting numbers.</summary>
 internal static class Space
 {
     private static double[] _given;
@@ -46,7 +46,7 @@ internal static class Space
         }
     }
 
-    /// <summary>Joints and radii, with the palm in a frame.</summary>
+    /// <summary>Returns joints and radii of an open hand whose palm has a given pose.</summary>
     private static double[] Open(HandFrameSide side)
     {
         HandFrame frame = new HandFrame();

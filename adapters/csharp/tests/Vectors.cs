@@ -2,8 +2,8 @@ using System;
 using System.IO;
 
 /// <summary>
-/// Reads lines of socket, bytes in hexadecimal, "valid" or "refused", and the bytes that it means or the path of what is
-/// wrong, parted by tabs; the same as Python finds must be found here. Writes what differs; 1 if anything does.
+/// Reads lines with tabs between: socket, bytes in hexadecimal, "valid" or "refused", and the meant bytes or the path
+/// of the error. Results must equal Python's. Writes differences; returns 1 if there are any.
 /// </summary>
 internal static class Vectors
 {

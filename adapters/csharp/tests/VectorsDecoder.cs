@@ -1,7 +1,7 @@
 using System;
 using Pacinian.Wire;
 
-/// <summary>Decodes messages of all sockets into the objects that it has, and writes them again.</summary>
+/// <summary>Decodes messages of all sockets into reused objects, and writes them again.</summary>
 internal sealed class VectorsDecoder
 {
     private readonly Reader _reader = new Reader();
@@ -11,7 +11,7 @@ internal sealed class VectorsDecoder
     private IReply _reply;
     private IState _state;
 
-    /// <summary>Bytes from hexadecimal.</summary>
+    /// <summary>Returns bytes from hexadecimal.</summary>
     public static byte[] Bytes(string digits)
     {
         byte[] made = new byte[digits.Length / 2];
@@ -22,7 +22,7 @@ internal sealed class VectorsDecoder
         return made;
     }
 
-    /// <summary>"valid" and the bytes of what was understood, or "refused" and where it is wrong.</summary>
+    /// <summary>Returns "valid" and the re-encoded bytes, or "refused" and the path of the error.</summary>
     public string Decode(string socket, byte[] data)
     {
         IMessage message = Read(socket, data);
@@ -35,7 +35,7 @@ internal sealed class VectorsDecoder
         return "valid " + BitConverter.ToString(_writer.Data, 0, _writer.Count).Replace("-", "").ToLowerInvariant();
     }
 
-    /// <summary>What was understood; null if it was refused.</summary>
+    /// <summary>Returns the decoded message; null if it was rejected.</summary>
     public IMessage Read(string socket, byte[] data)
     {
         switch (socket)

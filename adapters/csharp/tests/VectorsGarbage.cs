@@ -3,8 +3,8 @@ using System.IO;
 using Pacinian.Wire;
 
 /// <summary>
-/// Reads the lines of Vectors, and decodes and encodes each valid message again and again into the same objects: that
-/// must allocate nothing. What is refused must allocate little more than its length.
+/// Reads the lines of Vectors. Decodes and encodes each valid message again and again into the same objects, which must
+/// allocate nothing. Rejecting a message must allocate little more than its length.
 /// </summary>
 internal static class VectorsGarbage
 {
@@ -31,7 +31,7 @@ internal static class VectorsGarbage
         return wrong == 0 && Allocates() ? 0 : 1;
     }
 
-    /// <summary>What is allocated for a message that is not valid, once, with all that is needed for that.</summary>
+    /// <summary>Returns the allocations for rejecting a message once, including all that this needs.</summary>
     private static long Refused(string socket, byte[] data)
     {
         long before = GC.GetAllocatedBytesForCurrentThread();
@@ -54,7 +54,7 @@ internal static class VectorsGarbage
         return GC.GetAllocatedBytesForCurrentThread() - before;
     }
 
-    /// <summary>Whether that is measured at all.</summary>
+    /// <summary>Returns whether the runtime measures allocations.</summary>
     private static bool Allocates()
     {
         long before = GC.GetAllocatedBytesForCurrentThread();

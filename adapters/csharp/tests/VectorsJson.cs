@@ -3,7 +3,7 @@ using System.Globalization;
 using System.Text;
 using Pacinian.Wire;
 
-/// <summary>Reads lines of a JSON text and a key, both in hexadecimal; writes what is found there.</summary>
+/// <summary>Reads lines with a JSON text and a key, both in hexadecimal; writes the key's value.</summary>
 internal static class VectorsJson
 {
     private static void Main()

@@ -7,9 +7,9 @@ using Pacinian.Zmtp;
 namespace Pacinian.Tests
 {
     /// <summary>
-    /// A socket that does what its standard input says, a command a line, and tells what happens, a JSON object a line. Arguments:
-    /// kind, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of connecting and of the
-    /// handshake [s], `again` to reconnect.
+    /// A socket that executes commands from standard input, one per line, and prints events as lines of JSON.
+    /// Arguments: kind, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of
+    /// connecting and of the handshake [s], `again` to reconnect.
     /// </summary>
     internal sealed class ZmtpDriver
     {
@@ -32,7 +32,7 @@ namespace Pacinian.Tests
                 ConnectTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
                 HandshakeTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
             };
-            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _wake, Timing.Now);
+            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _wake, SteadyClock.Now);
         }
 
         private static int Main(string[] arguments)

@@ -6,8 +6,8 @@ using Pacinian.Zmtp;
 namespace Pacinian.Tests
 {
     /// <summary>
-    /// What a peer sends, tampered with or random, in parts of any size. No exception, bounded memory, and an end. Arguments: seed,
-    /// number of conversations.
+    /// Feeds tampered or random bytes of a peer in parts of any size: no exception, bounded memory, and an end.
+    /// Arguments: seed, number of conversations.
     /// </summary>
     internal sealed class ZmtpFuzz
     {
@@ -68,7 +68,7 @@ namespace Pacinian.Tests
             _ends[end] = known + 1;
         }
 
-        /// <summary>How many messages it read.</summary>
+        /// <summary>Feeds bytes. Returns how many messages were read.</summary>
         private int Feed(ZmtpConnection made, byte[] bytes)
         {
             int messages = 0, at = 0;
@@ -83,7 +83,7 @@ namespace Pacinian.Tests
                 made.Input.Add(count);
                 at += count;
                 made.NoteArrival(now);
-                int read, left = messages + bytes.Length; // no frame is smaller than two bytes
+                int read, left = messages + bytes.Length; // a frame has at least two bytes
                 while ((read = made.Read(_into)) >= 0)
                 {
                     messages++;
@@ -106,7 +106,7 @@ namespace Pacinian.Tests
             return messages;
         }
 
-        /// <summary>What a server says that means well.</summary>
+        /// <summary>Returns what a well-behaved server sends.</summary>
         private byte[] Transcript(ZmtpSettings settings)
         {
             FrameWriter said = new FrameWriter();
@@ -178,7 +178,7 @@ namespace Pacinian.Tests
             return made;
         }
 
-        /// <summary>The head of a large frame.</summary>
+        /// <summary>Returns the head of a large frame.</summary>
         private byte[] Announcement()
         {
             byte[] made = Noise(9);

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Where the array stands: touching known points of it one by one, and keeping what was found.</summary>
+    /// <summary>Inspector of an Array Origin: aligns it by touching known points one by one, and stores the result.</summary>
     [CustomEditor(typeof(ArrayOrigin))]
     internal sealed class ArrayOriginEditor : Editor
     {
@@ -72,7 +72,7 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>The tip of the first tracked hand's index finger.</summary>
+        /// <summary>Returns whether a hand is tracked; writes the tip of the first tracked hand's index finger.</summary>
         private bool Touching(out Vector3 tip)
         {
             const int Tip = 10;

@@ -2,10 +2,12 @@ using System.Collections.Generic;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Names of plug-ins for a drop-down.</summary>
+    /// <summary>Lists plug-ins for a drop-down.</summary>
     internal static class Choices
     {
-        /// <summary>The first: as the server is set. chosen: a name that is shown also where the server lacks it.</summary>
+        /// <summary>
+        /// Returns the names, after an entry for the server's default. chosen: is listed even if the server lacks it.
+        /// </summary>
         public static string[] Of(Wire.Items<Wire.Plugin> plugins, string chosen)
         {
             List<string> names = new List<string> { "(the server's)" };
@@ -20,7 +22,7 @@ namespace Pacinian.Haptics.Editing
             return names.ToArray();
         }
 
-        /// <summary>Which of them is chosen; "": the first.</summary>
+        /// <summary>Returns the index of the chosen name; 0 for "".</summary>
         public static int Index(string[] names, string chosen)
         {
             int index = chosen.Length == 0 ? 0 : System.Array.IndexOf(names, chosen);

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>GameObject > Pacinian.</summary>
+    /// <summary>The menu GameObject > Pacinian.</summary>
     internal static class Creating
     {
         private static readonly string[] Trackers =
@@ -14,7 +14,7 @@ namespace Pacinian.Haptics.Editing
             "Pacinian.Haptics.LeapHandProvider, Pacinian.Haptics.Ultraleap",
         };
 
-        private const float Apart = 0.08f, High = 0.215f; // [m] of an open hand's palm: from the array's middle, above it
+        private const float Apart = 0.08f, High = 0.215f; // [m] of an open hand's palm: beside and above the array's middle
 
         [MenuItem("GameObject/Pacinian/Array", false, 10)]
         internal static void Array(MenuCommand command)
@@ -38,8 +38,8 @@ namespace Pacinian.Haptics.Editing
         }
 
         /// <summary>
-        /// Both hands, by XR Hands or Ultraleap's plugin if one is installed. XR Hands: in the frame of the camera's parent, which
-        /// is the XR Origin's offset.
+        /// Creates both hands, with XR Hands or Ultraleap's plugin if one is installed. With XR Hands they are in the
+        /// frame of the camera's parent, which is the XR Origin's offset.
         /// </summary>
         [MenuItem("GameObject/Pacinian/Hands", false, 13)]
         internal static void Hands(MenuCommand command)
@@ -53,13 +53,15 @@ namespace Pacinian.Haptics.Editing
             if (tracker == null)
             {
                 Debug.LogWarning(
-                    "Pacinian: these hands are open, and stand where they are. For tracked ones install XR Hands "
-                    + "(com.unity.xr.hands) or Ultraleap's plugin (com.ultraleap.tracking) by the Package Manager, then use "
+                    "Pacinian: these hands are open, and do not move. For tracked hands, install XR Hands "
+                    + "(com.unity.xr.hands) or Ultraleap's plugin (com.ultraleap.tracking) with the Package Manager, then use "
                     + "GameObject > Pacinian > Hands again");
             }
         }
 
-        /// <summary>tracker: a HandProvider; null: open hands, above the object on which the menu was opened, as the array.</summary>
+        /// <summary>
+        /// tracker: a HandProvider; null: open hands, above the object on which the menu was opened, such as the array.
+        /// </summary>
         internal static void Hands(MenuCommand command, Type tracker)
         {
             GameObject hands = Made(command, "Haptic Hands");

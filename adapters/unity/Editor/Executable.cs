@@ -6,25 +6,28 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Where the program `pacinian` is.</summary>
+    /// <summary>Finds the program `pacinian`.</summary>
     internal static class Executable
     {
         private const string Key = "Pacinian.Executable";
 
-        /// <summary>What to do where it is missing.</summary>
+        /// <summary>What to do if the program is missing.</summary>
         public const string Advice =
-            "The program `pacinian` was not found. With Python 3.11 or newer, in a virtual environment: "
-            + "`python -m pip install` of a checkout of Pacinian (its README says how). Then choose the program here: it is in "
-            + "the environment's folder `bin`, or `Scripts` on Windows. A server that runs already needs none of this.";
+            "The program `pacinian` was not found. Install Pacinian from a checkout with `python -m pip install`, in a virtual "
+            + "environment with Python 3.11 or newer (its README says how). Then choose the program here: it is in the "
+            + "environment's folder `bin`, or `Scripts` on Windows. If a server runs already, you need none of this.";
 
-        /// <summary>Chosen by the user; "" if none is.</summary>
+        /// <summary>The path that the user has chosen; "" if none.</summary>
         public static string Chosen
         {
             get { return EditorPrefs.GetString(Key, ""); }
             set { EditorPrefs.SetString(Key, value); }
         }
 
-        /// <summary>Chosen, in PATH, beside this project, or where installers put it; "" if it is nowhere.</summary>
+        /// <summary>
+        /// Returns the chosen program, or one in PATH, beside this project, or where installers put it; "" if there is
+        /// none.
+        /// </summary>
         public static string Find()
         {
             if (File.Exists(Chosen))
@@ -48,7 +51,10 @@ namespace Pacinian.Haptics.Editing
             get { return Environment.OSVersion.Platform == PlatformID.Win32NT; }
         }
 
-        /// <summary>Programs that a desktop starts have a shorter PATH than a terminal: the usual places, too.</summary>
+        /// <summary>
+        /// Lists PATH and the usual folders, because programs started from a desktop have a shorter PATH than a
+        /// terminal.
+        /// </summary>
         private static IEnumerable<string> Folders()
         {
             foreach (string folder in (Environment.GetEnvironmentVariable("PATH") ?? "").Split(Path.PathSeparator))

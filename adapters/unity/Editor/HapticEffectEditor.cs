@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Effects, one or several at once, and what is emitted for them.</summary>
+    /// <summary>Inspector of one or several effects, with the pressure that is emitted for them.</summary>
     [CustomEditor(typeof(HapticEffect), true)]
     [CanEditMultipleObjects]
     internal sealed class HapticEffectEditor : Editor
@@ -33,7 +33,7 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>The pressure, from 0 to 1, with pascals beside it.</summary>
+        /// <summary>Draws a slider for the pressure, from 0 to 1, with pascals beside it.</summary>
         internal static void Slide(SerializedProperty pressure, float full)
         {
             EditorGUI.showMixedValue = pressure.hasMultipleDifferentValues;
@@ -46,7 +46,7 @@ namespace Pacinian.Haptics.Editing
             EditorGUI.showMixedValue = false;
         }
 
-        /// <summary>Such as: Relative strength (8.0 of 20 Pa).</summary>
+        /// <summary>Returns a label such as: Relative strength (8.0 of 20 Pa).</summary>
         internal static string Label(float pressure, float full)
         {
             return string.Format(CultureInfo.InvariantCulture, "Relative strength ({0:F1} of {1:G4} Pa)", pressure, full);

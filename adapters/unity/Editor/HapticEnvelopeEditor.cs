@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Of an envelope only what its kind has.</summary>
+    /// <summary>Inspector of an envelope, with only the fields of its kind.</summary>
     [CustomEditor(typeof(HapticEnvelope))]
     [CanEditMultipleObjects]
     internal sealed class HapticEnvelopeEditor : Editor

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>How it stands with the server, and what may be chosen.</summary>
+    /// <summary>Inspector of a Haptic Server: its state, and the choice of plug-ins.</summary>
     [CustomEditor(typeof(HapticServer))]
     internal sealed class HapticServerEditor : Editor
     {

@@ -8,23 +8,23 @@ using UnityEditor;
 namespace Pacinian.Haptics.Editing
 {
     /// <summary>
-    /// A server that the editor has started. It goes on while scripts are loaded anew, and writes its log to a file, so
-    /// that nothing is lost then; it ends with the editor.
+    /// A server that the editor has started. It keeps running while scripts are reloaded, and logs to a file, so that
+    /// no output is lost meanwhile. It ends with the editor.
     /// </summary>
     internal static class LocalServer
     {
         private const string Key = "Pacinian.LocalServer";
-        private const int Shown = 8000; // [bytes] of the log's end
+        private const int Shown = 8000; // [bytes] at the log's end
 
         private static Process s_process;
 
-        /// <summary>Where it logs to: among the project's logs, where only its users can write.</summary>
+        /// <summary>The log file, in the project's folder Logs, where only the project's users can write.</summary>
         public static string LogFile
         {
             get { return Path.GetFullPath(Path.Combine("Logs", "pacinian-serve.log")); }
         }
 
-        /// <summary>Whether it runs.</summary>
+        /// <summary>Whether the server runs.</summary>
         public static bool Running
         {
             get
@@ -34,7 +34,9 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>Starts it; "", or why that cannot be. arguments: of `serve`, without spaces inside of one.</summary>
+        /// <summary>
+        /// Starts the server. Returns "", or the reason for a failure. arguments: of `serve`, none with a space in it.
+        /// </summary>
         public static string Start(string executable, string arguments)
         {
             if (Running)
@@ -64,7 +66,7 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>Tells it to end: the array is silent first. Does not wait.</summary>
+        /// <summary>Asks the server to end; it silences the array first. Does not wait.</summary>
         public static void Stop()
         {
             Process process = Found();
@@ -82,7 +84,7 @@ namespace Pacinian.Haptics.Editing
             SessionState.SetString(Key, "");
         }
 
-        /// <summary>The end of its log.</summary>
+        /// <summary>Returns the end of the log.</summary>
         public static string Log()
         {
             try
@@ -99,7 +101,7 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>Ours, also after scripts were loaded anew; null if there is none.</summary>
+        /// <summary>Returns the process that the editor started, even before a reload of scripts; null if there is none.</summary>
         private static Process Found()
         {
             string mark = SessionState.GetString(Key, "");
@@ -119,7 +121,7 @@ namespace Pacinian.Haptics.Editing
             return s_process;
         }
 
-        /// <summary>What a process is known by: its number alone may be another's later.</summary>
+        /// <summary>Returns an identifier of a process. Its number alone does not suffice, because the system may reuse it.</summary>
         private static string Mark(Process process)
         {
             string id = process.Id.ToString(CultureInfo.InvariantCulture);

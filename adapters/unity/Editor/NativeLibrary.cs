@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Pacinian.Haptics.Editing
 {
     /// <summary>
-    /// libzmq, which only a server on another machine needs (CURVE keys), and this package does not contain: it is copied into the
-    /// project, so that builds have it, too.
+    /// Copies libzmq into the project, so that builds contain it. Only games that connect to a server on another
+    /// machine need it (for CURVE keys), and this package does not contain it.
     /// </summary>
     internal static class NativeLibrary
     {
@@ -16,22 +16,22 @@ namespace Pacinian.Haptics.Editing
             "/usr/lib/libzmq.so.5", "/opt/homebrew/lib/libzmq.5.dylib", "/usr/local/lib/libzmq.5.dylib",
         };
 
-        // Where pyzmq's wheels have theirs, on Linux and on macOS. On Windows it is inside of another library.
+        // Places of libzmq in pyzmq's wheels on Linux and macOS. On Windows it is inside another library.
         private static readonly string[] Wheels = { "pyzmq.libs", "zmq/.dylibs" };
 
-        /// <summary>What to do where it is missing.</summary>
+        /// <summary>What to do if the library is missing.</summary>
         public const string Advice =
-            "Only for a server on another machine, with CURVE keys: games that connect to it need the library libzmq, 4.3 or newer. "
-            + "Linux and macOS: that of the program's Python, or libzmq5 (Debian) or `brew install zeromq`. Windows: `vcpkg install "
-            + "zeromq`, then choose its libzmq*.dll here. A copy is put into Assets/Plugins/Pacinian.";
+            "Games that connect to a server on another machine, with CURVE keys, need the library libzmq, 4.3 or newer. On Linux "
+            + "and macOS, use that of the program's Python, or install libzmq5 (Debian) or zeromq (Homebrew). On Windows, run "
+            + "`vcpkg install zeromq`, then choose its libzmq*.dll here. A copy is put into Assets/Plugins/Pacinian.";
 
-        /// <summary>Where it is in the project.</summary>
+        /// <summary>The library's path in the project.</summary>
         public static string Place
         {
             get { return Path.Combine(Path.Combine(Path.Combine(Application.dataPath, "Plugins"), "Pacinian"), Name); }
         }
 
-        /// <summary>Whether the project has it.</summary>
+        /// <summary>Whether the project has the library.</summary>
         public static bool There
         {
             get { return File.Exists(Place); }
@@ -45,20 +45,29 @@ namespace Pacinian.Haptics.Editing
             }
         }
 
-        /// <summary>The libzmq of the server's Python, or of this system; "" if neither has one. program: `pacinian`, or "".</summary>
+        /// <summary>
+        /// Returns the libzmq of the server's Python, or of this system; "" if neither has one. program: path of
+        /// `pacinian`, or "".
+        /// </summary>
         public static string Find(string program)
         {
             string wheel = program.Length == 0 ? "" : FindInEnvironment(program);
             return wheel.Length > 0 ? wheel : Array.Find(Usual, File.Exists) ?? "";
         }
 
-        /// <summary>Copies one into the project, under the name by which it is looked for; "", or why that cannot be.</summary>
+        /// <summary>
+        /// Copies a library into the project, under the name by which it is loaded. Returns "", or the reason for a
+        /// failure.
+        /// </summary>
         public static string Install(string path)
         {
             return Install(path, Place);
         }
 
-        /// <summary>Copies one to a place, and what it needs beside it; "", or why that cannot be.</summary>
+        /// <summary>
+        /// Copies a library, and the libraries beside it that it needs, to a place. Returns "", or the reason for a
+        /// failure.
+        /// </summary>
         internal static string Install(string path, string place)
         {
             try
@@ -110,7 +119,7 @@ namespace Pacinian.Haptics.Editing
             return "";
         }
 
-        /// <summary>The Python that runs a program, as its first line says: the program may be a link from elsewhere.</summary>
+        /// <summary>Returns the Python that runs a program, from the program's first line. Follows links.</summary>
         private static string Interpreter(string program)
         {
             char[] start = new char[512];

@@ -3,8 +3,8 @@ using UnityEditor;
 namespace Pacinian.Haptics.Editing
 {
     /// <summary>
-    /// Ends the connection before the editor stops our thread: at a reload of scripts, at the end of play mode. With the
-    /// editor the server ends that it started. A pause of the editor is told to the connection.
+    /// Ends the connection before the editor stops its thread: at a reload of scripts and at the end of play mode.
+    /// Stops the started server when the editor quits. Forwards pauses of the editor to the connection.
     /// </summary>
     [InitializeOnLoad]
     internal static class ReloadGuard

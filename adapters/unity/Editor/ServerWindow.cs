@@ -3,10 +3,10 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Window > Pacinian > Server: starts and stops a server on this machine, and shows its log.</summary>
+    /// <summary>Window > Pacinian > Server: starts and stops a server on this computer, and shows its log.</summary>
     internal sealed class ServerWindow : EditorWindow
     {
-        private const double Period = 0.5; // [s] between two looks at the log
+        private const double Period = 0.5; // [s] between two reads of the log
 
         private string _arguments = "--backend simulated", _problem = "", _log = "";
         private Vector2 _at;

@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Project Settings > Pacinian: an asset that is made when something is changed first.</summary>
+    /// <summary>Project Settings > Pacinian. The asset is created at the first change.</summary>
     internal static class SettingsPage
     {
         private const string Folder = "Assets/Resources";
@@ -19,7 +19,6 @@ namespace Pacinian.Haptics.Editing
             };
         }
 
-        /// <summary>Draws the page.</summary>
         internal static void Draw(string search)
         {
             if (s_settings == null || s_settings.targetObject == null)
@@ -38,7 +37,7 @@ namespace Pacinian.Haptics.Editing
             EditorGUILayout.HelpBox("Start Server of the Haptic Server starts " + StartedServer.Program, MessageType.Info);
         }
 
-        /// <summary>Makes the asset, if there is none: games find it by its name in a folder Resources.</summary>
+        /// <summary>Creates the asset if there is none, in a folder Resources, where games find it by its name.</summary>
         internal static void Keep(PacinianSettings settings)
         {
             if (AssetDatabase.Contains(settings))

@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Editing
 {
-    /// <summary>Of a technique only what its kind has.</summary>
+    /// <summary>Inspector of a technique, with only the fields of its kind.</summary>
     [CustomPropertyDrawer(typeof(HapticTechnique))]
     internal sealed class TechniqueDrawer : PropertyDrawer
     {

@@ -5,31 +5,36 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Where the array stands is found by touching known points of it, one by one, and kept.</summary>
+    /// <summary>
+    /// Alignment: the user touches known points of the array one by one, and the array's pose is computed and stored.
+    /// </summary>
     public sealed partial class ArrayOrigin
     {
-        private readonly List<Vec3> _touched = new List<Vec3>(); // in the parent's frame
-        private Vector3[] _points = new Vector3[0]; // to be touched
+        private readonly List<Vec3> _touched = new List<Vec3>(); // positions in the parent's frame
+        private Vector3[] _points = new Vector3[0]; // points to touch
 
-        /// <summary>How many points have been touched.</summary>
+        /// <summary>The number of points that have been touched.</summary>
         public int Touched
         {
             get { return _touched.Count; }
         }
 
-        /// <summary>Root mean square distance of touched from known points after the last alignment [m].</summary>
+        /// <summary>The root mean square distance between touched and known points after the last alignment [m].</summary>
         public float Residual { get; private set; }
 
-        /// <summary>The largest of these distances [m].</summary>
+        /// <summary>The largest distance between a touched and a known point after the last alignment [m].</summary>
         public float Worst { get; private set; }
 
-        /// <summary>Where the alignment is kept.</summary>
+        /// <summary>The file that stores the alignment.</summary>
         internal string Path
         {
             get { return System.IO.Path.Combine(Application.persistentDataPath, "pacinian-" + calibrationName + ".json"); }
         }
 
-        /// <summary>Forgets what was touched, and begins anew. False: the points are not known, as no server is connected.</summary>
+        /// <summary>
+        /// Discards the touched points and starts again. Returns false if the points are unknown, because no server is
+        /// connected.
+        /// </summary>
         public bool BeginAlignment()
         {
             CancelAlignment();
@@ -37,7 +42,7 @@ namespace Pacinian.Haptics
             return _points.Length > 0;
         }
 
-        /// <summary>The point of the array to be touched next, in its frame [m]. False: all have been.</summary>
+        /// <summary>Writes the next point to touch, in the array's frame [m]. Returns false if all points have been touched.</summary>
         public bool GetNextPoint(out Vector3 point)
         {
             bool any = _touched.Count < _points.Length;
@@ -45,30 +50,33 @@ namespace Pacinian.Haptics
             return any;
         }
 
-        /// <summary>The next point was touched there, in the world [m].</summary>
+        /// <summary>Records where the user touched the next point: a position in the world [m].</summary>
         public void TouchPoint(Vector3 position)
         {
             if (_touched.Count < _points.Length)
             {
                 Transform space = transform.parent;
-                _touched.Add(Frames.Of(space == null ? position : space.InverseTransformPoint(position)));
+                _touched.Add(WireSpace.ToWire(space == null ? position : space.InverseTransformPoint(position)));
             }
         }
 
-        /// <summary>Moves to where the array is. False, and why: fewer than 3 points, or all in a line.</summary>
+        /// <summary>
+        /// Moves the array to the touched points. Returns false and the reason if fewer than 3 points were touched, or
+        /// if all lie on a line.
+        /// </summary>
         public bool FinishAlignment(out string problem)
         {
             Vec3[] known = new Vec3[_touched.Count];
             for (int i = 0; i < known.Length; i++)
             {
-                known[i] = Frames.Of(_points[i]);
+                known[i] = WireSpace.ToWire(_points[i]);
             }
             Calibration made;
             bool done = Calibration.Fit(known, _touched.ToArray(), out made, out problem);
             if (done)
             {
-                transform.localPosition = Frames.Back(made.Origin.Position);
-                transform.localRotation = Frames.Back(made.Origin.Rotation);
+                transform.localPosition = WireSpace.ToUnity(made.Origin.Position);
+                transform.localRotation = WireSpace.ToUnity(made.Origin.Rotation);
                 Residual = (float)made.Residual;
                 Worst = (float)made.Worst;
                 CancelAlignment();
@@ -76,21 +84,21 @@ namespace Pacinian.Haptics
             return done;
         }
 
-        /// <summary>Forgets what was touched.</summary>
+        /// <summary>Discards the touched points.</summary>
         public void CancelAlignment()
         {
             _points = new Vector3[0];
             _touched.Clear();
         }
 
-        /// <summary>Keeps the pose on this computer. False, and why: it cannot be written.</summary>
+        /// <summary>Stores the pose on this computer. Returns false and the reason if the file cannot be written.</summary>
         public bool SaveCalibration(out string problem)
         {
             problem = StoredPose.Of(transform, Residual, Worst).Save(Path);
             return problem.Length == 0;
         }
 
-        /// <summary>Takes over the pose that was kept. False, and why: there is none.</summary>
+        /// <summary>Applies the stored pose. Returns false and the reason if there is none.</summary>
         public bool LoadCalibration(out string problem)
         {
             StoredPose pose = StoredPose.Load(Path, out problem);
@@ -104,7 +112,7 @@ namespace Pacinian.Haptics
             return pose != null;
         }
 
-        /// <summary>Removes what was kept; the pose stays.</summary>
+        /// <summary>Deletes the stored pose. The array does not move.</summary>
         public void ForgetCalibration()
         {
             try
@@ -117,7 +125,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>The outermost transducers; none where nothing is known of the array.</summary>
+        /// <summary>Returns the outermost transducers; none if the array is unknown.</summary>
         private static Vector3[] Corners(Wire.Abilities told)
         {
             if (told == null || told.Positions.Numbers < 9)
@@ -127,7 +135,7 @@ namespace Pacinian.Haptics
             Vector3[] corners = new Vector3[4];
             for (int i = 0; i < 4; i++)
             {
-                corners[i] = Frames.Back(Outermost(told.Positions, i < 2 ? 1.0 : -1.0, i == 0 || i == 3 ? 1.0 : -1.0));
+                corners[i] = WireSpace.ToUnity(Outermost(told.Positions, i < 2 ? 1.0 : -1.0, i == 0 || i == 3 ? 1.0 : -1.0));
             }
             return corners;
         }

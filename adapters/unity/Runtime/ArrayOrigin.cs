@@ -5,68 +5,69 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// Where the array stands: its middle is here, its sound goes up (y). Make it a child of the tracked space, as of the
-    /// XR Origin's camera offset, so that it stays when the player is teleported. Without one it stands at the origin.
-    /// Its pose there is found by touching known points of the array, and kept between sessions.
+    /// The pose of the array: its middle is at this object, and it emits upwards (y). Make this object a child of the
+    /// tracked space, such as the XR Origin's camera offset, so that the array stays in place when the player is
+    /// teleported. Without an Array Origin, the array is at the world's origin. To find the pose, touch known points of
+    /// the array; the pose is stored between sessions.
     /// </summary>
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-900)]
     [AddComponentMenu("Pacinian/Array Origin")]
     public sealed partial class ArrayOrigin : MonoBehaviour
     {
-        private const float Length = 0.57f, Width = 0.46f; // [m] of the gizmo, while no server has told of its array
+        private const float Length = 0.57f, Width = 0.46f; // [m] size of the gizmo until a server has described its array
 
-        private static readonly List<ArrayOrigin> All = new List<ArrayOrigin>(); // that are enabled
+        private static readonly List<ArrayOrigin> All = new List<ArrayOrigin>(); // the enabled ones
 
-        [SerializeField, Tooltip("Points to touch, from the array's middle, y up [m]: 3 or more. Empty: the array's corners.")]
+        [SerializeField, Tooltip("Points to touch, from the array's middle, y up [m]; at least 3. Empty: the array's corners.")]
         private Vector3[] knownPoints = new Vector3[0];
-        [SerializeField, Tooltip("By which the alignment is kept on this computer.")]
+        [SerializeField, Tooltip("Name under which the alignment is stored on this computer.")]
         private string calibrationName = "default";
-        [SerializeField, Tooltip("Stands where it was kept, if it was.")]
+        [SerializeField, Tooltip("Apply the stored pose, if there is one.")]
         private bool loadOnStart = true;
-        [SerializeField, Tooltip("Draws the array, as the server tells of it.")]
+        [SerializeField, Tooltip("Draw the array as the server describes it.")]
         private bool drawArray = true;
 
-        /// <summary>The one that is used: the first that is enabled; null if there is none.</summary>
+        /// <summary>The Array Origin in use: the first that was enabled; null if there is none.</summary>
         public static ArrayOrigin Current
         {
             get { return All.Count > 0 ? All[0] : null; }
         }
 
-        /// <summary>The array's frame in the world.</summary>
+        /// <summary>The pose of the array's frame in the world.</summary>
         internal static Rigid InWorld
         {
-            get { return All.Count == 0 ? Rigid.Identity : Frames.Of(All[0].transform); }
+            get { return All.Count == 0 ? Rigid.Identity : WireSpace.ToWire(All[0].transform); }
         }
 
-        /// <summary>The way from the world to the array's frame.</summary>
+        /// <summary>The transform from the world to the array's frame.</summary>
         internal static Rigid ToArray
         {
             get { return InWorld.Inverse; }
         }
 
-        /// <summary>Points to touch, in the order in which they are touched, in this frame [m]; none: the array's corners.</summary>
+        /// <summary>Points to touch, in order, in the array's frame [m]. If empty, the array's corners are used.</summary>
         public Vector3[] KnownPoints
         {
             get { return knownPoints; }
             set { knownPoints = value ?? new Vector3[0]; }
         }
 
-        /// <summary>By which the alignment is kept on this computer.</summary>
+        /// <summary>The name under which the alignment is stored on this computer.</summary>
         public string CalibrationName
         {
             get { return calibrationName; }
             set { calibrationName = value ?? ""; }
         }
 
-        /// <summary>Whether it stands where it was kept, when it is enabled.</summary>
+        /// <summary>Whether the stored pose is applied when this component is enabled.</summary>
         public bool LoadOnStart
         {
             get { return loadOnStart; }
             set { loadOnStart = value; }
         }
 
-        /// <summary>Whether the array is drawn, by gizmos.</summary>
+        /// <summary>Whether gizmos show the array.</summary>
         public bool DrawArray
         {
             get { return drawArray; }
@@ -106,7 +107,7 @@ namespace Pacinian.Haptics
                 return;
             }
             Wire.Abilities told = HapticServer.Capabilities;
-            Rigid frame = Frames.Of(transform);
+            Rigid frame = WireSpace.ToWire(transform);
             Gizmos.color = new Color(0.2f, 0.8f, 0.4f);
             if (told == null)
             {
@@ -117,7 +118,7 @@ namespace Pacinian.Haptics
             int count = told == null ? 0 : told.Positions.Numbers / 3;
             for (int i = 0; i < count; i += 1 + count / 500)
             {
-                Gizmos.DrawSphere(Frames.Back(frame.Point(told.Positions.Point(i))), 0.004f);
+                Gizmos.DrawSphere(WireSpace.ToUnity(frame.Point(told.Positions.Point(i))), 0.004f);
             }
             Gizmos.DrawLine(transform.position, transform.position + transform.rotation * new Vector3(0f, 0.2f, 0f));
             for (int i = 0; i < _points.Length; i++)

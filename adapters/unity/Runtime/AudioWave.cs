@@ -4,12 +4,12 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Audio as an envelope: mono, at a rate that skin can follow.</summary>
+    /// <summary>Converts audio to an envelope: mono, at a rate that suffices for skin.</summary>
     internal static class AudioWave
     {
-        private const int Fast = 8000; // [Hz] is enough: skin feels nothing above 1 kHz
+        private const int Fast = 8000; // [Hz]; skin feels nothing above 1 kHz
 
-        /// <summary>Null, and why, if there are no samples; a clip that is too long is cut, which is told, too.</summary>
+        /// <summary>Returns null and the reason if there are no samples. If a clip is too long, cuts it and says so.</summary>
         public static Wave Of(AudioClip clip, out string problem)
         {
             float[] data = new float[clip.samples * clip.channels];
@@ -21,7 +21,7 @@ namespace Pacinian.Haptics
             return Of(data, clip.frequency, clip.channels, out problem);
         }
 
-        /// <summary>The same, of samples of so many channels, each at that rate [Hz].</summary>
+        /// <summary>Does the same for interleaved samples. rate: of each channel [Hz].</summary>
         public static Wave Of(float[] data, float rate, int channels, out string problem)
         {
             problem = data.Length == 0 ? "has no clip and no samples" : "";

@@ -1,15 +1,15 @@
 namespace Pacinian.Haptics
 {
-    /// <summary>Solver, backend and intensity as the server was last told: a change is told, and not too often.</summary>
+    /// <summary>Sends changes of solver, backend and intensity to the server, at a limited rate.</summary>
     internal sealed class Changing
     {
-        private const double Pause = 0.1; // [s] between two changes
+        private const double Pause = 0.1; // [s] shortest time between two changes
 
         private string _solver = "", _backend = "";
         private float _intensity = -1f;
         private double _next;
 
-        /// <summary>Another server, or the same anew: it knows nothing.</summary>
+        /// <summary>Forgets what was sent, because a new session starts.</summary>
         public void Forget()
         {
             _solver = _backend = "";
@@ -17,7 +17,10 @@ namespace Pacinian.Haptics
             _next = 0.0;
         }
 
-        /// <summary>Tells what is not known. solver, backend: "" as it is. now: [s].</summary>
+        /// <summary>
+        /// Sends the values that differ from the last ones sent. solver, backend: "" leaves the server's unchanged.
+        /// now: [s].
+        /// </summary>
         public void Send(HapticClient client, string solver, string backend, float intensity, double now)
         {
             bool solving = solver.Length > 0 && solver != _solver, sending = backend.Length > 0 && backend != _backend;

@@ -5,10 +5,16 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Colliders of an object and of its children as one solid, scaled, in the object's frame and the wire's axes.</summary>
+    /// <summary>
+    /// Converts the colliders of an object and of its children to one scaled solid, in the object's frame and the
+    /// wire's axes.
+    /// </summary>
     internal static class ColliderShape
     {
-        /// <summary>Collects the colliders of an object and of its children. A child that is a volume of its own keeps its own.</summary>
+        /// <summary>
+        /// Collects the colliders of an object and of its children, except those of a child that has its own Haptic
+        /// Volume.
+        /// </summary>
         public static void Collect(HapticVolume owner, List<Collider> found)
         {
             owner.GetComponentsInChildren(found);
@@ -21,7 +27,10 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>One, or the union of them all; null, and why, if that cannot be. root: in whose frame.</summary>
+        /// <summary>
+        /// Returns the collider, or the union of several; null and the reason on failure. root: the result is in its
+        /// frame.
+        /// </summary>
         public static ISolid Of(List<Collider> colliders, Transform root, out string problem)
         {
             Union all = new Union();
@@ -46,8 +55,8 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>
-        /// A number that is another when a collider is another: added, removed, switched, resized, moved in its object. It makes no
-        /// garbage, and does not change when the whole object moves.
+        /// Returns a number that changes when a collider is added, removed, enabled, disabled, resized or moved within
+        /// its object. It does not change when the whole object moves. It allocates nothing.
         /// </summary>
         public static long Fingerprint(List<Collider> colliders, Transform root)
         {
@@ -126,7 +135,7 @@ namespace Pacinian.Haptics
             MeshCollider mesh = collider as MeshCollider;
             if (box != null)
             {
-                return Placed(new Box { Size = Frames.Of(Vector3.Scale(box.size, size)) }, box, box.center, root, Quat.Identity);
+                return Placed(new Box { Size = WireSpace.ToWire(Vector3.Scale(box.size, size)) }, box, box.center, root, Quat.Identity);
             }
             if (sphere != null)
             {
@@ -146,7 +155,7 @@ namespace Pacinian.Haptics
             return made == null ? null : Placed(made, mesh, Vector3.zero, root, Quat.Identity);
         }
 
-        /// <summary>Along Unity's y, which is the wire's z, a capsule is as the wire has it.</summary>
+        /// <summary>A capsule needs no turn if its axis is Unity's y, which is the wire's z.</summary>
         private static IPiece Capsule(CapsuleCollider capsule, Vector3 size, Transform root)
         {
             int axis = capsule.direction;
@@ -160,7 +169,7 @@ namespace Pacinian.Haptics
             return Placed(new Capsule { Radius = radius, Length = length }, capsule, capsule.center, root, turn);
         }
 
-        /// <summary>A shape of a collider, turned first, then where the collider has it, in the frame of the root.</summary>
+        /// <summary>Returns the shape, turned and then placed like its collider, in the root's frame.</summary>
         private static IPiece Placed<T>(T shape, Collider collider, Vector3 centre, Transform root, Quat turn)
             where T : IPrimitive, IPiece
         {
@@ -168,11 +177,12 @@ namespace Pacinian.Haptics
             Vector3 place = Vector3.Scale(centre, at.lossyScale);
             if (at != root)
             {
-                Rigid inside = Frames.Of(root).Inverse * new Rigid(Frames.Of(at.TransformPoint(centre)), Frames.Of(at.rotation));
+                Rigid placed = new Rigid(WireSpace.ToWire(at.TransformPoint(centre)), WireSpace.ToWire(at.rotation));
+                Rigid inside = WireSpace.ToWire(root).Inverse * placed;
                 return Place(shape, inside.Position, inside.Rotation * turn);
             }
             bool still = place.x == 0f && place.y == 0f && place.z == 0f && turn.W == 1.0;
-            return still ? (IPiece)shape : Place(shape, Frames.Of(place), turn);
+            return still ? (IPiece)shape : Place(shape, WireSpace.ToWire(place), turn);
         }
 
         private static Placed Place(IPrimitive shape, Vec3 position, Quat rotation)

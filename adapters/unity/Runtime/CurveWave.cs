@@ -4,12 +4,15 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A curve as an envelope: its values at a rate that skin cannot tell from more.</summary>
+    /// <summary>Converts a curve to an envelope, sampled finely enough for skin.</summary>
     internal static class CurveWave
     {
-        private const double Fast = 2000.0; // [Hz], while it is short enough for that
+        private const double Fast = 2000.0; // [Hz]; lower if the curve is long
 
-        /// <summary>From time 0 to the last key, 0 to 1. Null, and why, if it has no length.</summary>
+        /// <summary>
+        /// Samples the curve from time 0 to its last key, clamped to 0..1. Returns null and the reason if the curve has
+        /// no length.
+        /// </summary>
         public static Wave Of(AnimationCurve curve, out string problem)
         {
             int keys = curve.length;

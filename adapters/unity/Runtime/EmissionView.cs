@@ -3,41 +3,41 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Draws what the server says that it emits, not what the game asked for, by gizmos.</summary>
+    /// <summary>Draws, with gizmos, what the server reports that it emits, which may differ from what the game requested.</summary>
     [AddComponentMenu("Pacinian/Emission View")]
     public sealed class EmissionView : MonoBehaviour
     {
         private const float Arrow = 0.02f; // [m]
 
-        [SerializeField, Tooltip("The points that are pressed on: blue is weak, red as strong as the strongest asked for.")]
+        [SerializeField, Tooltip("Draw the points under pressure: blue is weak, red is the strongest requested pressure.")]
         private bool drawSamples = true;
-        [SerializeField, Tooltip("Which way their surface faces.")]
+        [SerializeField, Tooltip("Draw the normals of the surface at these points.")]
         private bool drawNormals;
-        [SerializeField, Tooltip("The hands as they are rendered.")]
+        [SerializeField, Tooltip("Draw the hands as the server renders them.")]
         private bool drawHands = true;
 
-        /// <summary>The points that are pressed on: blue is weak, red as strong as the strongest asked for.</summary>
+        /// <summary>Whether to draw the points under pressure: blue is weak, red is the strongest requested pressure.</summary>
         public bool DrawSamples
         {
             get { return drawSamples; }
             set { drawSamples = value; }
         }
 
-        /// <summary>Which way their surface faces.</summary>
+        /// <summary>Whether to draw the normals of the surface at these points.</summary>
         public bool DrawNormals
         {
             get { return drawNormals; }
             set { drawNormals = value; }
         }
 
-        /// <summary>The hands as they are rendered.</summary>
+        /// <summary>Whether to draw the hands as the server renders them.</summary>
         public bool DrawHands
         {
             get { return drawHands; }
             set { drawHands = value; }
         }
 
-        /// <summary>The points that are pressed on now, in the world [m], and how hard [Pa], in place of what the lists have.</summary>
+        /// <summary>Replaces the lists' contents by the points under pressure, in the world [m], and their pressures [Pa].</summary>
         public void GetSamples(List<Vector3> positions, List<float> pressures)
         {
             positions.Clear();
@@ -46,7 +46,7 @@ namespace Pacinian.Haptics
             Rigid array = ArrayOrigin.InWorld;
             for (int i = 0; state != null && i < Emitted.Count(state); i++)
             {
-                positions.Add(Frames.Back(array.Point(state.Points.Point(i))));
+                positions.Add(WireSpace.ToUnity(array.Point(state.Points.Point(i))));
                 pressures.Add(state.Achieved.Single(i));
             }
         }
@@ -62,10 +62,10 @@ namespace Pacinian.Haptics
             for (int i = 0; drawHands && i < state.Hands.Numbers / 3; i++)
             {
                 Vec3 place = state.Hands.Point(i);
-                if (Frames.InReach(place))
+                if (WireSpace.IsInRange(place))
                 {
                     Gizmos.color = Color.white;
-                    Gizmos.DrawWireSphere(Frames.Back(ArrayOrigin.InWorld.Point(place)), i % HapticHand.Count == 0 ? 0.004f : 0.002f);
+                    Gizmos.DrawWireSphere(WireSpace.ToUnity(ArrayOrigin.InWorld.Point(place)), i % HapticHand.Count == 0 ? 0.004f : 0.002f);
                 }
             }
         }
@@ -81,7 +81,7 @@ namespace Pacinian.Haptics
             for (int i = 0; i < count; i++)
             {
                 float share = Mathf.Clamp01(state.Achieved.Single(i) / strongest);
-                Vector3 place = Frames.Back(array.Point(state.Points.Point(i)));
+                Vector3 place = WireSpace.ToUnity(array.Point(state.Points.Point(i)));
                 Gizmos.color = Color.Lerp(Color.blue, Color.red, share);
                 if (drawSamples)
                 {
@@ -89,7 +89,7 @@ namespace Pacinian.Haptics
                 }
                 if (drawNormals)
                 {
-                    Gizmos.DrawLine(place, place + Arrow * Frames.Back(array.Direction(state.Normals.Point(i))));
+                    Gizmos.DrawLine(place, place + Arrow * WireSpace.ToUnity(array.Direction(state.Normals.Point(i))));
                 }
             }
         }

@@ -2,12 +2,12 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What the server says that it emits: each sample where it is, as strong as it was achieved.</summary>
+    /// <summary>What the server reports that it emits: the position and the achieved pressure of each sample.</summary>
     internal static class Emitted
     {
-        private const double Old = 0.5; // [s] beyond which a state is not shown
+        private const double Old = 0.5; // [s]; an older state is not shown
 
-        /// <summary>What is emitted now; null if nothing is known of it.</summary>
+        /// <summary>The present state; null if there is none, or if it is too old.</summary>
         public static Wire.State Now
         {
             get
@@ -19,7 +19,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>The largest radiation pressure that is emitted for an object [Pa]; 0 if none is.</summary>
+        /// <summary>Returns the largest radiation pressure emitted for an object [Pa]; 0 if there is none.</summary>
         public static float Most(Wire.State state, string name)
         {
             int count = state == null ? 0 : Count(state);
@@ -33,7 +33,7 @@ namespace Pacinian.Haptics
             return most;
         }
 
-        /// <summary>Samples; none where it does not sound.</summary>
+        /// <summary>Returns the number of samples; 0 unless the output sounds.</summary>
         public static int Count(Wire.State state)
         {
             int count = state.Points.Numbers / 3;

@@ -3,25 +3,25 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What the server is told about an effect: whole when it is new or changed, else where it is.</summary>
+    /// <summary>Sends an effect to the server: the whole effect when it is new or has changed, otherwise only its movement.</summary>
     public abstract partial class HapticEffect
     {
-        private const string Objects = "$.objects["; // how the path of an object begins
+        private const string Objects = "$.objects["; // the path of an object begins with this
 
         private string _name = "";
-        private int _known, _there; // sessions in which it was looked at, and in which the server has it
+        private int _known, _there; // the sessions in which it was last prepared, and in which the server has it
         private bool _changed;
         private double _begin;
         private Velocity _velocity;
         private HapticEnvelope _told;
         private int _version;
 
-        /// <summary>Each frame, with the session's number and the way from the world to the array. now: [s].</summary>
+        /// <summary>Sends what has changed; called each frame. toArray: transform from the world to the array. now: [s].</summary>
         internal void Send(HapticClient client, int session, Rigid toArray, double now)
         {
             Expire(now);
-            Rigid pose = toArray * Frames.Of(transform);
-            bool near = Frames.InReach(pose.Position);
+            Rigid pose = toArray * WireSpace.ToWire(transform);
+            bool near = WireSpace.IsInRange(pose.Position);
             if (_there != session)
             {
                 _there = 0;
@@ -43,8 +43,8 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>
-        /// The server would not take an object, nor what came with it in one message: that one is not told again until it
-        /// changes, all others are.
+        /// Handles an object that the server rejected, together with the rest of its message. That object is not sent
+        /// again until it changes. All others are sent again.
         /// </summary>
         internal static void Refuse(HapticClient client, Refusal why)
         {

@@ -3,21 +3,21 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Hands that feel an effect.</summary>
+    /// <summary>Events of hands that touch an effect.</summary>
     public abstract partial class HapticEffect
     {
-        [SerializeField, Tooltip("A hand begins to feel it.")]
+        [SerializeField, Tooltip("Invoked when a hand begins to feel the effect.")]
         private HapticTouchEvent touchBegins = new HapticTouchEvent();
-        [SerializeField, Tooltip("A hand feels it no more.")]
+        [SerializeField, Tooltip("Invoked when a hand no longer feels the effect.")]
         private HapticTouchEvent touchEnds = new HapticTouchEvent();
 
-        /// <summary>A hand begins to feel it.</summary>
+        /// <summary>A hand begins to feel the effect.</summary>
         public event Action<HapticTouch> TouchBegan;
 
-        /// <summary>A hand feels it no more, as it was told last.</summary>
+        /// <summary>A hand no longer feels the effect. The argument is the last report of the touch.</summary>
         public event Action<HapticTouch> TouchEnded;
 
-        /// <summary>The one that the server knows by that name; null if there is none.</summary>
+        /// <summary>Returns the effect that has this name on the server; null if there is none.</summary>
         internal static HapticEffect Named(string name)
         {
             for (int i = 0; i < All.Count; i++)

@@ -3,64 +3,64 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What is given of an effect's strength.</summary>
+    /// <summary>The unit in which an effect's strength is given.</summary>
     public enum HapticStrength
     {
-        /// <summary>Radiation pressure, everywhere the same.</summary>
+        /// <summary>The same radiation pressure everywhere.</summary>
         RadiationPressure,
 
-        /// <summary>A force, over the whole of it.</summary>
+        /// <summary>A force over the whole effect.</summary>
         Force,
     }
 
-    /// <summary>Something to be felt: what points, surfaces and volumes have in common.</summary>
+    /// <summary>Something that hands can feel: the common base of points, surfaces and volumes.</summary>
     public abstract partial class HapticEffect : MonoBehaviour
     {
         internal static readonly List<HapticEffect> All = new List<HapticEffect>();
 
         private static int s_count;
 
-        [SerializeField, Tooltip("By which the server knows it, at most 64 characters; empty: made of the object's name.")]
+        [SerializeField, Tooltip("Name on the server, at most 64 characters; empty: derived from the object's name.")]
         private string effectName = "";
-        [SerializeField, Tooltip("Whether it has a radiation pressure or a force.")]
+        [SerializeField, Tooltip("Whether the effect has a radiation pressure or a force.")]
         private HapticStrength strength = HapticStrength.RadiationPressure;
-        [SerializeField, Min(0f), Tooltip("How hard it presses where it is touched [Pa].")]
+        [SerializeField, Min(0f), Tooltip("Pressure on touched skin [Pa].")]
         private float radiationPressure = 8f;
-        [SerializeField, Min(0f), Tooltip("How hard it presses altogether [N].")]
+        [SerializeField, Min(0f), Tooltip("Force of the whole effect [N].")]
         private float force = 0.005f;
-        [SerializeField, Tooltip("How strong it is over time; constant unless given.")]
+        [SerializeField, Tooltip("Strength over time; empty: constant.")]
         private HapticEnvelope envelope;
         [SerializeField]
         private HapticTechnique technique = new HapticTechnique();
-        [SerializeField, Min(0f), Tooltip("It is over after so long [s]; 0: it stays.")]
+        [SerializeField, Min(0f), Tooltip("The effect ends after this time [s]; 0: it plays until it is stopped.")]
         private float duration;
-        [SerializeField, Tooltip("Higher ones come first where the array cannot do all.")]
+        [SerializeField, Tooltip("Effects with a higher priority come first if the array cannot render all.")]
         private int priority;
-        [SerializeField, Min(0f), Tooltip("Pressure for each metre of depth [Pa/m]; 0: the whole is felt 2 mm deep.")]
+        [SerializeField, Min(0f), Tooltip("Pressure per metre of depth [Pa/m]; 0: full pressure at a depth of 2 mm.")]
         private float stiffness;
-        [SerializeField, Range(0f, 10f), Tooltip("How far outside of it it is felt already [m].")]
+        [SerializeField, Range(0f, 10f), Tooltip("Distance outside the shape from which it is felt [m].")]
         private float reach;
-        [SerializeField, Tooltip("Begins when it is enabled; else when Play is called.")]
+        [SerializeField, Tooltip("Play when enabled. Otherwise, call Play.")]
         private bool playOnEnable = true;
-        [SerializeField, Tooltip("Tells how it moves, so that it is felt where it will be, not where it was.")]
+        [SerializeField, Tooltip("Send the motion, so that the effect is felt where it will be instead of where it was.")]
         private bool predictMotion = true;
 
-        /// <summary>Its duration is over.</summary>
+        /// <summary>The duration is over.</summary>
         public event System.Action Finished;
 
-        /// <summary>Whether it is to be felt now.</summary>
+        /// <summary>Whether the effect is to be felt now.</summary>
         public bool Playing { get; private set; }
 
-        /// <summary>By which the server knows it, as in `pacinian watch`; "" while disabled.</summary>
+        /// <summary>The name on the server, as in `pacinian watch`; "" while disabled.</summary>
         internal string WireName
         {
             get { return _name; }
         }
 
-        /// <summary>Why it cannot be felt, and what to do; "" if it can.</summary>
+        /// <summary>Why the effect cannot be felt, and what to do; "" if it can.</summary>
         public string Problem { get; private set; } = "";
 
-        /// <summary>Begins, or begins anew.</summary>
+        /// <summary>Starts the effect, or restarts it.</summary>
         public void Play()
         {
             Playing = isActiveAndEnabled;
@@ -68,44 +68,44 @@ namespace Pacinian.Haptics
             Refresh();
         }
 
-        /// <summary>It is felt no more.</summary>
+        /// <summary>Stops the effect: it is no longer felt.</summary>
         public void Stop()
         {
             Playing = false;
         }
 
-        /// <summary>Its shape or settings have changed: the server is told with the next frame.</summary>
+        /// <summary>Sends the effect again with the next frame, because its shape or settings have changed.</summary>
         public void Refresh()
         {
             _changed = true;
             _drawn = false;
         }
 
-        /// <summary>The largest radiation pressure that is emitted for it now [Pa], as the server says; 0 if none is.</summary>
+        /// <summary>The largest radiation pressure emitted for the effect, as the server reports it [Pa]; 0 if there is none.</summary>
         public float Emitted
         {
             get { return Haptics.Emitted.Most(Haptics.Emitted.Now, _name); }
         }
 
-        /// <summary>What is felt of it, against what was asked, as the server says; not known of a point.</summary>
+        /// <summary>The achieved and the requested pressure of the effect, as the server reports them; unknown for a point.</summary>
         public RegionFelt RegionFelt
         {
             get { return Pacinian.RegionFelt.Of(Haptics.Emitted.Now, _name); }
         }
 
-        /// <summary>Its shape, without what all have; null, and why, if it has none.</summary>
+        /// <summary>Returns the shape without the settings that all effects have; null and the reason if there is none.</summary>
         protected internal abstract Wire.Felt Shaped(out string problem);
 
-        /// <summary>Where it is, in the array's frame.</summary>
+        /// <summary>Writes the pose, in the array's frame.</summary>
         protected abstract void Place(Wire.Felt felt, Rigid pose);
 
-        /// <summary>Whether its shape is another than when it was put.</summary>
+        /// <summary>Returns whether the shape differs from the one that was sent.</summary>
         protected virtual bool Reshaped()
         {
             return false;
         }
 
-        /// <summary>Takes part from now on.</summary>
+        /// <summary>Registers the effect.</summary>
         protected virtual void OnEnable()
         {
             s_count = s_count == int.MaxValue ? 1 : s_count + 1;
@@ -122,7 +122,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>It is felt no more.</summary>
+        /// <summary>Removes the effect.</summary>
         protected virtual void OnDisable()
         {
             All.Remove(this);
@@ -135,7 +135,7 @@ namespace Pacinian.Haptics
             _name = "";
         }
 
-        /// <summary>It was changed in the inspector.</summary>
+        /// <summary>Sends the effect again after a change in the inspector.</summary>
         protected virtual void OnValidate()
         {
             Refresh();

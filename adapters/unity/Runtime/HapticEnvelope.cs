@@ -7,70 +7,70 @@ namespace Pacinian.Haptics
     /// <summary>The course of an envelope.</summary>
     public enum EnvelopeKind
     {
-        /// <summary>The same at all times.</summary>
+        /// <summary>A constant level.</summary>
         Constant,
 
-        /// <summary>Up and down.</summary>
+        /// <summary>A sine wave.</summary>
         Sine,
 
-        /// <summary>High, then low.</summary>
+        /// <summary>A square wave: high, then low.</summary>
         Square,
 
-        /// <summary>High for a while, else low.</summary>
+        /// <summary>High for a while, otherwise low.</summary>
         Pulse,
 
-        /// <summary>Random, in a band of frequencies.</summary>
+        /// <summary>Noise in a band of frequencies.</summary>
         Noise,
 
-        /// <summary>A texture of the server's, by name.</summary>
+        /// <summary>One of the server's textures, by name.</summary>
         Preset,
 
         /// <summary>A recorded wave.</summary>
         Wave,
 
-        /// <summary>As a curve has it, which is drawn by hand.</summary>
+        /// <summary>A curve that is drawn by hand.</summary>
         Curve,
     }
 
-    /// <summary>How strong something is over time: an asset that many effects may share.</summary>
+    /// <summary>The strength over time: an asset that many effects may share.</summary>
     [CreateAssetMenu(menuName = "Pacinian/Haptic Envelope", fileName = "Envelope")]
     public sealed partial class HapticEnvelope : ScriptableObject
     {
-        /// <summary>The same at all times.</summary>
+        /// <summary>The constant envelope at full level.</summary>
         internal static readonly IEnvelope Steady = new Constant();
 
         [SerializeField] private EnvelopeKind kind = EnvelopeKind.Sine;
-        [SerializeField, Range(0f, 1f), Tooltip("How strong, always.")] private float level = 1f;
+        [SerializeField, Range(0f, 1f), Tooltip("The level.")] private float level = 1f;
         [SerializeField, Range(0f, 1000f), Tooltip("[Hz]; skin feels 5 to 500 Hz, best about 200 Hz.")] private float frequency = 150f;
         [SerializeField, Range(0f, 1f)] private float low;
         [SerializeField, Range(0f, 1f)] private float high = 1f;
-        [SerializeField, Range(0f, 1f), Tooltip("Share of a period that is high.")] private float duty = 0.5f;
-        [SerializeField, Min(0.001f), Tooltip("How long a pulse is [s].")] private float width = 0.05f;
-        [SerializeField, Min(0f), Tooltip("After which it comes again [s]; 0: only once.")] private float period;
-        [SerializeField, Tooltip("When it first comes [s].")] private float start;
-        [SerializeField, Min(0f), Tooltip("How long it takes up, and again down, within the width [s].")] private float rise;
+        [SerializeField, Range(0f, 1f), Tooltip("Fraction of a period with the high level.")] private float duty = 0.5f;
+        [SerializeField, Min(0.001f), Tooltip("Length of a pulse [s].")] private float width = 0.05f;
+        [SerializeField, Min(0f), Tooltip("Time after which it repeats [s]; 0: never.")] private float period;
+        [SerializeField, Tooltip("Time of the first pulse [s].")] private float start;
+        [SerializeField, Min(0f), Tooltip("Time of the rise, and of the fall, within the width [s].")] private float rise;
         [SerializeField, Range(0f, 1000f), Tooltip("[Hz]")] private float lowFrequency = 50f;
         [SerializeField, Range(1f, 1000f), Tooltip("[Hz]")] private float highFrequency = 250f;
-        [SerializeField, Min(0), Tooltip("The same is the same noise.")] private int seed;
+        [SerializeField, Min(0), Tooltip("Equal seeds give equal noise.")] private int seed;
         [SerializeField] private PresetName preset = PresetName.Impulsive;
-        [SerializeField, Tooltip("In place of samples and rate.")] private AudioClip clip;
+        [SerializeField, Tooltip("Replaces samples and rate.")] private AudioClip clip;
         [SerializeField, Tooltip("A recorded wave, -1 to 1.")] private float[] samples = new float[0];
-        [SerializeField, Min(1f), Tooltip("Of these samples [Hz].")] private float rate = 1000f;
-        [SerializeField, Tooltip("Again and again, else once.")] private bool loop = true;
-        [SerializeField, Tooltip("Whether the pressure follows the wave itself, or how loud it is.")]
+        [SerializeField, Min(1f), Tooltip("Rate of the samples [Hz].")] private float rate = 1000f;
+        [SerializeField, Tooltip("Repeat.")] private bool loop = true;
+        [SerializeField, Tooltip("Whether the pressure follows the wave itself, or its loudness.")]
         private WaveMode mode = WaveMode.Waveform;
-        [SerializeField, Tooltip("Strength, 0 to 1, over time [s], from 0 to its last key.")]
+        [SerializeField, Tooltip("Level, 0 to 1, over time [s], from 0 to the last key.")]
         private AnimationCurve curve = AnimationCurve.Linear(0f, 1f, 1f, 0f);
 
         [NonSerialized] private IEnvelope _message;
 
-        /// <summary>Counts its changes.</summary>
+        /// <summary>The number of changes.</summary>
         internal int Version { get; private set; }
 
-        /// <summary>Why it is not as it was meant; "" if it is.</summary>
+        /// <summary>Why the envelope is not as intended; "" if it is.</summary>
         public string Problem { get; private set; } = "";
 
-        /// <summary>As the wire has it; the same object until it changes.</summary>
+        /// <summary>The wire's message; the same object until the envelope changes.</summary>
         internal IEnvelope Message
         {
             get { return _message ?? (_message = Made()); }

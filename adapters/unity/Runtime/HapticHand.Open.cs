@@ -2,7 +2,9 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>An open hand in place of a tracked one: its palm is here and faces down, its fingers point forward.</summary>
+    /// <summary>
+    /// An open hand that replaces a tracked one. Its palm is at this object and faces down; its fingers point forward.
+    /// </summary>
     public sealed partial class HapticHand
     {
         private bool Open()
@@ -11,7 +13,7 @@ namespace Pacinian.Haptics
             Quaternion turned = transform.rotation;
             for (int i = 0; i < Count; i++)
             {
-                _positions[i] = palm + turned * Frames.Back(OpenHand.Joint(side, i));
+                _positions[i] = palm + turned * WireSpace.ToUnity(OpenHand.Joint(side, i));
                 _radii[i] = (float)OpenHand.Radius(i);
             }
             return true;

@@ -4,23 +4,25 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A hand, of 26 joints in OpenXR's order. From the first on only hands feel the scene.</summary>
+    /// <summary>
+    /// A hand of 26 joints in OpenXR's order. As soon as there is a hand, objects are felt only where hands touch them.
+    /// </summary>
     [AddComponentMenu("Pacinian/Haptic Hand")]
     public sealed partial class HapticHand : MonoBehaviour
     {
-        /// <summary>How many joints OpenXR has.</summary>
+        /// <summary>The number of OpenXR's joints.</summary>
         public const int Count = 26;
 
-        private const double Longest = 0.1; // [s] between two frames of one movement
+        private const double Longest = 0.1; // [s] longest time between two frames of one movement
         private const double Fastest = 10.0; // [m/s]
 
         internal static readonly List<HapticHand> All = new List<HapticHand>();
 
         [SerializeField] private HandFrameSide side = HandFrameSide.Right;
         [SerializeField] private HapticHandSource source = HapticHandSource.Tracker;
-        [SerializeField, Tooltip("Of source Tracker; empty: the one beside it.")]
+        [SerializeField, Tooltip("Source Tracker: the provider; empty: the one on this object.")]
         private HandProvider provider;
-        [SerializeField, Tooltip("Tells how it moves, so that it feels where it will be, not where it was.")]
+        [SerializeField, Tooltip("Send the motion, so that the hand feels where it will be instead of where it was.")]
         private bool predictMotion = true;
 
         private readonly HandFrame _frame = new HandFrame();
@@ -30,38 +32,41 @@ namespace Pacinian.Haptics
         private double _time;
         private bool _followed, _given;
 
-        /// <summary>Whether its joints were known in the last frame.</summary>
+        /// <summary>Whether the joints were known in the last frame.</summary>
         public bool Tracked { get; private set; }
 
-        /// <summary>Which it is.</summary>
+        /// <summary>Left or right.</summary>
         public HandFrameSide Side
         {
             get { return side; }
             set { side = value; }
         }
 
-        /// <summary>Where it comes from.</summary>
+        /// <summary>The source of the hand's joints.</summary>
         public HapticHandSource Source
         {
             get { return source; }
             set { source = value; }
         }
 
-        /// <summary>Of source Tracker; null: the one beside it.</summary>
+        /// <summary>Source Tracker: the provider; null: the one on this object.</summary>
         public HandProvider Provider
         {
             get { return provider; }
             set { provider = value; }
         }
 
-        /// <summary>Whether it feels where it will be, not where it was.</summary>
+        /// <summary>Whether the hand's motion is sent, so that it feels where it will be instead of where it was.</summary>
         public bool PredictMotion
         {
             get { return predictMotion; }
             set { predictMotion = value; }
         }
 
-        /// <summary>Of source Game: where the 26 joints are, in the world [m]: palm, wrist, thumb from the wrist on, index...</summary>
+        /// <summary>
+        /// Source Game: sets the positions of the 26 joints in the world [m]: palm, wrist, thumb from its metacarpal
+        /// on, index...
+        /// </summary>
         public void SetJoints(IList<Vector3> positions)
         {
             _given = positions.Count == Count;
@@ -71,7 +76,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Of source Game: how thick the 26 joints are [m]; none: an adult's.</summary>
+        /// <summary>Source Game: sets the radii of the 26 joints [m]; an empty list: an adult's.</summary>
         public void SetRadii(IList<float> radii)
         {
             for (int i = 0; i < Count; i++)
@@ -80,19 +85,19 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Of source Game: it is not tracked any more, and feels nothing.</summary>
+        /// <summary>Source Game: reports that the hand is no longer tracked. It then feels nothing.</summary>
         public void SetLost()
         {
             _given = false;
         }
 
-        /// <summary>The place of a joint in the last frame in which it was tracked, in the world [m].</summary>
+        /// <summary>Returns the position of a joint in the last tracked frame, in the world [m].</summary>
         internal Vector3 Joint(int index)
         {
             return _positions[index];
         }
 
-        /// <summary>As the wire has it, in the array's frame; without joints where it is not tracked. now: [s].</summary>
+        /// <summary>Returns the wire's message, in the array's frame; without joints if the hand is not tracked. now: [s].</summary>
         internal HandFrame Frame(Rigid toArray, double now)
         {
             _frame.Side = side;
@@ -103,7 +108,7 @@ namespace Pacinian.Haptics
             Vec3 sum = new Vec3();
             for (int i = 0; i < Count && Tracked; i++)
             {
-                Vec3 place = toArray.Point(Frames.Of(_positions[i]));
+                Vec3 place = toArray.Point(WireSpace.ToWire(_positions[i]));
                 _frame.Joints.Add(place);
                 sum += place;
             }

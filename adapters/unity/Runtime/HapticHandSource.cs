@@ -1,15 +1,15 @@
 namespace Pacinian.Haptics
 {
-    /// <summary>Where a hand comes from.</summary>
+    /// <summary>The source of a hand's joints.</summary>
     public enum HapticHandSource
     {
-        /// <summary>A hand provider, as XR Hand.</summary>
+        /// <summary>A hand provider, such as XR Hand.</summary>
         Tracker,
 
         /// <summary>The game calls SetJoints.</summary>
         Game,
 
-        /// <summary>An open hand: its palm is here and faces down, its fingers point forward.</summary>
+        /// <summary>An open hand: its palm is at this object and faces down, its fingers point forward.</summary>
         Open,
     }
 }

@@ -1,24 +1,24 @@
 namespace Pacinian.Haptics
 {
-    /// <summary>What the array does, as the server says.</summary>
+    /// <summary>The state of the output, as the server reports it.</summary>
     public enum HapticOutput
     {
-        /// <summary>No server has told.</summary>
+        /// <summary>No server has reported it.</summary>
         Unknown,
 
-        /// <summary>No client has armed the output, or there is nothing to feel.</summary>
+        /// <summary>Silent: no client has armed the output, or there is nothing to feel.</summary>
         Silent,
 
-        /// <summary>Something can be felt.</summary>
+        /// <summary>Sounding: something can be felt.</summary>
         Sounding,
 
-        /// <summary>The renderer is late: silent until it goes on.</summary>
+        /// <summary>Silent until the renderer, which is late, continues.</summary>
         Stale,
 
-        /// <summary>After an emergency stop, until ResetOutput.</summary>
+        /// <summary>Silent after an emergency stop, until ResetOutput.</summary>
         Stopped,
 
-        /// <summary>A plug-in or device failed, until ResetOutput.</summary>
+        /// <summary>Silent after a failure of a plug-in or device, until ResetOutput.</summary>
         Faulted,
     }
 }

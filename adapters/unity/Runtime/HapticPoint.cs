@@ -3,14 +3,14 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A point that presses: a focus where this object is.</summary>
+    /// <summary>A focus at this object's position.</summary>
     [AddComponentMenu("Pacinian/Haptic Point")]
     public sealed class HapticPoint : HapticEffect
     {
-        [SerializeField, Range(0.0001f, 1f), Tooltip("Of the disc that it presses on [m]; a focus of 40 kHz is about 8.5 mm wide.")]
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Diameter of the disc under pressure [m]; a focus at 40 kHz: about 8.5 mm.")]
         private float diameter = 0.0085f;
 
-        /// <summary>Of the disc that it presses on [m].</summary>
+        /// <summary>The diameter of the disc under pressure [m].</summary>
         public float Diameter
         {
             get { return diameter; }

@@ -4,15 +4,15 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// Each frame: the lease is renewed by Update, which a frozen game does not reach; after all others' LateUpdate what
-    /// has moved is told.
+    /// Work of each frame. Update renews the lease, so a frozen game does not renew it. Changes are sent after the
+    /// LateUpdate of all other components.
     /// </summary>
     public sealed partial class HapticServer
     {
         private readonly List<Wire.HandFrame> _hands = new List<Wire.HandFrame>();
         private readonly List<Wire.Zone> _zones = new List<Wire.Zone>();
         private readonly Changing _changing = new Changing();
-        private int _emptySession, _zonesSession; // in which the server was told that there are no hands; all zones
+        private int _emptySession, _zonesSession; // sessions in which the empty list of hands, and all zones, were sent
         private bool _arms, _handed;
 
         private void Update()
@@ -42,7 +42,7 @@ namespace Pacinian.Haptics
             Rigid toArray = ArrayOrigin.ToArray;
             _changing.Send(Client, solver, backend, intensity, now);
             SendZones(toArray);
-            for (int i = 0; i < HapticEffect.All.Count && Client != null; i++) // what is raised may end it
+            for (int i = 0; i < HapticEffect.All.Count && Client != null; i++) // a handler may disconnect
             {
                 HapticEffect.All[i].Send(Client, _session, toArray, now);
             }
@@ -59,8 +59,8 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>
-        /// Every frame while there are hands; once, and once in each new session, when there are none any more: or else
-        /// objects would be rendered whole.
+        /// Sends the hands every frame. When there are none any more, sends an empty list once in each session;
+        /// otherwise the server would render objects without hands, as a whole.
         /// </summary>
         private void SendHands(Rigid toArray, double now)
         {
@@ -78,7 +78,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>When one has moved, come or gone.</summary>
+        /// <summary>Sends the zones if one has moved, appeared or disappeared.</summary>
         private void SendZones(Rigid toArray)
         {
             bool changed = _zones.Count > 0 && _zonesSession != _session;

@@ -2,10 +2,10 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Begin and end: whatever ends a game, its connection ends with it, and with that the sound.</summary>
+    /// <summary>Start and end. However a game ends, its connection ends with it, and then the sound.</summary>
     public sealed partial class HapticServer
     {
-        private static int s_sessions; // of all instances: an effect knows by it whether the server has it
+        private static int s_sessions; // counted over all instances; tells an effect whether the server has it
 
         private string _refused = "", _logged = "";
         private int _session;
@@ -27,7 +27,7 @@ namespace Pacinian.Haptics
             Begin();
         }
 
-        /// <summary>Why another one is used.</summary>
+        /// <summary>Why another instance is used.</summary>
         private string Waiting
         {
             get

@@ -4,18 +4,21 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// A pause that somebody asks for is no failure: the sound ends softly at once, and begins again when it goes on. A game
-    /// that stood still unasked is silent when its lease is over, and sounds again when it goes on.
+    /// An intended pause is not a failure: the sound fades at once, and returns when the game continues. If a game
+    /// stands still unintentionally, it is silent once its lease is over, and sounds again when it continues.
     /// </summary>
     public sealed partial class HapticServer
     {
-        private int _pausedSession; // in which it was armed
+        private int _pausedSession; // in which the output was armed
         private bool _pauses, _armsAfterPause;
 
-        /// <summary>The game stood still for longer than its lease, and goes on. It sounds again, unless something else ended it.</summary>
+        /// <summary>
+        /// The game continues after standing still for longer than its lease. It sounds again, unless something else
+        /// ended the sound.
+        /// </summary>
         public event Action<Standstill> StoodStill;
 
-        /// <summary>The editor is paused, or goes on; or the app is in the background, or in front again.</summary>
+        /// <summary>Handles a pause of the editor or of the app (in the background), and its end.</summary>
         internal void Pause(bool pauses)
         {
             if (Client == null || pauses == _pauses)
@@ -35,11 +38,11 @@ namespace Pacinian.Haptics
             else if (_armsAfterPause)
             {
                 _armsAfterPause = false;
-                _arms = _arms || (_wanted && _session == _pausedSession); // after a loss it is as armAgainAfterLoss says
+                _arms = _arms || (_wanted && _session == _pausedSession); // after a loss, armAgainAfterLoss decides
             }
         }
 
-        /// <summary>While the editor is paused and calls no Update: the session goes on, and is silent.</summary>
+        /// <summary>Keeps the session alive, in silence, while the editor is paused and calls no Update.</summary>
         internal void KeepAlive()
         {
             if (_pauses && Client != null)

@@ -1,9 +1,9 @@
 namespace Pacinian.Haptics
 {
-    /// <summary>How it stands with the server.</summary>
+    /// <summary>State of the connection and of the output.</summary>
     public sealed partial class HapticServer
     {
-        /// <summary>How it stands with the server.</summary>
+        /// <summary>The state of the connection.</summary>
         public ClientStatus Status
         {
             get { return Client == null ? ClientStatus.Stopped : Client.Status; }
@@ -15,7 +15,7 @@ namespace Pacinian.Haptics
             get { return Status == ClientStatus.Connected; }
         }
 
-        /// <summary>Why there is no session and what to do, or what the server last refused; "" if all is well.</summary>
+        /// <summary>Why there is no session and what to do, or the server's last refusal; "" if there is no problem.</summary>
         public string Problem
         {
             get
@@ -27,37 +27,43 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Why nothing can be felt, and what to do, as the nearest object and its distance; "" while something can.</summary>
+        /// <summary>
+        /// Why nothing can be felt, and what to do (for example, the nearest object and its distance); "" if something
+        /// can.
+        /// </summary>
         public string Silence
         {
             get { return Why.Text; }
         }
 
-        /// <summary>The same for programs: a cause of docs/wire-messages.md, "not connected" or "not the owner"; "" if it sounds.</summary>
+        /// <summary>
+        /// The cause of silence for programs, one of docs/wire-messages.md, "not connected" or "not the owner"; "" if
+        /// it sounds.
+        /// </summary>
         public string SilenceCause
         {
             get { return Why.Cause; }
         }
 
-        /// <summary>Whether this game's scene may be felt.</summary>
+        /// <summary>Whether this client has armed the output.</summary>
         public bool Armed
         {
             get { return Client != null && Client.Armed; }
         }
 
-        /// <summary>Median round trip to the server [s]; 0 before the first.</summary>
+        /// <summary>The median round trip to the server [s]; 0 before the first.</summary>
         public double Latency
         {
             get { return Client == null ? 0.0 : Client.Latency; }
         }
 
-        /// <summary>From the game's last frame to silence, as agreed with the server [s]; 0 without a session.</summary>
+        /// <summary>The time from the game's last frame to silence, as granted by the server [s]; 0 without a session.</summary>
         public double GrantedLease
         {
             get { return Client == null ? 0.0 : Client.Lease; }
         }
 
-        /// <summary>What the array does, as the server says.</summary>
+        /// <summary>The state of the output, as the server reports it.</summary>
         public HapticOutput Output
         {
             get { return Client == null || Client.State == null ? HapticOutput.Unknown : 1 + (HapticOutput)Client.State.Output; }
@@ -74,19 +80,19 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Solvers that the server has; none until it has told.</summary>
+        /// <summary>The server's solvers; empty until it has reported them.</summary>
         public string[] Solvers
         {
             get { return Capabilities == null ? new string[0] : Names(Capabilities.Solvers); }
         }
 
-        /// <summary>Backends that the server has; none until it has told.</summary>
+        /// <summary>The server's backends; empty until it has reported them.</summary>
         public string[] Backends
         {
             get { return Capabilities == null ? new string[0] : Names(Capabilities.Backends); }
         }
 
-        /// <summary>What the server that is connected can do; null if none has told.</summary>
+        /// <summary>The capabilities of the connected server; null until it has reported them.</summary>
         internal static Wire.Abilities Capabilities
         {
             get { return Current == null || Current.Client == null ? null : Current.Client.Capabilities; }

@@ -2,16 +2,16 @@ using System;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Touches, with the effects of this game in place of their names.</summary>
+    /// <summary>Touch events, with this game's effects in place of their names.</summary>
     public sealed partial class HapticServer
     {
-        /// <summary>A hand begins to feel an effect. Effects have this event, too.</summary>
+        /// <summary>A hand begins to feel an effect. Each effect has this event, too.</summary>
         public event Action<HapticTouch> TouchBegan;
 
-        /// <summary>A hand feels an effect still, where and as strongly as told, 60 times a second.</summary>
+        /// <summary>A hand still feels an effect: its position and strength, 60 times a second.</summary>
         public event Action<HapticTouch> TouchMoved;
 
-        /// <summary>A hand feels an effect no more, as it was told last.</summary>
+        /// <summary>A hand no longer feels an effect. The argument is the last report of the touch.</summary>
         public event Action<HapticTouch> TouchEnded;
 
         private void OnTouchBegan(HandTouch touch)
@@ -43,14 +43,14 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>False of an object that another program has put, or that is disabled now.</summary>
+        /// <summary>Returns false if another client has put the object, or if it is disabled now.</summary>
         private static bool Find(HandTouch touch, out HapticTouch made)
         {
             made = new HapticTouch
             {
                 Effect = HapticEffect.Named(touch.Object),
                 Hand = touch.Hand,
-                Position = Frames.Back(ArrayOrigin.InWorld.Point(touch.Position)),
+                Position = WireSpace.ToUnity(ArrayOrigin.InWorld.Point(touch.Position)),
                 Pressure = (float)touch.Pressure,
                 Strength = (float)touch.Strength,
             };

@@ -5,71 +5,72 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// The connection to `pacinian serve`. All other components find it. It connects by itself, again and again, and nothing
-    /// here waits for the server. The first that is enabled is used; others wait, say so, and one takes over when it goes.
+    /// The connection to `pacinian serve`, which all other components use. It connects, and reconnects, by itself, and
+    /// never blocks the game. The first component that is enabled is used. The others wait and say so; one takes over
+    /// when the first is gone.
     /// </summary>
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(1000)]
     [AddComponentMenu("Pacinian/Haptic Server")]
     public sealed partial class HapticServer : MonoBehaviour
     {
-        [SerializeField, Tooltip("Connection file of the server; empty: where a server on this machine writes it.")]
+        [SerializeField, Tooltip("Connection file of the server; empty: the place where a server on this machine writes it.")]
         private string connectionFile = "";
-        [SerializeField, Tooltip("Who this is, for people; empty: the product's name.")]
+        [SerializeField, Tooltip("Name of this client, shown to people; empty: the product's name.")]
         private string clientName = "";
-        [SerializeField, Tooltip("Clients that give the same name share a scene; empty: one of its own.")]
+        [SerializeField, Tooltip("Clients with the same name share a scene; empty: a scene of its own.")]
         private string sceneName = "";
-        [SerializeField, Tooltip("Silence if no frame comes for so long [s]; 0: the server's, which is the most.")]
+        [SerializeField, Tooltip("Silence if no frame comes for this time [s]; 0: the longest that the server allows.")]
         [Range(0f, 10f)]
         private float lease;
-        [SerializeField, Tooltip("Starts a server on this computer, unless one runs; it ends with the game.")]
+        [SerializeField, Tooltip("Start a server on this computer, unless one runs. It ends with the game.")]
         private bool startServer;
-        [SerializeField, Tooltip("Connects when it is enabled; else when Connect is called.")]
+        [SerializeField, Tooltip("Connect when enabled. Otherwise, call Connect.")]
         private bool connectOnPlay = true;
-        [SerializeField, Tooltip("The first connection makes the scene felt.")]
+        [SerializeField, Tooltip("The first connection arms the output.")]
         private bool armOnConnect = true;
-        [SerializeField, Tooltip("Also after the connection was lost, if it was armed before.")]
+        [SerializeField, Tooltip("Arm again after the connection was lost, if the output was armed before.")]
         private bool armAgainAfterLoss;
-        [SerializeField, Tooltip("Arming takes the output from another program.")]
+        [SerializeField, Tooltip("Arming takes the output from another client.")]
         private bool takeOver;
-        [SerializeField, Tooltip("Its object, with all above and below it, stays when another scene is loaded.")]
+        [SerializeField, Tooltip("The object, with its parents and children, stays when another scene is loaded.")]
         private bool keepAcrossScenes;
         [SerializeField, Tooltip("Factor on all radiation pressures."), Range(0f, 1f)]
         private float intensity = 1f;
-        [SerializeField, Tooltip("Empty: the server's.")]
+        [SerializeField, Tooltip("Name of the solver; empty: the server's.")]
         private string solver = "";
-        [SerializeField, Tooltip("Empty: the server's.")]
+        [SerializeField, Tooltip("Name of the backend; empty: the server's.")]
         private string backend = "";
 
         internal static readonly List<HapticServer> All = new List<HapticServer>();
 
         private bool _wanted;
 
-        /// <summary>The one that is used: the first that is enabled; null if there is none.</summary>
+        /// <summary>The component in use: the first that was enabled; null if there is none.</summary>
         public static HapticServer Current
         {
             get { return All.Count > 0 ? All[0] : null; }
         }
 
-        /// <summary>There is a session. Objects are put by themselves.</summary>
+        /// <summary>A session has started. Objects are sent by themselves.</summary>
         public event Action Connected;
 
-        /// <summary>The session is over, and why.</summary>
+        /// <summary>The session has ended. The argument is the reason.</summary>
         public event Action<string> Lost;
 
-        /// <summary>It does not sound any more, unasked: owner, stopped or fault.</summary>
+        /// <summary>The output ended unasked: another owner, an emergency stop or a fault.</summary>
         public event Action<Refusal> Ended;
 
-        /// <summary>What the server would not do.</summary>
+        /// <summary>The server refused a command.</summary>
         public event Action<Refusal> Refused;
 
-        /// <summary>The newest state has come; it is good until the next frame.</summary>
+        /// <summary>A new state has arrived. It is valid until the next frame.</summary>
         public event Action<Wire.State> StateChanged;
 
-        /// <summary>The engine-free client, for what is not here; null while this is disabled.</summary>
+        /// <summary>The engine-independent client, for what this component does not offer; null while disabled.</summary>
         public HapticClient Client { get; private set; }
 
-        /// <summary>This scene is to be felt, as <see cref="TakeOver"/> says. False: there is no session.</summary>
+        /// <summary>Arms the output, so that this scene is felt; see <see cref="TakeOver"/>. Returns false without a session.</summary>
         public bool Arm()
         {
             bool asked = Client != null && Client.Arm(takeOver);
@@ -77,14 +78,14 @@ namespace Pacinian.Haptics
             return asked;
         }
 
-        /// <summary>Silence, softly; the output is let go.</summary>
+        /// <summary>Disarms: the sound fades, and the output is released.</summary>
         public bool Disarm()
         {
             _wanted = _armsAfterPause = false;
             return Client != null && Client.Disarm();
         }
 
-        /// <summary>Begins to connect, with the settings as they are now.</summary>
+        /// <summary>Starts to connect, with the present settings.</summary>
         public void Connect()
         {
             if (Client == null && ReferenceEquals(Current, this))
@@ -93,7 +94,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Ends the session: silence. It waits for half a second at most.</summary>
+        /// <summary>Ends the session and the sound. Waits for half a second at most.</summary>
         public void Disconnect()
         {
             HapticClient client = Client;
@@ -105,33 +106,39 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>A new session in place of the one there is.</summary>
+        /// <summary>Replaces the session by a new one.</summary>
         public void Reconnect()
         {
             Disconnect();
             Connect();
         }
 
-        /// <summary>Silence at once, whoever owns the output, until <see cref="ResetOutput"/>. Also while disabled.</summary>
+        /// <summary>
+        /// Silences the array at once, whoever owns the output, until <see cref="ResetOutput"/>. Works even while
+        /// disabled.
+        /// </summary>
         public void EmergencyStop()
         {
             _wanted = _armsAfterPause = false;
             (Client ?? new HapticClient(Choices())).Stop();
         }
 
-        /// <summary>After an emergency stop or a fault: it may be armed again.</summary>
+        /// <summary>Allows arming again after an emergency stop or a fault.</summary>
         public bool ResetOutput()
         {
             return Client != null && Client.Reset();
         }
 
-        /// <summary>Ends the server that this program has started, if it has: silence. It waits for five seconds at most.</summary>
+        /// <summary>
+        /// Stops the server that this program has started, if any, and with it the sound. Waits for five seconds at
+        /// most.
+        /// </summary>
         public static void StopServer()
         {
             StartedServer.Stop();
         }
 
-        /// <summary>Ends the connection of whatever instance has one, and the server that was started: silence.</summary>
+        /// <summary>Ends the connection of any instance, and the server that was started.</summary>
         internal static void ShutDown()
         {
             while (All.Count > 0)

@@ -2,32 +2,32 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Shows on the screen whether the array sounds, and if not, why, and what to do. It needs no canvas.</summary>
+    /// <summary>Shows on the screen whether the array sounds, and if not, why and what to do. Needs no canvas.</summary>
     [AddComponentMenu("Pacinian/Haptic Status")]
     public sealed class HapticStatus : MonoBehaviour
     {
         private const float Margin = 12f; // [pixels]
 
-        [SerializeField, Range(8, 64), Tooltip("Of the letters [pixels].")] private int fontSize = 16;
-        [SerializeField, Tooltip("Also while it sounds.")] private bool showWhileSounding = true;
+        [SerializeField, Range(8, 64), Tooltip("Size of the letters [pixels].")] private int fontSize = 16;
+        [SerializeField, Tooltip("Show the text also while the array sounds.")] private bool showWhileSounding = true;
 
         private GUIStyle _style;
 
-        /// <summary>Of the letters [pixels].</summary>
+        /// <summary>The size of the letters [pixels].</summary>
         public int FontSize
         {
             get { return fontSize; }
             set { fontSize = value; _style = null; }
         }
 
-        /// <summary>Also while it sounds.</summary>
+        /// <summary>Whether to show the text also while the array sounds.</summary>
         public bool ShowWhileSounding
         {
             get { return showWhileSounding; }
             set { showWhileSounding = value; }
         }
 
-        /// <summary>What it shows; "" for nothing.</summary>
+        /// <summary>The text that is shown; "" for none.</summary>
         public string Text
         {
             get

@@ -3,66 +3,66 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What a haptic surface is.</summary>
+    /// <summary>The shape of a haptic surface.</summary>
     public enum HapticSurfaceShape
     {
-        /// <summary>A mesh, felt on the side that is seen.</summary>
+        /// <summary>A mesh, felt on its visible side.</summary>
         Mesh,
 
-        /// <summary>A rectangle in this object's x and z, felt from above.</summary>
+        /// <summary>A rectangle in the object's x and z, felt from above.</summary>
         Rectangle,
 
-        /// <summary>A disc in this object's x and z, felt from above.</summary>
+        /// <summary>A disc in the object's x and z, felt from above.</summary>
         Disc,
     }
 
-    /// <summary>A surface that presses evenly.</summary>
+    /// <summary>A surface with an even pressure.</summary>
     [AddComponentMenu("Pacinian/Haptic Surface")]
     public sealed class HapticSurface : HapticEffect
     {
         [SerializeField]
         private HapticSurfaceShape shape = HapticSurfaceShape.Mesh;
-        [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
+        [SerializeField, Tooltip("The mesh; empty: that of the MeshFilter on this object.")]
         private Mesh mesh;
-        [SerializeField, Tooltip("Of a rectangle, along x and z [m].")]
+        [SerializeField, Tooltip("Size of a rectangle along x and z [m].")]
         private Vector2 size = new Vector2(0.1f, 0.1f);
-        [SerializeField, Range(0.0001f, 1f), Tooltip("Of a disc [m].")]
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Radius of a disc [m].")]
         private float radius = 0.05f;
-        [SerializeField, Range(0.0001f, 1f), Tooltip("How far below it a hand still feels it [m].")]
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Depth below the surface up to which a hand feels it [m].")]
         private float thickness = 0.02f;
 
         private Mesh _mesh;
         private Vector3 _scale;
 
-        /// <summary>What it is.</summary>
+        /// <summary>The shape.</summary>
         public HapticSurfaceShape Shape
         {
             get { return shape; }
             set { shape = value; Refresh(); }
         }
 
-        /// <summary>Of shape Mesh; null: that of the MeshFilter beside it.</summary>
+        /// <summary>Shape Mesh: the mesh; null: that of the MeshFilter on this object.</summary>
         public Mesh Mesh
         {
             get { return mesh; }
             set { mesh = value; Refresh(); }
         }
 
-        /// <summary>Of a rectangle, along x and z [m].</summary>
+        /// <summary>The size of a rectangle along x and z [m].</summary>
         public Vector2 Size
         {
             get { return size; }
             set { size = value; Refresh(); }
         }
 
-        /// <summary>Of a disc [m].</summary>
+        /// <summary>The radius of a disc [m].</summary>
         public float Radius
         {
             get { return radius; }
             set { radius = value; Refresh(); }
         }
 
-        /// <summary>How far below it a hand still feels it [m].</summary>
+        /// <summary>The depth below the surface up to which a hand feels it [m].</summary>
         public float Thickness
         {
             get { return thickness; }

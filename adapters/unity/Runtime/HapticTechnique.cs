@@ -7,19 +7,19 @@ namespace Pacinian.Haptics
     /// <summary>How samples are presented in time.</summary>
     public enum TechniqueKind
     {
-        /// <summary>As the server is set.</summary>
+        /// <summary>The server's default.</summary>
         Server,
 
-        /// <summary>All at once, always.</summary>
+        /// <summary>All samples at the same time.</summary>
         Simultaneous,
 
         /// <summary>Amplitude modulation.</summary>
         AM,
 
-        /// <summary>A single focus runs along all of them.</summary>
+        /// <summary>Spatiotemporal modulation: one focus visits all samples.</summary>
         STM,
 
-        /// <summary>Every sample moves to and fro across its normal.</summary>
+        /// <summary>Lateral modulation: every sample moves to and fro across its normal.</summary>
         LM,
     }
 
@@ -27,25 +27,25 @@ namespace Pacinian.Haptics
     [Serializable]
     public sealed class HapticTechnique
     {
-        /// <summary>Which it is.</summary>
+        /// <summary>The kind.</summary>
         public TechniqueKind kind = TechniqueKind.Server;
 
-        /// <summary>Of AM, STM and LM [Hz].</summary>
+        /// <summary>AM, STM and LM: the frequency [Hz].</summary>
         [Min(0.1f)] public float frequency = 200f;
 
-        /// <summary>Of AM: 1 goes down to nothing.</summary>
+        /// <summary>AM: the depth; 1 goes down to silence.</summary>
         [Range(0f, 1f)] public float depth = 1f;
 
-        /// <summary>Of STM: around all samples, not from one to the next.</summary>
+        /// <summary>STM: whether the focus runs around all samples instead of from one to the next.</summary>
         public bool outline;
 
-        /// <summary>Of LM: to either side [m].</summary>
+        /// <summary>LM: the amplitude to either side [m].</summary>
         [Range(0.0001f, 0.02f)] public float amplitude = 0.003f;
 
-        /// <summary>Of LM: from the array's x-axis, about the normal [deg].</summary>
+        /// <summary>LM: the direction, from the array's x-axis about the normal [deg].</summary>
         public float angle;
 
-        /// <summary>As the wire has it; null: the server's.</summary>
+        /// <summary>The wire's message; null: the server's default.</summary>
         internal ITechnique Message
         {
             get

@@ -7,23 +7,23 @@ namespace Pacinian.Haptics
     /// <summary>A hand that feels an effect, as the server renders it.</summary>
     public struct HapticTouch
     {
-        /// <summary>What it feels.</summary>
+        /// <summary>The effect that is felt.</summary>
         public HapticEffect Effect;
 
-        /// <summary>Which hand: "left" or "right", unless another program that shares the scene has named it.</summary>
+        /// <summary>The hand: "left" or "right", unless another client that shares the scene has named it.</summary>
         public string Hand;
 
-        /// <summary>Middle of what is pressed on, in the world [m].</summary>
+        /// <summary>The middle of the contact, in the world [m].</summary>
         public Vector3 Position;
 
-        /// <summary>Highest radiation pressure that is asked for, at full envelope [Pa].</summary>
+        /// <summary>The highest requested radiation pressure, at the full level of the envelope [Pa].</summary>
         public float Pressure;
 
-        /// <summary>That pressure over the effect's own, 0..1.</summary>
+        /// <summary>The pressure relative to the effect's own, 0..1.</summary>
         public float Strength;
     }
 
-    /// <summary>A touch, to be connected in the inspector.</summary>
+    /// <summary>A touch event for the inspector.</summary>
     [Serializable]
     public sealed class HapticTouchEvent : UnityEvent<HapticTouch>
     {

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What a haptic volume is.</summary>
+    /// <summary>The shape of a haptic volume.</summary>
     public enum HapticVolumeShape
     {
         /// <summary>Colliders of this object and its children: boxes, spheres, capsules and closed meshes.</summary>
@@ -14,25 +14,25 @@ namespace Pacinian.Haptics
         Mesh,
     }
 
-    /// <summary>Where a haptic volume is felt.</summary>
+    /// <summary>The part of a volume that is felt.</summary>
     public enum HapticFelt
     {
-        /// <summary>On its outside, and a bit below.</summary>
+        /// <summary>The outside, and a shallow depth below.</summary>
         Shell,
 
-        /// <summary>Everywhere inside, too.</summary>
+        /// <summary>The whole interior, too.</summary>
         Interior,
     }
 
-    /// <summary>A volume that presses evenly.</summary>
+    /// <summary>A volume with an even pressure.</summary>
     [AddComponentMenu("Pacinian/Haptic Volume")]
     public sealed class HapticVolume : HapticEffect
     {
         [SerializeField]
         private HapticVolumeShape shape = HapticVolumeShape.Colliders;
-        [SerializeField, Tooltip("Empty: that of the MeshFilter beside it.")]
+        [SerializeField, Tooltip("The mesh; empty: that of the MeshFilter on this object.")]
         private Mesh mesh;
-        [SerializeField, Range(0.0001f, 1f), Tooltip("How far inside a hand still feels it [m].")]
+        [SerializeField, Range(0.0001f, 1f), Tooltip("Depth inside the volume up to which a hand feels it [m].")]
         private float thickness = 0.02f;
         [SerializeField]
         private HapticFelt felt = HapticFelt.Shell;
@@ -40,30 +40,30 @@ namespace Pacinian.Haptics
         private readonly List<Collider> _colliders = new List<Collider>();
         private Mesh _mesh;
         private Vector3 _scale;
-        private long _fingerprint; // of the colliders that were put
+        private long _fingerprint; // of the colliders that were sent
 
-        /// <summary>What it is.</summary>
+        /// <summary>The shape.</summary>
         public HapticVolumeShape Shape
         {
             get { return shape; }
             set { shape = value; Refresh(); }
         }
 
-        /// <summary>Of shape Mesh, closed; null: that of the MeshFilter beside it.</summary>
+        /// <summary>Shape Mesh: a closed mesh; null: that of the MeshFilter on this object.</summary>
         public Mesh Mesh
         {
             get { return mesh; }
             set { mesh = value; Refresh(); }
         }
 
-        /// <summary>How far inside a hand still feels it [m].</summary>
+        /// <summary>The depth inside the volume up to which a hand feels it [m].</summary>
         public float Thickness
         {
             get { return thickness; }
             set { thickness = value; Refresh(); }
         }
 
-        /// <summary>Where it is felt.</summary>
+        /// <summary>The part that is felt.</summary>
         public HapticFelt Felt
         {
             get { return felt; }

@@ -3,18 +3,19 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A hand as Ultraleap's trackers tell it, as 26 joints in OpenXR's order.</summary>
+    /// <summary>Converts a hand of Ultraleap's trackers to 26 joints in OpenXR's order.</summary>
     internal static class LeapHand
     {
-        /// <summary>Fingers of a hand, and bones of each: metacarpal, proximal, intermediate, distal.</summary>
+        /// <summary>The number of fingers, and of bones of each: metacarpal, proximal, intermediate, distal.</summary>
         public const int Digits = 5, Bones = 4;
 
         private const int Palm = 0, Wrist = 1, Thumb = 2, MiddleMetacarpal = 11; // joints
-        private const float WristRadius = 0.021f; // [m] of an adult: Ultraleap tells only the width of the forearm
+        private const float WristRadius = 0.021f; // [m] of an adult; Ultraleap reports only the width of the forearm
 
         /// <summary>
-        /// Writes its joints and radii. bones: both ends of 20 bones; widths: of these. The thumb's metacarpal is not used, as it has
-        /// no length; the palm is the middle of the middle finger's metacarpal, as in OpenXR. False: there are more or fewer.
+        /// Writes the joints and radii. bones: both ends of 20 bones; widths: of these. The thumb's metacarpal is not
+        /// used, because it has no length. The palm is the middle of the middle finger's metacarpal, as in OpenXR.
+        /// Returns false if a count differs.
         /// </summary>
         public static bool Write(IList<Vector3> bones, IList<float> widths, Vector3 wrist, Vector3[] positions, float[] radii)
         {

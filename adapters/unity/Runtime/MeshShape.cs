@@ -3,12 +3,12 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A mesh as the wire has it.</summary>
+    /// <summary>Converts a mesh to the wire's.</summary>
     internal static class MeshShape
     {
         /// <summary>
-        /// The triangles of a mesh, scaled, in the wire's axes. Vertices at one place become one: Unity parts them at
-        /// seams of texture and at edges, where a volume has to be closed. Null, and why, if that cannot be.
+        /// Returns the triangles of a mesh, scaled, in the wire's axes; null and the reason on failure. Vertices at the
+        /// same position are merged: Unity splits them at texture seams and edges, but a volume must be closed.
         /// </summary>
         public static Wire.HapticMesh Of(Mesh mesh, Vector3 scale, out string problem)
         {
@@ -29,7 +29,7 @@ namespace Pacinian.Haptics
             return problem.Length > 0 ? null : made;
         }
 
-        /// <summary>The mesh that is given, or else that of the MeshFilter beside a component; null if it has none.</summary>
+        /// <summary>Returns the given mesh, otherwise that of the MeshFilter on the same object; null if it has none.</summary>
         public static Mesh Near(Component component, Mesh given)
         {
             MeshFilter filter = given == null ? component.GetComponent<MeshFilter>() : null;
@@ -47,13 +47,16 @@ namespace Pacinian.Haptics
                 {
                     index[i] = known.Count;
                     known.Add(vertex, index[i]);
-                    made.Vertices.Add(Frames.Of(vertex));
+                    made.Vertices.Add(WireSpace.ToWire(vertex));
                 }
             }
             return index;
         }
 
-        /// <summary>Unity sees a face clockwise from its front, the wire counter-clockwise; a mirror turns that round.</summary>
+        /// <summary>
+        /// Writes the faces. Unity's front faces are clockwise, the wire's counter-clockwise; a mirrored scale reverses
+        /// that.
+        /// </summary>
         private static int Faces(int[] triangles, int[] index, bool mirrored, Wire.HapticMesh made)
         {
             int faces = 0;

@@ -3,7 +3,8 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// What all scenes of a project share: Project Settings > Pacinian. An asset in a folder Resources, so that games have it.
+    /// The settings of a project, for all scenes: Project Settings > Pacinian. The asset lies in a folder Resources, so
+    /// that builds contain it.
     /// </summary>
     public sealed class PacinianSettings : ScriptableObject
     {
@@ -14,12 +15,12 @@ namespace Pacinian.Haptics
 
         [SerializeField, Tooltip("The program that Start Server starts: its path, or its name if the system finds it.")]
         private string serverCommand = "pacinian";
-        [SerializeField, Tooltip("For `pacinian serve`, a word each without spaces: --backend and simulated, or a configuration's path.")]
+        [SerializeField, Tooltip("Arguments of `pacinian serve`, one word each: --backend and simulated, or the path of a configuration.")]
         private string[] serverArguments = new string[0];
         [SerializeField, Min(0.001f), Tooltip("The radiation pressure of an effect whose relative strength is 1 [Pa].")]
         private float fullPressure = 20f;
 
-        /// <summary>The project's, or those by default where it has none.</summary>
+        /// <summary>The project's settings, or the defaults if it has none.</summary>
         public static PacinianSettings Current
         {
             get
@@ -40,7 +41,7 @@ namespace Pacinian.Haptics
             set { serverCommand = value ?? ""; }
         }
 
-        /// <summary>For `pacinian serve`, a word each, without spaces.</summary>
+        /// <summary>The arguments of `pacinian serve`, one word each, without spaces.</summary>
         public string[] ServerArguments
         {
             get { return serverArguments; }
@@ -54,7 +55,7 @@ namespace Pacinian.Haptics
             set { fullPressure = Mathf.Max(value, 0.001f); }
         }
 
-        /// <summary>The asset is another now.</summary>
+        /// <summary>Forgets the loaded asset, because it may have changed.</summary>
         internal static void Forget()
         {
             s_current = null;

@@ -4,12 +4,12 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Draws the shapes that the wire has, by gizmos.</summary>
+    /// <summary>Draws the wire's shapes with gizmos.</summary>
     internal static class ShapeGizmo
     {
-        private const int Segments = 32, MostFaces = 3000; // of a circle; of a mesh that is drawn: of a finer one only some
+        private const int Segments = 32, MostFaces = 3000; // of a circle; of a mesh, beyond which some faces are left out
 
-        /// <summary>What is to be felt, where it is in the world.</summary>
+        /// <summary>Draws an object at its pose in the world.</summary>
         public static void Draw(Felt felt, Rigid frame)
         {
             Point point = felt as Point;
@@ -44,7 +44,7 @@ namespace Pacinian.Haptics
 
         private static void Place(Rigid frame)
         {
-            Gizmos.matrix = Matrix4x4.TRS(Frames.Back(frame.Position), Frames.Back(frame.Rotation), Vector3.one);
+            Gizmos.matrix = Matrix4x4.TRS(WireSpace.ToUnity(frame.Position), WireSpace.ToUnity(frame.Rotation), Vector3.one);
         }
 
         private static void One(IMessage shape)
@@ -57,7 +57,7 @@ namespace Pacinian.Haptics
             HapticMesh mesh = shape as HapticMesh;
             if (box != null)
             {
-                Gizmos.DrawWireCube(Vector3.zero, Frames.Back(box.Size));
+                Gizmos.DrawWireCube(Vector3.zero, WireSpace.ToUnity(box.Size));
             }
             if (sphere != null)
             {
@@ -120,7 +120,7 @@ namespace Pacinian.Haptics
 
         private static Vector3 Corner(HapticMesh mesh, int index)
         {
-            return Frames.Back(mesh.Vertices.Point((int)mesh.Faces.Index(index)));
+            return WireSpace.ToUnity(mesh.Vertices.Point((int)mesh.Faces.Index(index)));
         }
     }
 }

@@ -4,21 +4,21 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>The server that this program has started, if it has: one for all scenes. It ends with the program, at the latest.</summary>
+    /// <summary>The server that this program has started, if any: one for all scenes. It ends with the program at the latest.</summary>
     internal static class StartedServer
     {
         private static ServerProcess s_process;
 
-        /// <summary>Where the editor finds the program, if the project has none; "": nowhere.</summary>
+        /// <summary>Finds the program in the editor if the project has none; returns "" if there is none.</summary>
         public static Func<string> FindElsewhere { get; set; } = () => "";
 
-        /// <summary>Why it does not run; "" if it does, if none was started, or if another one is connected.</summary>
+        /// <summary>Why the server does not run; "" if it does, if none was started, or if another one is connected.</summary>
         public static string Problem
         {
             get { return s_process == null ? "" : s_process.Problem; }
         }
 
-        /// <summary>The program that is started: the project's own, or else the one that its settings name.</summary>
+        /// <summary>The program to start: the one in StreamingAssets, otherwise the one in the project's settings.</summary>
         public static string Program
         {
             get
@@ -32,7 +32,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Starts it, unless one runs.</summary>
+        /// <summary>Starts the server, unless it runs.</summary>
         public static void Start(string connection)
         {
             if (s_process == null || !s_process.Running)
@@ -45,13 +45,13 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>In each frame: starts it again if it has ended and no other is connected.</summary>
+        /// <summary>Restarts the server if it has ended and no other is connected; called each frame.</summary>
         public static void Tick(bool connected)
         {
             s_process?.Tick(connected);
         }
 
-        /// <summary>Ends it.</summary>
+        /// <summary>Stops the server.</summary>
         public static void Stop()
         {
             s_process?.Dispose();

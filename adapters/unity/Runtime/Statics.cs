@@ -2,7 +2,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>What is static outlives play mode where the domain is not loaded anew: here it is emptied.</summary>
+    /// <summary>Resets static state when play mode starts, because it survives if the domain is not reloaded.</summary>
     internal static class Statics
     {
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>Where the array was found to stand, in its parent's frame: a file that people can read.</summary>
+    /// <summary>The aligned pose of the array in its parent's frame, stored as a readable file.</summary>
     [Serializable]
     internal sealed class StoredPose
     {
@@ -21,7 +21,7 @@ namespace Pacinian.Haptics
             get { return new Quaternion(qx, qy, qz, qw); }
         }
 
-        /// <summary>Of a transform. residual, worst: of the alignment [m].</summary>
+        /// <summary>Returns the pose of a transform. residual, worst: of the alignment [m].</summary>
         public static StoredPose Of(Transform transform, float residual, float worst)
         {
             Vector3 p = transform.localPosition;
@@ -32,7 +32,7 @@ namespace Pacinian.Haptics
             };
         }
 
-        /// <summary>Writes it, whole or not at all; "", or why that cannot be.</summary>
+        /// <summary>Writes the file, entirely or not at all. Returns "", or the reason for a failure.</summary>
         public string Save(string path)
         {
             try
@@ -55,7 +55,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Reads it; null, and why, if there is none that is whole.</summary>
+        /// <summary>Reads the file. Returns null and the reason if there is no complete one.</summary>
         public static StoredPose Load(string path, out string problem)
         {
             problem = "";
@@ -63,7 +63,7 @@ namespace Pacinian.Haptics
             {
                 StoredPose read = JsonUtility.FromJson<StoredPose>(File.ReadAllText(path));
                 float length = read == null ? 0f : read.qx * read.qx + read.qy * read.qy + read.qz * read.qz + read.qw * read.qw;
-                if (length > 0.99f && length < 1.01f && Frames.InReach(Frames.Of(0.01f * read.Position)))
+                if (length > 0.99f && length < 1.01f && WireSpace.IsInRange(WireSpace.ToWire(0.01f * read.Position)))
                 {
                     return read;
                 }

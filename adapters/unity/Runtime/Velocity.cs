@@ -2,25 +2,28 @@ using System;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>How a frame moves, from where it was before: so that the server can go on between two of our frames.</summary>
+    /// <summary>
+    /// Estimates the velocity of a frame from its poses, so that the server can extrapolate between two frames of the
+    /// game.
+    /// </summary>
     internal struct Velocity
     {
-        private const double Longest = 0.2; // [s] between two poses of one movement
-        private const double Fastest = 10.0; // [m/s] and, times 5, [rad/s]: what is faster has jumped
+        private const double Longest = 0.2; // [s] longest time between two poses of one movement
+        private const double Fastest = 10.0; // [m/s], and times 5 [rad/s]; faster is a jump
 
         private Rigid _pose;
         private double _time;
         private bool _known, _moving;
 
-        /// <summary>Nothing is known any more.</summary>
+        /// <summary>Forgets the last pose.</summary>
         public void Forget()
         {
             _known = _moving = false;
         }
 
         /// <summary>
-        /// The pose now [s], and how it moves from there if that can be told. False: nothing has changed, and nobody
-        /// has to be told.
+        /// Takes the present pose and time [s]; writes the movement, with a velocity if it is known. Returns false if
+        /// nothing has changed, so that nothing need be sent.
         /// </summary>
         public bool Next(Rigid pose, double now, out Movement movement)
         {
@@ -52,7 +55,7 @@ namespace Pacinian.Haptics
                 && a.Rotation.Z == b.Rotation.Z && a.Rotation.W == b.Rotation.W;
         }
 
-        /// <summary>About the world's axes [rad/s].</summary>
+        /// <summary>Returns the angular velocity about the world's axes [rad/s].</summary>
         private static Vec3 Turning(Quat from, Quat to, double step)
         {
             Quat turn = to * from.Inverse;

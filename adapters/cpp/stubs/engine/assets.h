@@ -1,13 +1,13 @@
 #pragma once
 
-// Meshes, colliders, hand tracking, saved games, drawing, settings.
+// Stubs of meshes, colliders, hand tracking, saved games, drawing and settings.
 
 #include "world.h"
 
 class UDataAsset : public UObject {
   STUB_BODY(UDataAsset, UObject)
 };
-/// Straight from key to key.
+/// Linear between keys.
 class UCurveFloat : public UObject {
   STUB_BODY(UCurveFloat, UObject)
   float GetFloatValue(float Time) const {
@@ -133,7 +133,7 @@ struct FApp {
 class USaveGame : public UObject {
   STUB_BODY(USaveGame, UObject)
 };
-/// Keeps objects, not copies of them.
+/// Keeps the objects themselves instead of copies.
 struct UGameplayStatics {
   static std::map<FString, USaveGame*>& Slots() {
     static std::map<FString, USaveGame*> Made;
@@ -145,13 +145,13 @@ struct UGameplayStatics {
   static bool DeleteGameInSlot(const FString& Slot, int32) { return Slots().erase(Slot) > 0; }
 };
 
-/// How often something was drawn.
+/// Counts drawing calls.
 extern int StubDrawn;
 inline void DrawDebugLine(const UWorld*, const FVector&, const FVector&, const FColor&) { ++StubDrawn; }
 inline void DrawDebugPoint(const UWorld*, const FVector&, float, const FColor&) { ++StubDrawn; }
 inline void DrawDebugCoordinateSystem(const UWorld*, const FVector&, const FRotator&, float) { ++StubDrawn; }
 
-/// Files and plug-ins: there is none of a plug-in's.
+/// Files and plug-ins: no plug-in has a file.
 struct FPaths {
   static FString Combine(const FString& Folder, const FString& Name) { return Folder + TEXT("/") + Name; }
   static FString ConvertRelativePathToFull(const FString& Path) { return Path; }

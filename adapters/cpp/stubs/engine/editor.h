@@ -1,6 +1,6 @@
 #pragma once
 
-// What the editor module uses: checked, not run.
+// Stubs of what the editor module uses, which is compiled but not run.
 
 #include "assets.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Vectors, rotations and transforms, with the engine's conventions.
+// Stubs of vectors, rotations and transforms, with the engine's conventions.
 
 #include <cmath>
 
@@ -83,7 +83,7 @@ struct FQuat {
     const FVector t = 2.0 * FVector(Y * V.Z - Z * V.Y, Z * V.X - X * V.Z, X * V.Y - Y * V.X);
     return V + W * t + FVector(Y * t.Z - Z * t.Y, Z * t.X - X * t.Z, X * t.Y - Y * t.X);
   }
-  /// First B, then A.
+  /// Returns the rotation B followed by A.
   friend FQuat operator*(const FQuat& A, const FQuat& B) {
     return {A.W * B.X + A.X * B.W + A.Y * B.Z - A.Z * B.Y, A.W * B.Y - A.X * B.Z + A.Y * B.W + A.Z * B.X,
             A.W * B.Z + A.X * B.Y - A.Y * B.X + A.Z * B.W, A.W * B.W - A.X * B.X - A.Y * B.Y - A.Z * B.Z};
@@ -116,7 +116,7 @@ class FTransform {
     return {To.Turn.Inverse() * Turn, To.InverseTransformPosition(Place),
             {Scale.X / To.Scale.X, Scale.Y / To.Scale.Y, Scale.Z / To.Scale.Z}};
   }
-  /// First A, then B.
+  /// Returns the transform A followed by B.
   friend FTransform operator*(const FTransform& A, const FTransform& B) {
     return {B.Turn * A.Turn, B.TransformPosition(A.Place), A.Scale * B.Scale};
   }

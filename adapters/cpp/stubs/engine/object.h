@@ -1,6 +1,6 @@
 #pragma once
 
-// Objects, pointers, delegates. Reflection: what tests/adapters/unreal.py writes in place of the engine's header tool.
+// Stubs of objects, pointers and delegates. For reflection, tests/adapters/unreal.py replaces the engine's header tool.
 
 #include <cstdint>
 #include <functional>
@@ -23,7 +23,7 @@
 #define PACINIAN_API
 #define GET_MEMBER_NAME_CHECKED(type, member) ((void)sizeof(&type::member), FName(TEXT(#member)))
 
-/// What GENERATED_BODY is in the class `type`.
+/// The content of GENERATED_BODY in the class `type`.
 #define STUB_BODY(type, base)                                  \
  public:                                                       \
   using Super = base;                                          \
@@ -129,7 +129,7 @@ class TWeakObjectPtr {
   T* Held;
 };
 
-/// All but the classes' own objects, which belong to nothing.
+/// Visits all objects except the classes' default objects.
 template <class T>
 class TObjectIterator {
  public:
@@ -232,6 +232,6 @@ class IModuleInterface {
   virtual void StartupModule() {}
   virtual void ShutdownModule() {}
 };
-/// A module of that name, to be made by the test.
+/// Defines a module with this name; the test creates it.
 #define IMPLEMENT_MODULE(type, name) \
   IModuleInterface* StubModule##name() { return new type(); }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Text and containers of the engine, as far as the plugin uses them, over the standard library's.
+// Stubs of the engine's text and containers, as far as the plugin uses them, over the standard library.
 
 #include <algorithm>
 #include <cstdint>
@@ -60,7 +60,7 @@ class FString {
   const TCHAR* operator*() const { return Made.c_str(); }
   bool IsEmpty() const { return Made.empty(); }
   void Reset() { Made.clear(); }
-  /// The engine's does not look at case unless it is told to.
+  /// The engine's function ignores case by default.
   bool StartsWith(const FString& Given, ESearchCase::Type) const { return Made.rfind(Given.Made, 0) == 0; }
   FString Left(int32 Count) const { return Made.substr(0, Count); }
   FString Right(int32 Count) const { return Made.size() <= std::size_t(Count) ? Made : Made.substr(Made.size() - Count); }

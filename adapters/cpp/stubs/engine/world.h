@@ -1,6 +1,6 @@
 #pragma once
 
-// A level that plays: actors, components, subsystems, ticks.
+// Stubs of a level that plays: actors, components, subsystems and ticks.
 
 #include "object.h"
 
@@ -100,7 +100,7 @@ class UWorld : public UObject {
     subsystems_.push_back(NewObject<T>(const_cast<UWorld*>(this)));
     return static_cast<T*>(subsystems_.back());
   }
-  /// An actor in the level; `begin` has to be called when it is complete.
+  /// Adds an actor to the level; call `begin` when it is complete.
   template <class T>
   T* spawn(const TCHAR* Given) {
     T* Made = NewObject<T>(this);

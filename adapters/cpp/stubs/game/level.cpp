@@ -96,7 +96,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   }
   quiet = player->CreateDefaultSubobject<UQuietZoneComponent>(TEXT("Head"));
   quiet->SetRelativeTransform(FTransform(FQuat(), FVector(0.0, 0.0, 500.0)));
-  // The server's component comes last, as it may in a level.
+  // The server's component comes last, which may happen in a level.
   for (AActor* actor : {things, player, static_cast<AActor*>(array)}) world->begin(actor);
 }
 
@@ -141,7 +141,7 @@ void Level::act(const std::string& what, std::istream& from) {
   tell(R"({"did": ")" + what + "\"}");
 }
 
-/// Starts the server: its program, and more words.
+/// Starts the server: its program, and more arguments.
 void Level::serve(std::istream& from) {
   auto* settings = GetMutableDefault<UPacinianSettings>();
   settings->ServerCommand = word(from);
@@ -150,7 +150,8 @@ void Level::serve(std::istream& from) {
   server->StartServer(problem);
 }
 
-/// Where something is: array, ball or point; place [cm], yaw [deg], scale. The array in the level, others above it.
+/// Moves the array, the ball or the point: position [cm], yaw [deg], scale. The position of the array is in the level,
+/// others are above the array.
 void Level::place(std::istream& from) {
   std::string what;
   double yaw = 0.0, scale = 1.0;
@@ -162,7 +163,7 @@ void Level::place(std::istream& from) {
   tell(R"({"did": "place"})");
 }
 
-/// The player, whose hand is an open one, is there [cm].
+/// Places the player, who has an open hand [cm].
 void Level::open(std::istream& from) {
   auto* root = player->CreateDefaultSubobject<USceneComponent>(TEXT("Root"));
   player->SetRootComponent(root);
@@ -175,7 +176,7 @@ void Level::joints(std::istream& from) {
   tell(R"({"did": "joints"})");
 }
 
-/// Its place in the level [cm], radius [cm] and pressure [Pa].
+/// Moves the quiet zone: position in the level [cm], radius [cm] and pressure [Pa].
 void Level::zone(std::istream& from) {
   quiet->SetRelativeTransform(FTransform(FQuat(), vector(from)));
   from >> quiet->Radius >> quiet->Pressure;
@@ -188,7 +189,8 @@ UHapticEffectComponent* Level::named(const std::string& name) {
   return volume;
 }
 
-/// `play point`, `silence ball`, `press ball 5`, `duration point 0.5`, `tremble ball 80`, `rectangle`, `disc`, `mesh`.
+/// Examples: `play point`, `silence ball`, `press ball 5`, `duration point 0.5`, `tremble ball 80`, `rectangle`,
+/// `disc`, `mesh`.
 void Level::effect(const std::string& what, std::istream& from) {
   std::string name;
   if (what == "rectangle") plate->Shape = EHapticSurface::Rectangle;
@@ -215,7 +217,7 @@ void Level::effect(const std::string& what, std::istream& from) {
   found->SetEnvelope(envelope);
 }
 
-/// A box of so many centimetres, its faces cut apart as a renderer's are; the volume becomes one.
+/// Gives the volume a box mesh of this size [cm], with separate vertices for each face, like a rendered mesh.
 void Level::surface(std::istream& from) {
   const FVector half = 0.5 * vector(from);
   FStaticMeshLODResources level;
@@ -239,7 +241,7 @@ void Level::surface(std::istream& from) {
   volume->Refresh();
 }
 
-/// A box below the ball's sphere, as part of it: its place [cm] and side [cm]; a side of 0 takes it away.
+/// Adds a box to the ball's collision: position [cm] and side [cm]; a side of 0 removes it.
 void Level::shelf(std::istream& from) {
   if (!box) {
     box = things->CreateDefaultSubobject<UPrimitiveComponent>(TEXT("Box"));
@@ -252,7 +254,7 @@ void Level::shelf(std::istream& from) {
   if (side > 0.0F) box->Body.AggGeom.BoxElems.Add({FVector::ZeroVector, FRotator::ZeroRotator, side, side, side});
 }
 
-/// Another server component, which has to wait.
+/// Adds a second server component, which must wait.
 void Level::second() {
   AActor* actor = world->spawn<AActor>(TEXT("Rival"));
   rival = actor->CreateDefaultSubobject<UHapticServerComponent>(TEXT("Server"));
@@ -260,7 +262,7 @@ void Level::second() {
   world->begin(actor);
 }
 
-/// Lines that the editor draws of an effect.
+/// Prints the outline that the editor draws of an effect.
 void Level::outline(std::istream& from) {
   std::string name;
   from >> name;
@@ -270,7 +272,7 @@ void Level::outline(std::istream& from) {
   tell(R"({"outline": )" + numbers(lines) + R"(, "drawn": )" + (drawn ? "true" : "false") + R"(, "why": )" + quoted(problem) + "}");
 }
 
-/// The array is moved to where its corners, as the server says, were touched: there is a place and yaw.
+/// Aligns the array to touched corners, which are computed from a position and yaw.
 void Level::align(std::istream& from) {
   const FVector at = vector(from);
   double yaw = 0.0;

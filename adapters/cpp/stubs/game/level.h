@@ -14,15 +14,15 @@
 #include "HapticVolumeComponent.h"
 #include "QuietZoneComponent.h"
 
-/// A level with an array, a ball, a point and a hand, that does what it is told to.
+/// A level with an array, a ball, a point and a hand, controlled by commands.
 class Level {
  public:
-  /// more: `unarmed`, `again`: settings of the server component; `handless`: nobody is there to feel it.
+  /// more: `unarmed` and `again` are settings of the server component; `handless` leaves out the hand.
   Level(const std::string& connection, const std::string& more);
   ~Level() { world->end(EEndPlayReason::LevelTransition); }
 
   void tick(float seconds);
-  /// A word, and what follows it.
+  /// Executes a command with its arguments.
   void act(const std::string& word, std::istream& rest);
   void end(EEndPlayReason::Type reason) { world->end(reason); }
 
@@ -55,8 +55,8 @@ class Level {
   UHapticSurfaceComponent* plate = nullptr;
   UHapticHandComponent* hand = nullptr;
   UQuietZoneComponent* quiet = nullptr;
-  FHapticTouch felt;    ///< as it was told last
+  FHapticTouch felt;    ///< the last report
   TArray<FVector> rest;  ///< the hand's joints [cm]
-  double sway = 0.0;     ///< of the hand, along x [cm]
+  double sway = 0.0;     ///< of the hand along x [cm]
   double time = 0.0;     ///< [s]
 };

@@ -1,4 +1,4 @@
-// A game that plays without the engine: 90 frames a second, and does what its standard input says.
+// Plays a game without the engine at 90 frames a second, controlled by standard input.
 //   play <connection file> [unarmed] [again] [handless]
 
 #include <poll.h>
@@ -22,7 +22,7 @@ constexpr double frame = 1.0 / 90.0;  // [s]
 
 double seconds(Clock::duration given) { return std::chrono::duration<double>(given).count(); }
 
-/// A line that is there; false if none is. `ended`: there will be none any more.
+/// Reads a line if one is available, otherwise returns false. ended: set when no more lines will come.
 bool line(std::string& found, bool& ended) {
   static std::string buffer;
   pollfd input{0, POLLIN, 0};
@@ -73,7 +73,7 @@ int main(int count, char** words) {
         report("level");
       } else if (word == "freeze") {
         pollfd input{0, POLLIN, 0};
-        poll(&input, 1, -1);  // until it is told something
+        poll(&input, 1, -1);  // until a command arrives
         report("freeze");
       } else {
         level->act(word, rest);

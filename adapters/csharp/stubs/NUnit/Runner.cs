@@ -3,7 +3,7 @@ using System.Reflection;
 
 namespace NUnit.Framework
 {
-    /// <summary>Runs all tests of the assemblies that are named, those after `--play` in play mode; not in NUnit.</summary>
+    /// <summary>Runs all tests of the given assemblies, those after `--play` in play mode. Not in NUnit.</summary>
     public static class Runner
     {
         private const BindingFlags All = BindingFlags.Instance | BindingFlags.Public | BindingFlags.DeclaredOnly;

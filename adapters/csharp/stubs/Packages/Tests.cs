@@ -11,7 +11,7 @@ using Leap.Unity;
 
 namespace Pacinian.Haptics.Tests
 {
-    /// <summary>Components for other packages, with stand-ins of these packages.</summary>
+    /// <summary>Tests the components for other packages, with stubs of these packages.</summary>
     public sealed class PackagesTests
     {
         private readonly GameObject _owner = new GameObject("owner");

@@ -3,10 +3,10 @@ using UnityEngine;
 
 namespace Pacinian.Tests
 {
-    /// <summary>A scene: an array that stands somewhere and is turned, a ball above it, a point, an open hand, a head.</summary>
+    /// <summary>A scene with a moved and rotated array, a ball above it, a point, an open hand and a head.</summary>
     internal sealed class Level
     {
-        /// <summary>Of the ball's middle above the array [m].</summary>
+        /// <summary>The height of the ball's middle above the array [m].</summary>
         public const float Height = 0.175f;
 
         public readonly HapticServer Server;
@@ -16,7 +16,7 @@ namespace Pacinian.Tests
         public readonly EmissionView View;
         public readonly GameObject Array, Hand, Head;
 
-        /// <summary>file: of the connection. lease: [s]; 0: the server's.</summary>
+        /// <summary>file: the connection file. lease: [s]; 0: the server's.</summary>
         public Level(string file, float lease)
         {
             GameObject rig = new GameObject("rig");
@@ -49,7 +49,7 @@ namespace Pacinian.Tests
             rig.SetActive(true);
         }
 
-        /// <summary>The hand goes to and fro over the ball. time: [s].</summary>
+        /// <summary>Moves the hand to and fro over the ball. time: [s].</summary>
         public void Wave(double time)
         {
             float side = 0.02f * Mathf.Sin(6.2831853f * (float)(time % 1.0));

@@ -11,7 +11,7 @@ using UnityEngine;
 namespace Pacinian.Tests
 {
     /// <summary>
-    /// Plays a level at 90 Hz as its standard input says, a command a line, and tells what happens, a JSON object a line.
+    /// Plays a level at 90 Hz. Executes commands from standard input, one per line, and prints events as lines of JSON.
     /// Arguments: the connection file; the lease [s] (0: the server's).
     /// </summary>
     internal sealed class Player
@@ -75,7 +75,7 @@ namespace Pacinian.Tests
             }
             if (_paused)
             {
-                EditorApplication.update(); // and no frame
+                EditorApplication.update(); // without a frame
                 return;
             }
             long bytes = GC.GetAllocatedBytesForCurrentThread();
@@ -129,7 +129,7 @@ namespace Pacinian.Tests
             ClientJson.Say("did", words[0], "done", done);
         }
 
-        /// <summary>A box below the ball, as part of it.</summary>
+        /// <summary>Adds a box below the ball to its colliders, or removes it.</summary>
         private void Shelf(bool there)
         {
             _shelf = _shelf ?? new GameObject("shelf", typeof(BoxCollider));
@@ -141,7 +141,7 @@ namespace Pacinian.Tests
             _shelf.SetActive(there);
         }
 
-        /// <summary>The next level starts a server: its program, and more words for it.</summary>
+        /// <summary>Makes the next level start a server: its program, and more arguments.</summary>
         private void Serve(string[] words)
         {
             _serves = true;
@@ -151,7 +151,7 @@ namespace Pacinian.Tests
             Resources.Assets["PacinianSettings"] = settings;
         }
 
-        /// <summary>The game's thread stands still until it is told something.</summary>
+        /// <summary>Blocks the game's thread until a command arrives.</summary>
         private void Freeze()
         {
             while (_lines.IsEmpty)
@@ -200,7 +200,7 @@ namespace Pacinian.Tests
                 "behaviours", Engine.Count, "current", HapticServer.Current != null);
         }
 
-        /// <summary>Of what was drawn, the farthest from the ball's skin [m].</summary>
+        /// <summary>Returns the largest distance of a drawn sphere from the ball's surface [m].</summary>
         private double Apart()
         {
             double farthest = 0.0;

@@ -90,14 +90,14 @@ namespace UnityEditor
             playModeStateChanged?.Invoke(change);
         }
 
-        /// <summary>The editor is paused, or goes on. Not in Unity.</summary>
+        /// <summary>Pauses the editor, or continues. Not in Unity.</summary>
         public static void Pause(bool pauses)
         {
             isPaused = pauses;
             pauseStateChanged?.Invoke(pauses ? PauseState.Paused : PauseState.Unpaused);
         }
 
-        /// <summary>Scripts have been loaded. Not in Unity.</summary>
+        /// <summary>Loads scripts. Not in Unity.</summary>
         public static void Load(Assembly scripts)
         {
             foreach (Type type in scripts.GetTypes())
@@ -185,7 +185,7 @@ namespace UnityEditor
 
     public static class AssetDatabase
     {
-        /// <summary>Where assets are. Not in Unity.</summary>
+        /// <summary>The assets by path. Not in Unity.</summary>
         public static readonly Dictionary<string, UnityEngine.Object> Assets = new Dictionary<string, UnityEngine.Object>();
 
         public static bool Contains(UnityEngine.Object thing)

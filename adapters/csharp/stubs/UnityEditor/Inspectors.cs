@@ -131,7 +131,7 @@ namespace UnityEditor
             return false;
         }
 
-        /// <summary>To where a slider is moved; null: it is not. Not in Unity.</summary>
+        /// <summary>The value to which the user moves the next slider; null: none. Not in Unity.</summary>
         public static float? Slid { get; set; }
 
         public static float Slider(string label, float value, float low, float high)

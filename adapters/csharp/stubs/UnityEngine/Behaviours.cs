@@ -4,7 +4,7 @@ using System.Reflection;
 
 namespace UnityEngine
 {
-    /// <summary>Whose messages are called by their names, as Unity does, also where they are private.</summary>
+    /// <summary>Calls messages by name, as Unity does, even if they are private.</summary>
     public class MonoBehaviour : Behaviour
     {
         private static readonly Dictionary<string, bool> Parameterless = new Dictionary<string, bool>
@@ -38,7 +38,7 @@ namespace UnityEngine
             Send(message);
         }
 
-        /// <summary>Calls a message, if there is one.</summary>
+        /// <summary>Calls a message if the class has it.</summary>
         internal void Send(string message)
         {
             Action action;

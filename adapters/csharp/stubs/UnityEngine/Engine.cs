@@ -4,21 +4,21 @@ using System.Reflection;
 
 namespace UnityEngine
 {
-    /// <summary>What calls the components, frame by frame. Not in Unity.</summary>
+    /// <summary>Calls the components frame by frame. Not in Unity.</summary>
     public static class Engine
     {
         private static readonly List<MonoBehaviour> Behaviours = new List<MonoBehaviour>();
 
-        /// <summary>Whether components run; those that are added before, begin with <see cref="Play"/>.</summary>
+        /// <summary>Whether components run. Components added before start with <see cref="Play"/>.</summary>
         public static bool Playing { get; private set; }
 
-        /// <summary>How many there are.</summary>
+        /// <summary>The number of components.</summary>
         public static int Count
         {
             get { return Behaviours.Count; }
         }
 
-        /// <summary>Play mode begins, as it does where the domain is not loaded anew.</summary>
+        /// <summary>Starts play mode without a domain reload.</summary>
         public static void Play(params Assembly[] assemblies)
         {
             foreach (Assembly assembly in assemblies)
@@ -31,7 +31,7 @@ namespace UnityEngine
             Playing = true;
         }
 
-        /// <summary>A frame: Start where it is due, Update, LateUpdate.</summary>
+        /// <summary>Runs a frame: Start where it is due, Update, LateUpdate.</summary>
         public static void Frame()
         {
             for (int i = 0; i < Behaviours.Count; i++)
@@ -46,7 +46,7 @@ namespace UnityEngine
             Send("LateUpdate");
         }
 
-        /// <summary>Calls a message of all that are enabled.</summary>
+        /// <summary>Calls a message of all enabled components.</summary>
         public static void Send(string message)
         {
             for (int i = 0; i < Behaviours.Count; i++)
@@ -58,7 +58,7 @@ namespace UnityEngine
             }
         }
 
-        /// <summary>Play mode ends: all are told, disabled and destroyed.</summary>
+        /// <summary>Ends play mode: calls, disables and destroys all components.</summary>
         public static void Quit()
         {
             Send("OnApplicationQuit");

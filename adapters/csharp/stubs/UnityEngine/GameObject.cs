@@ -20,7 +20,7 @@ namespace UnityEngine
 
         public Transform transform { get; private set; }
 
-        /// <summary>Only MainCamera means something here.</summary>
+        /// <summary>Only MainCamera has an effect here.</summary>
         public string tag
         {
             set { Camera.main = value == "MainCamera" ? GetComponent<Camera>() : Camera.main; }
@@ -91,7 +91,7 @@ namespace UnityEngine
             return found.ToArray();
         }
 
-        /// <summary>Not those of objects that are inactive.</summary>
+        /// <summary>Skips inactive objects.</summary>
         internal void AddComponentsInChildren<T>(List<T> results)
         {
             for (int i = 0; i < _components.Count && _active; i++)

@@ -69,7 +69,7 @@ namespace UnityEngine
             get { return new GUISkin(); }
         }
 
-        /// <summary>What was written last. Not in Unity.</summary>
+        /// <summary>The text that was written last. Not in Unity.</summary>
         public static string Said { get; private set; }
 
         public static void Label(Rect place, string text, GUIStyle style)

@@ -6,7 +6,7 @@ using System.Text.RegularExpressions;
 
 namespace UnityEngine
 {
-    /// <summary>Of objects whose fields are all float.</summary>
+    /// <summary>Supports objects with only float fields.</summary>
     public static class JsonUtility
     {
         public static string ToJson(object thing, bool pretty)

@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace UnityEngine
 {
-    /// <summary>As Unity's: equal to null once it is destroyed.</summary>
+    /// <summary>Equals null once it is destroyed, as in Unity.</summary>
     public class Object
     {
         internal bool Destroyed;
@@ -20,7 +20,7 @@ namespace UnityEngine
             return !(a == b);
         }
 
-        /// <summary>What is kept when another scene is loaded. Not in Unity.</summary>
+        /// <summary>The objects that stay when another scene is loaded. Not in Unity.</summary>
         public static readonly List<Object> Kept = new List<Object>();
 
         public static void DontDestroyOnLoad(Object thing)

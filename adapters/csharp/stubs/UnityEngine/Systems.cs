@@ -32,7 +32,7 @@ namespace UnityEngine
 
     public static class Resources
     {
-        /// <summary>What is in folders Resources, by its name. Not in Unity.</summary>
+        /// <summary>The assets in folders Resources, by name. Not in Unity.</summary>
         public static readonly Dictionary<string, Object> Assets = new Dictionary<string, Object>();
 
         public static T Load<T>(string path)
@@ -45,7 +45,7 @@ namespace UnityEngine
 
     public static class Debug
     {
-        /// <summary>What has been logged. Not in Unity.</summary>
+        /// <summary>The logged messages. Not in Unity.</summary>
         public static readonly List<string> Said = new List<string>();
 
         public static void Log(object message, Object context = null)
@@ -61,10 +61,12 @@ namespace UnityEngine
 
     public static class Gizmos
     {
-        /// <summary>Where spheres were drawn. Not in Unity.</summary>
+        /// <summary>The centres of the drawn spheres. Not in Unity.</summary>
         public static readonly List<Vector3> Spheres = new List<Vector3>();
 
-        /// <summary>What was drawn of lines: of spheres, the middle and a point above it; of boxes, two corners. Not in Unity.</summary>
+        /// <summary>
+        /// Points of drawn outlines: of spheres, the middle and a point above it; of boxes, two corners. Not in Unity.
+        /// </summary>
         public static readonly List<Vector3> Lines = new List<Vector3>();
 
         public static Color color { get; set; }

@@ -86,7 +86,7 @@ namespace UnityEngine
         public float value { get; set; }
     }
 
-    /// <summary>Straight from key to key.</summary>
+    /// <summary>Linear between keys.</summary>
     public sealed class AnimationCurve
     {
         private readonly Keyframe[] _keys;

@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace UnityEngine
 {
-    /// <summary>Place, rotation and scale below a parent, without shear.</summary>
+    /// <summary>Position, rotation and scale relative to a parent, without shear.</summary>
     public sealed class Transform : Component
     {
         internal readonly List<Transform> Children = new List<Transform>();

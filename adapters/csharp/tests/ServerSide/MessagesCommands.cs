@@ -4,13 +4,13 @@ namespace Pacinian.Wire
 {
     public abstract partial class Command
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public abstract bool Read(Reader r);
     }
 
     public sealed partial class Put
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -94,7 +94,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Move
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -160,7 +160,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Remove
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -219,7 +219,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Clear
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -277,7 +277,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Envelopes
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -337,7 +337,7 @@ namespace Pacinian.Wire
 
     public sealed partial class HandFrame
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -404,7 +404,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Hands
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -483,7 +483,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Zone
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -534,7 +534,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Quiet
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -613,7 +613,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Field
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -672,7 +672,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Show
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;

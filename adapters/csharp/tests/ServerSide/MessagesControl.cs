@@ -4,13 +4,13 @@ namespace Pacinian.Wire
 {
     public abstract partial class Request
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public abstract bool Read(Reader r);
     }
 
     public sealed partial class Hello
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -77,7 +77,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Renew
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -130,7 +130,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Arm
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -191,7 +191,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Disarm
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -242,7 +242,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Stop
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -292,7 +292,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Reset
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -343,7 +343,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Choice
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -418,7 +418,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Select
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -507,7 +507,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Capabilities
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -558,7 +558,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Status
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -609,7 +609,7 @@ namespace Pacinian.Wire
 
     public sealed partial class Bye
     {
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;

@@ -4,14 +4,14 @@ namespace Pacinian.Wire
 {
     public static partial class Protocol
     {
-        /// <summary>Reads a message of the kind `command`; one of the same kind that is there already is used again.</summary>
+        /// <summary>Reads a message of the kind `command`; if `value` is already a message of the same kind, it is reused.</summary>
         public static bool ReadCommand(Reader r, byte[] data, int start, int count, ref Command value)
         {
             return r.Begin(data, start, count, 1048576)
                 && Unions.Read(r, ref value) && r.End();
         }
 
-        /// <summary>Reads a message of the kind `control`; one of the same kind that is there already is used again.</summary>
+        /// <summary>Reads a message of the kind `control`; if `value` is already a message of the same kind, it is reused.</summary>
         public static bool ReadControl(Reader r, byte[] data, int start, int count, ref IControl value)
         {
             return r.Begin(data, start, count, 65536)

@@ -1,9 +1,9 @@
 namespace Pacinian.Wire
 {
-    /// <summary>Settings, which a client only writes.</summary>
+    /// <summary>Reads settings, which a client only writes.</summary>
     public sealed partial class Reader
     {
-        /// <summary>A bool, a whole number, a number in low..high, or text of least..most code points.</summary>
+        /// <summary>Reads a boolean, an integer, a number in low..high, or a text of least..most code points.</summary>
         internal bool Scalar(ref Value value, double low, double high, int least, int most)
         {
             int start = _at;

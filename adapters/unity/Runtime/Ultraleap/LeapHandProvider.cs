@@ -6,14 +6,14 @@ using UnityEngine;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A hand of Ultraleap's tracker, by its Unity plugin (com.ultraleap.tracking).</summary>
+    /// <summary>A hand of Ultraleap's tracker, through its Unity plugin (com.ultraleap.tracking).</summary>
     [AddComponentMenu("Pacinian/Leap Hand")]
     public sealed class LeapHandProvider : HandProvider
     {
-        [SerializeField, Tooltip("A left hand.")] private bool left;
-        [SerializeField, Tooltip("Empty: the scene's.")] private LeapProvider tracker;
+        [SerializeField, Tooltip("Whether this is the left hand.")] private bool left;
+        [SerializeField, Tooltip("The tracker; empty: the scene's.")] private LeapProvider tracker;
 
-        private const int Pause = 60; // frames between two looks for a tracker: the plugin searches the whole scene
+        private const int Pause = 60; // frames between two searches for a tracker, because the plugin searches the whole scene
 
         private readonly Vector3[] _bones = new Vector3[2 * LeapHand.Digits * LeapHand.Bones];
         private readonly float[] _widths = new float[LeapHand.Digits * LeapHand.Bones];
@@ -37,7 +37,7 @@ namespace Pacinian.Haptics
             return false;
         }
 
-        /// <summary>The plugin tells hands in the world: an origin is not needed.</summary>
+        /// <summary>Sets the side. The plugin reports hands in the world, so it needs no origin.</summary>
         public override void Follow(bool left, Transform origin)
         {
             this.left = left;

@@ -5,15 +5,15 @@ using UnityEngine.XR.Hands;
 
 namespace Pacinian.Haptics
 {
-    /// <summary>A hand of Unity's XR Hands package (com.unity.xr.hands), as OpenXR's hand tracking gives it.</summary>
+    /// <summary>A hand of Unity's XR Hands package (com.unity.xr.hands), from OpenXR's hand tracking.</summary>
     [AddComponentMenu("Pacinian/XR Hand")]
     public sealed class XRHandProvider : HandProvider
     {
-        [SerializeField, Tooltip("A left hand.")] private bool left;
-        [SerializeField, Tooltip("The XR Origin's camera offset: joints are told in its frame. Empty: the world's.")]
+        [SerializeField, Tooltip("Whether this is the left hand.")] private bool left;
+        [SerializeField, Tooltip("The XR Origin's camera offset, in whose frame joints are reported. Empty: the world.")]
         private Transform origin;
 
-        private static readonly Predicate<XRHandSubsystem> s_runs = Runs; // made once
+        private static readonly Predicate<XRHandSubsystem> s_runs = Runs; // created once
 
         private readonly List<XRHandSubsystem> _found = new List<XRHandSubsystem>();
         private XRHandSubsystem _subsystem;
@@ -48,7 +48,10 @@ namespace Pacinian.Haptics
             this.origin = origin;
         }
 
-        /// <summary>OpenXR begins with the palm, the package with the wrist; the rest is in the same order.</summary>
+        /// <summary>
+        /// Returns the joint's ID. OpenXR begins with the palm, the package with the wrist; the rest is in the same
+        /// order.
+        /// </summary>
         private static XRHandJointID Id(int index)
         {
             return index == 0 ? XRHandJointID.Palm : index == 1 ? XRHandJointID.Wrist : (XRHandJointID)(index + 1);

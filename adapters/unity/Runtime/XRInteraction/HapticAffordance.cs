@@ -7,27 +7,33 @@ using UnityEngine.XR.Interaction.Toolkit.Interactables;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// Plays effects when something of the XR Interaction Toolkit beside it is hovered over or selected: put it on an interactable.
+    /// Plays effects when an interactable of the XR Interaction Toolkit on the same object is hovered over or selected.
     /// Switch Play On Enable of the effects off.
     /// </summary>
     [AddComponentMenu("Pacinian/Haptic Affordance")]
     [RequireComponent(typeof(XRBaseInteractable))]
     public sealed class HapticAffordance : MonoBehaviour
     {
-        [SerializeField, Tooltip("Plays while it is hovered over; none: nothing.")] private HapticEffect whileHovered;
-        [SerializeField, Tooltip("Plays while it is selected, as when it is grabbed or pressed; none: nothing.")]
+        [SerializeField, Tooltip("Effect that plays while the object is hovered over.")] private HapticEffect whileHovered;
+        [SerializeField, Tooltip("Effect that plays while the object is selected, for example grabbed or pressed.")]
         private HapticEffect whileSelected;
 
         private XRBaseInteractable _interactable;
 
-        /// <summary>Plays while it is hovered over: until the last interactor leaves, or until its duration is over.</summary>
+        /// <summary>
+        /// The effect that plays while the object is hovered over: until the last interactor leaves, or its duration is
+        /// over.
+        /// </summary>
         public HapticEffect WhileHovered
         {
             get { return whileHovered; }
             set { whileHovered = value; }
         }
 
-        /// <summary>Plays while it is selected, as when it is grabbed or pressed, or until its duration is over.</summary>
+        /// <summary>
+        /// The effect that plays while the object is selected, for example grabbed or pressed, or until its duration is
+        /// over.
+        /// </summary>
         public HapticEffect WhileSelected
         {
             get { return whileSelected; }
@@ -87,7 +93,10 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>One that ends by itself goes on: a click is felt, also when it was short.</summary>
+        /// <summary>
+        /// Stops an effect without a duration. An effect with a duration plays to its end, so that even a short click
+        /// is felt.
+        /// </summary>
         private static void End(HapticEffect effect)
         {
             if (effect != null && effect.Duration <= 0f)

@@ -5,14 +5,14 @@ using UnityEngine.InputSystem;
 
 namespace Pacinian.Samples
 {
-    /// <summary>Moves a hand to and fro over a ball, in place of a tracker: by the mouse while its button is down.</summary>
+    /// <summary>Replaces a tracker: moves a hand to and fro over a ball, or by the mouse while its button is down.</summary>
     [AddComponentMenu("Pacinian/Samples/Hand Over Ball")]
     public sealed class HandOverBall : MonoBehaviour
     {
-        [SerializeField, Tooltip("What the hand is above.")] private Transform ball;
-        [SerializeField, Tooltip("Of the palm above the ball's middle [m].")] private float height = 0.04f;
-        [SerializeField, Tooltip("To either side [m].")] private float amplitude = 0.03f;
-        [SerializeField, Tooltip("For once to and fro [s].")] private float period = 3f;
+        [SerializeField, Tooltip("The ball below the hand.")] private Transform ball;
+        [SerializeField, Tooltip("Height of the palm above the ball's middle [m].")] private float height = 0.04f;
+        [SerializeField, Tooltip("Amplitude to either side [m].")] private float amplitude = 0.03f;
+        [SerializeField, Tooltip("Time of a movement to and fro [s].")] private float period = 3f;
 
         private void Update()
         {
@@ -26,7 +26,10 @@ namespace Pacinian.Samples
             transform.position = ball.position + new Vector3(side, height, forward);
         }
 
-        /// <summary>Whether the mouse's left button is down, and where it is [pixels]: by either of Unity's input systems.</summary>
+        /// <summary>
+        /// Returns whether the mouse's left button is down; writes its position [pixels]. Supports both of Unity's
+        /// input systems.
+        /// </summary>
         private static bool Pressed(out Vector2 mouse)
         {
             mouse = Vector2.zero;

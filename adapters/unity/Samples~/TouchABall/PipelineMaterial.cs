@@ -3,14 +3,14 @@ using UnityEngine.Rendering;
 
 namespace Pacinian.Samples
 {
-    /// <summary>Gives its object the default material of the render pipeline, so that nothing is pink with URP or HDRP.</summary>
+    /// <summary>Gives its object the render pipeline's default material. Otherwise the object would be pink with URP or HDRP.</summary>
     [ExecuteAlways]
     [AddComponentMenu("Pacinian/Samples/Pipeline Material")]
     public sealed class PipelineMaterial : MonoBehaviour
     {
         private void OnEnable()
         {
-            RenderPipelineAsset pipeline = GraphicsSettings.currentRenderPipeline; // none: the built-in one
+            RenderPipelineAsset pipeline = GraphicsSettings.currentRenderPipeline; // null: the built-in one
             if (pipeline != null && pipeline.defaultMaterial != null)
             {
                 GetComponent<Renderer>().sharedMaterial = pipeline.defaultMaterial;

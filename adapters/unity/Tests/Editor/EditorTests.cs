@@ -10,7 +10,7 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class EditorTests
     {
-        /// <summary>Also of a test that has failed.</summary>
+        /// <summary>Also stops the server of a failed test.</summary>
         [TearDown]
         public void NoServerIsLeft()
         {
@@ -112,7 +112,7 @@ namespace Pacinian.Haptics.Tests
             string library = Path.Combine(libraries, "libzmq-12ab.so.5.2.5");
             File.WriteAllText(library, "zmq");
             File.WriteAllText(Path.Combine(libraries, "libsodium-34cd.so.26"), "sodium");
-            string program = Path.Combine(root, "pacinian"); // a link, as of pipx
+            string program = Path.Combine(root, "pacinian"); // a link, as pipx makes one
             File.WriteAllText(program, "#!" + root + "/bin/python\nimport sys");
             Assert.AreEqual(library, NativeLibrary.Find(program));
             string place = Path.Combine(root, "Plugins/libzmq.so");
@@ -123,7 +123,7 @@ namespace Pacinian.Haptics.Tests
             Assert.IsTrue(NativeLibrary.Find(program) != library);
         }
 
-        /// <summary>Does nothing where `pacinian` is not installed.</summary>
+        /// <summary>Does nothing if `pacinian` is not installed.</summary>
         [Test]
         public void AServerIsStartedAndStopped()
         {

@@ -35,7 +35,7 @@ namespace Pacinian.Haptics.Tests
             ArrayOrigin origin = _array.GetComponent<ArrayOrigin>();
             Assert.IsTrue(ArrayOrigin.Current == origin);
             Vector3 above = _array.transform.TransformPoint(new Vector3(0f, 0.2f, 0f));
-            Vec3 place = ArrayOrigin.ToArray.Point(Frames.Of(above));
+            Vec3 place = ArrayOrigin.ToArray.Point(WireSpace.ToWire(above));
             Assert.AreEqual(0.0, (place - new Vec3(0.0, 0.0, 0.2)).Length, 1e-5);
         }
 

@@ -4,7 +4,10 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Tests
 {
-    /// <summary>A hand of Ultraleap's trackers, against sums over the joints that `pacinian.Hand.leap` makes of the same bones.</summary>
+    /// <summary>
+    /// Compares a hand of Ultraleap's trackers with sums over the joints that `pacinian.Hand.leap` makes of the same
+    /// bones.
+    /// </summary>
     public sealed class LeapTests
     {
         private readonly GameObject _owner = new GameObject("hand");

@@ -2,7 +2,7 @@ using UnityEngine;
 
 namespace Pacinian.Haptics.Tests
 {
-    /// <summary>Meshes as Unity has them.</summary>
+    /// <summary>Makes meshes in Unity's form.</summary>
     internal static class Shapes
     {
         private static readonly Vector3[] Normals =
@@ -11,7 +11,7 @@ namespace Pacinian.Haptics.Tests
             new Vector3(0f, 0f, 1f), new Vector3(0f, 0f, -1f),
         };
 
-        /// <summary>Of side 1, with four vertices on each side; clockwise from outside, in left-handed axes.</summary>
+        /// <summary>Returns a cube of side 1 with four vertices on each side, clockwise from outside, in left-handed axes.</summary>
         public static Mesh Cube()
         {
             Vector3[] vertices = new Vector3[24];

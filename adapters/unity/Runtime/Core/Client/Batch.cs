@@ -3,7 +3,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Kinds of commands, in the order in which they are sent.</summary>
+    /// <summary>The kinds of commands, in the order in which they are sent.</summary>
     internal enum Kind
     {
         None,
@@ -16,7 +16,7 @@ namespace Pacinian
         Hands,
     }
 
-    /// <summary>What is sent in one command. Used again for the next.</summary>
+    /// <summary>The content of one command. The object is reused for the next command.</summary>
     internal sealed class Batch
     {
         public readonly List<string> Names = new List<string>(Protocol.MaxObjects);
@@ -25,7 +25,7 @@ namespace Pacinian
 
         public Kind Kind { get; private set; }
 
-        /// <summary>When the oldest of it was asked for [s].</summary>
+        /// <summary>The time at which the oldest part was written [s].</summary>
         public double Time { get; private set; }
 
         public void Begin(Kind kind, double time)
@@ -44,7 +44,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>It was sent: its parts are used again.</summary>
+        /// <summary>Returns the parts to the pool after the command was sent.</summary>
         public void Return(WriterPool writers)
         {
             foreach (Writer part in Parts)

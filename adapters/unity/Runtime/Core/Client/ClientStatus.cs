@@ -2,38 +2,38 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>How a client stands with the server.</summary>
+    /// <summary>The state of a client's connection.</summary>
     public enum ClientStatus
     {
-        /// <summary>Not started, or ended.</summary>
+        /// <summary>The client was not started, or has ended.</summary>
         Stopped,
 
-        /// <summary>It tries to connect; the client's problem says what it waits for.</summary>
+        /// <summary>The client tries to connect; its problem says what it waits for.</summary>
         Connecting,
 
         /// <summary>There is a session.</summary>
         Connected,
 
-        /// <summary>The server is there and will not have us; the client's problem says what to do. It tries again.</summary>
+        /// <summary>The server rejects the client, whose problem says what to do. The client tries again.</summary>
         Refused,
     }
 
-    /// <summary>What the server would not do.</summary>
+    /// <summary>A command or request that the server refused.</summary>
     public struct Refusal
     {
-        /// <summary>As in the protocol's table of errors.</summary>
+        /// <summary>The code, from the protocol's table of errors.</summary>
         public string Code;
 
         /// <summary>What is wrong, for people.</summary>
         public string Message;
 
-        /// <summary>The field that is wrong, as `$.objects[ball].shape`; or "".</summary>
+        /// <summary>The wrong field, such as `$.objects[ball].shape`; or "".</summary>
         public string Path;
 
         /// <summary>What to do; or "".</summary>
         public string Advice;
 
-        /// <summary>In one line.</summary>
+        /// <summary>Returns the refusal in one line.</summary>
         public override string ToString()
         {
             string at = string.IsNullOrEmpty(Path) ? "" : " (" + Path + ")";
@@ -41,7 +41,7 @@ namespace Pacinian
         }
     }
 
-    /// <summary>How a client stands, all at one moment.</summary>
+    /// <summary>A snapshot of the client's state.</summary>
     internal struct Standing
     {
         public ClientStatus Status;
@@ -51,10 +51,10 @@ namespace Pacinian
         public string Scene, Server;
         public Abilities Abilities;
 
-        /// <summary>Counts sessions; 0 while there is none.</summary>
+        /// <summary>The number of the session, from 1 on; 0 if there is none.</summary>
         public int Session;
 
-        /// <summary>Without a session.</summary>
+        /// <summary>Returns the state without a session.</summary>
         public static Standing None(ClientStatus status, string problem)
         {
             return new Standing { Status = status, Problem = problem, Scene = "", Server = "" };

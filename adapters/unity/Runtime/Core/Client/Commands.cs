@@ -4,7 +4,8 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// Writes batches as commands, byte for byte as the messages of the wire do: what a batch holds is written already.
+    /// Writes batches as commands, with the same bytes as the wire's messages. The parts of a batch are already
+    /// encoded.
     /// </summary>
     internal sealed class Commands
     {
@@ -13,13 +14,13 @@ namespace Pacinian
         private readonly double _life;
         private Bulk _poses, _velocities;
 
-        /// <summary>life: how long a command may live [s].</summary>
+        /// <summary>life: the time to live of a command [s].</summary>
         public Commands(double life)
         {
             _life = life;
         }
 
-        /// <summary>Writes one, in place of what the writer holds.</summary>
+        /// <summary>Writes one command. Replaces the writer's content.</summary>
         public void Write(Writer writer, Batch batch, Bulk session, long sequence)
         {
             writer.Clear();

@@ -6,31 +6,36 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Reads a connection file; null, and what is wrong and what to do, if that cannot be. path: "": where it is found.</summary>
+    /// <summary>
+    /// Reads a connection file. Returns null, what is wrong and what to do on failure. path: "" searches for the file.
+    /// </summary>
     internal delegate ConnectionFile ConnectionReader(string path, out string problem);
 
-    /// <summary>The connection file: how a program finds the server, and shows that it may connect.</summary>
+    /// <summary>The connection file: it tells a client where the server is, and lets it authenticate.</summary>
     public sealed class ConnectionFile
     {
-        /// <summary>The environment variable that says where the file is.</summary>
+        /// <summary>The environment variable with the path of the file.</summary>
         public const string Variable = "PACINIAN_CONNECTION";
 
         private const string Advice = "is `pacinian serve` running, or still starting?";
         private const int MaxBytes = 1 << 16; // of the file
 
-        /// <summary>Addresses of the three sockets.</summary>
+        /// <summary>The addresses of the three sockets.</summary>
         public string Control = "", Command = "", State = "";
 
         /// <summary>The secret of a server on this machine.</summary>
         public string Token = "";
 
-        /// <summary>CURVE keys of a server elsewhere, and our own pair of them (Z85).</summary>
+        /// <summary>CURVE keys: of a server on another machine, and the client's own pair (Z85).</summary>
         public string ServerKey = "", PublicKey = "", SecretKey = "";
 
-        /// <summary>The server's process; 0 for one on another machine.</summary>
+        /// <summary>The process ID of the server; 0 if it is on another machine.</summary>
         public long Pid;
 
-        /// <summary>The file that is given, or as the environment says, or where the server writes it.</summary>
+        /// <summary>
+        /// Returns the given path, otherwise that in the environment variable, otherwise the place where the server
+        /// writes the file.
+        /// </summary>
         public static string FindPath(string path)
         {
             if (!string.IsNullOrEmpty(path))
@@ -41,15 +46,15 @@ namespace Pacinian
             return string.IsNullOrEmpty(given) ? RuntimeFolder.File() : given;
         }
 
-        /// <summary>Whether that is the content of a connection file, and not its path.</summary>
+        /// <summary>Returns whether a string is the content of a connection file instead of a path.</summary>
         public static bool IsText(string path)
         {
             return path != null && path.StartsWith("{", StringComparison.Ordinal);
         }
 
         /// <summary>
-        /// Reads the file of a running server, or its content, whose server may be on another machine; null, and what is wrong and
-        /// what to do, if that cannot be.
+        /// Reads the file of a running server, or the content of such a file, whose server may be on another machine.
+        /// Returns null, what is wrong and what to do on failure.
         /// </summary>
         public static ConnectionFile Read(string path, out string problem)
         {
@@ -92,13 +97,13 @@ namespace Pacinian
             return null;
         }
 
-        /// <summary>Where a socket is.</summary>
+        /// <summary>Returns the address of a socket.</summary>
         public string AddressOf(Channel channel)
         {
             return channel == Channel.Control ? Control : channel == Channel.Command ? Command : State;
         }
 
-        /// <summary>Without secrets, for logs.</summary>
+        /// <summary>Returns a text without secrets, for logs.</summary>
         public override string ToString()
         {
             return "Connection(" + Pid + ", " + Control + ")";
@@ -144,7 +149,7 @@ namespace Pacinian
             {
                 return false;
             }
-            catch (Exception) // not told, of another user's or on a system that tells nothing
+            catch (Exception) // another user's process, or a system that reports nothing
             {
                 return true;
             }

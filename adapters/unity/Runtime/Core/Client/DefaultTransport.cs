@@ -3,15 +3,15 @@ using System;
 namespace Pacinian
 {
     /// <summary>
-    /// By the sockets of .NET where the connection has a token, which is so on one machine; by libzmq, or NetMQ where
-    /// PACINIAN_NETMQ is defined, where it has CURVE keys.
+    /// Chooses the transport: .NET's sockets if the connection has a token, as on the same machine; libzmq (or NetMQ if
+    /// PACINIAN_NETMQ is defined) if it has CURVE keys.
     /// </summary>
     public sealed class DefaultTransport : ITransport
     {
         private readonly ManagedTransport _managed = new ManagedTransport();
         private volatile ITransport _current, _curve;
 
-        /// <summary>Not connected.</summary>
+        /// <summary>Creates a transport that is not connected.</summary>
         public DefaultTransport()
         {
             _current = _managed;

@@ -5,8 +5,8 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// A stop by a connection of its own, which needs no session and no worker: silence at once, whoever owns the
-    /// output. It is tried again and again until the server has confirmed it, or the time is over.
+    /// Sends an emergency stop through its own connection, without a session or worker: the array is silenced at once,
+    /// whoever owns the output. Repeats the attempt until the server has confirmed the stop, or the time is over.
     /// </summary>
     internal sealed class EmergencyStop
     {
@@ -22,7 +22,10 @@ namespace Pacinian
             _done = done;
         }
 
-        /// <summary>Begins it, and does not wait. done: is told, by another thread, "" or why it was not confirmed.</summary>
+        /// <summary>
+        /// Starts the stop in a thread, and returns it. done: called by that thread with "", or with the reason for a
+        /// failure.
+        /// </summary>
         public static Thread Begin(Options options, Action<string> done)
         {
             Thread thread = new Thread(new EmergencyStop(options, done).Run)

@@ -2,22 +2,22 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>A hand that feels an object, as the server renders it. Lengths in the array's frame [m].</summary>
+    /// <summary>A hand that feels an object, as the server renders it. Positions are in the array's frame [m].</summary>
     public struct HandTouch
     {
-        /// <summary>Name of the object.</summary>
+        /// <summary>The name of the object.</summary>
         public string Object;
 
-        /// <summary>Name of the hand; its side if it has none.</summary>
+        /// <summary>The name of the hand, or its side if it has no name.</summary>
         public string Hand;
 
-        /// <summary>Middle of what is pressed on.</summary>
+        /// <summary>The middle of the contact.</summary>
         public Vec3 Position;
 
-        /// <summary>Highest radiation pressure that is asked for, at full envelope [Pa].</summary>
+        /// <summary>The highest requested radiation pressure, at the full level of the envelope [Pa].</summary>
         public double Pressure;
 
-        /// <summary>That pressure over the object's own, 0..1.</summary>
+        /// <summary>The pressure relative to the object's own, 0..1.</summary>
         public double Strength;
 
         internal static HandTouch Of(TouchState state)

@@ -4,35 +4,36 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What is asked of the server. What it would not do is told by <see cref="Refused"/>.</summary>
+    /// <summary>Requests. If the server refuses one, <see cref="Refused"/> is raised.</summary>
     public sealed partial class HapticClient
     {
-        private const double Change = 12.0; // [s] that another solver or backend may take to be ready
+        private const double Change = 12.0; // [s] longest time to open a solver or backend
 
         /// <summary>
-        /// This client's scene is to be felt, for as long as it ticks. take: from its owner, if need be. resume: if the game
-        /// stands still for longer than its lease, it sounds again when it goes on; otherwise it is to be armed again.
+        /// Arms the output: this client's scene is felt for as long as the client ticks. take: takes the output from
+        /// its owner. resume: after a standstill of more than the lease, the next tick lets the output sound again; if
+        /// false, arm again.
         /// </summary>
         public bool Arm(bool take = false, bool resume = true)
         {
-            return Ask("arm", new Arm { Take = take, Resume = resume });
+            return AddRequest("arm", new Arm { Take = take, Resume = resume });
         }
 
-        /// <summary>Silence, softly; the output is let go.</summary>
+        /// <summary>Disarms: the sound fades, and the output is released.</summary>
         public bool Disarm()
         {
-            return Ask("disarm", new Disarm());
+            return AddRequest("disarm", new Disarm());
         }
 
-        /// <summary>After an emergency stop or a fault: it may be armed again.</summary>
+        /// <summary>Allows arming again after an emergency stop or a fault.</summary>
         public bool Reset()
         {
-            return Ask("reset", new Reset());
+            return AddRequest("reset", new Reset());
         }
 
         /// <summary>
-        /// Another solver, backend, technique of objects that have none of their own, or strength, while it runs; what is
-        /// not given stays. intensity: factor on all radiation pressures, 0..1.
+        /// Changes the solver, the backend, the default technique or the intensity. What is null stays. intensity:
+        /// factor on all radiation pressures, 0..1.
         /// </summary>
         public bool Select(
             Choice solver = null, Choice backend = null, ITechnique technique = null, double? intensity = null)
@@ -45,8 +46,8 @@ namespace Pacinian
         }
 
         /// <summary>
-        /// Complex sound pressures [Pa] at points (K, 3) [m] of what is emitted now. answer: is given them, on the game's
-        /// thread; null if there is none.
+        /// Requests the complex sound pressures [Pa] that are now emitted at points (K, 3) [m]. answer: called on the
+        /// game's thread; its argument is null if there is no answer.
         /// </summary>
         public bool Field(Bulk points, Action<Pressures> answer)
         {
@@ -56,8 +57,9 @@ namespace Pacinian
         }
 
         /// <summary>
-        /// Emergency stop: silence at once, whoever owns the output, until <see cref="Reset"/>. From any thread, by a
-        /// connection of its own: also without a session, and before the start or after the end.
+        /// Emergency stop: silences the array at once, whoever owns the output, until <see cref="Reset"/>. May be
+        /// called from any thread. Uses its own connection, and therefore also works without a session, before Start
+        /// and after Dispose.
         /// </summary>
         public void Stop()
         {
@@ -74,20 +76,21 @@ namespace Pacinian
         {
             if (problem.Length > 0)
             {
-                _shared.Inbox.Refuse(Problems.Unstopped(problem));
+                _shared.Inbox.AddRefusal(Problems.Unstopped(problem));
             }
             _shared.PendingStops.End();
             _worker.Wake();
         }
 
-        private bool Ask(string what, Request request)
+        private bool AddRequest(string what, Request request)
         {
             return Add(new PendingRequest(what, request, _shared.Options.Timeout));
         }
 
         private bool Add(PendingRequest request)
         {
-            return IsGamesThread(request.What) && Told(request.What, Woken(_shared.Requests.Add(_standing.Session, request)));
+            return IsGamesThread(request.What)
+                && ReportNoSession(request.What, WakeWorker(_shared.Requests.Add(_standing.Session, request)));
         }
     }
 }

@@ -5,16 +5,17 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What is to be felt. Of what waits to be sent about one object only the newest is sent.</summary>
+    /// <summary>The scene. A command that waits to be sent is dropped if a newer command replaces it.</summary>
     public sealed partial class HapticClient
     {
-        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope: the rest is for other fields
+        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope; the rest is for other fields
 
         private readonly Reader _checker = new Reader();
 
         /// <summary>
-        /// An object: new, or in place of the one of that name. It is read now, and can be changed after. What the server would
-        /// refuse is refused here, by name: false, and <see cref="Refused"/> is raised at the next tick.
+        /// Adds an object, or replaces the one with this name. The object is encoded now, and may be changed
+        /// afterwards. If the server would reject it, returns false, and <see cref="Refused"/> is raised at the next
+        /// tick with the object's name.
         /// </summary>
         public bool Put(string name, Felt item)
         {
@@ -27,32 +28,32 @@ namespace Pacinian
             Refusal why;
             if (ObjectValidation.Find(name, item, part, _checker, out why))
             {
-                _shared.Inbox.Refuse(why);
+                _shared.Inbox.AddRefusal(why);
                 _shared.Writers.Return(part);
                 return false;
             }
-            return Told("put", Write(Kind.Put, name, part, new Movement()));
+            return ReportNoSession("put", Write(Kind.Put, name, part, new Movement()));
         }
 
-        /// <summary>A new pose of an object that is there.</summary>
+        /// <summary>Moves an existing object.</summary>
         public bool Move(string name, Movement movement)
         {
             return IsGamesThread("Move") && Write(Kind.Move, name, null, movement);
         }
 
-        /// <summary>Takes an object away; a name that nothing has is no error.</summary>
+        /// <summary>Removes an object. Does nothing if there is none with this name.</summary>
         public bool Remove(string name)
         {
             return IsGamesThread("Remove") && Write(Kind.Remove, name, null, new Movement());
         }
 
-        /// <summary>Takes away all objects, hands and quiet zones of this client.</summary>
+        /// <summary>Removes all objects, hands and quiet zones of this client.</summary>
         public bool Clear()
         {
-            return IsGamesThread("Clear") && Told("clear", Woken(_shared.Outbox.Clear(_standing.Session, Now)));
+            return IsGamesThread("Clear") && ReportNoSession("clear", WakeWorker(_shared.Outbox.Clear(_standing.Session, Now)));
         }
 
-        /// <summary>How strong an object that is there is over time, from now on.</summary>
+        /// <summary>Replaces the envelope of an existing object.</summary>
         public bool Envelope(string name, IEnvelope envelope)
         {
             if (!IsGamesThread("Envelope"))
@@ -61,19 +62,19 @@ namespace Pacinian
             }
             Writer part = _shared.Writers.Rent();
             envelope.Write(part);
-            return Fits(part, "$.envelope") && Told("envelope", Write(Kind.Envelope, name, part, new Movement()));
+            return Fits(part, "$.envelope") && ReportNoSession("envelope", Write(Kind.Envelope, name, part, new Movement()));
         }
 
         /// <summary>
-        /// All hands that are tracked, in place of those before; from then on only hands feel the scene: with none, or
-        /// only lost ones, which have no joints, nothing is felt.
+        /// Replaces all tracked hands. From then on, objects are felt only where hands touch them. If there are no
+        /// hands, or only lost ones (without joints), nothing is felt.
         /// </summary>
         public bool Hands(IList<HandFrame> hands)
         {
             return Hands(hands, Now);
         }
 
-        /// <summary>The same, as they were at a time of our clock [s].</summary>
+        /// <summary>Does the same for hands at a given time of the client's clock [s].</summary>
         public bool Hands(IList<HandFrame> hands, double time)
         {
             if (!IsGamesThread("Hands"))
@@ -86,10 +87,10 @@ namespace Pacinian
             {
                 hands[i].Write(part);
             }
-            return Woken(_shared.Outbox.Write(_standing.Session, Kind.Hands, part, time));
+            return WakeWorker(_shared.Outbox.Write(_standing.Session, Kind.Hands, part, time));
         }
 
-        /// <summary>All quiet zones of this client, in place of those before.</summary>
+        /// <summary>Replaces all quiet zones of this client.</summary>
         public bool Quiet(IList<Zone> zones)
         {
             if (!IsGamesThread("Quiet"))
@@ -102,26 +103,32 @@ namespace Pacinian
             {
                 zones[i].Write(part);
             }
-            return Told("quiet", Woken(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now)));
+            return ReportNoSession("quiet", WakeWorker(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now)));
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)
         {
-            return Woken(_shared.Outbox.Write(_standing.Session, kind, name, part, ref movement, Now));
+            return WakeWorker(_shared.Outbox.Write(_standing.Session, kind, name, part, ref movement, Now));
         }
 
-        /// <summary>Refuses aloud what was asked for without a session: once, until the next. Not what is sent in each frame.</summary>
-        private bool Told(string what, bool done)
+        /// <summary>
+        /// Reports the first command without a session as a refusal. Does not report commands that are sent every
+        /// frame.
+        /// </summary>
+        private bool ReportNoSession(string what, bool done)
         {
-            if (!done && !_toldNoSession)
+            if (!done && !_reportedNoSession)
             {
-                _toldNoSession = true;
-                _shared.Inbox.Refuse(Problems.NoSession(what, _started));
+                _reportedNoSession = true;
+                _shared.Inbox.AddRefusal(Problems.NoSession(what, _started));
             }
             return done;
         }
 
-        /// <summary>Whether a call comes from the thread that ticked last, or none has; if not, that is told, once.</summary>
+        /// <summary>
+        /// Returns whether the call comes from the thread that ticked last, or no thread has ticked. Reports the first
+        /// wrong call.
+        /// </summary>
         private bool IsGamesThread(string call)
         {
             int thread = Environment.CurrentManagedThreadId;
@@ -129,15 +136,15 @@ namespace Pacinian
             {
                 return true;
             }
-            if (!_toldThread)
+            if (!_reportedThread)
             {
-                _toldThread = true;
-                _shared.Inbox.Refuse(Problems.WrongThread(call));
+                _reportedThread = true;
+                _shared.Inbox.AddRefusal(Problems.WrongThread(call));
             }
             return false;
         }
 
-        private bool Woken(bool done)
+        private bool WakeWorker(bool done)
         {
             if (done)
             {
@@ -152,7 +159,7 @@ namespace Pacinian
             {
                 return true;
             }
-            _shared.Inbox.Refuse(new Refusal
+            _shared.Inbox.AddRefusal(new Refusal
             {
                 Code = "limit",
                 Message = "is " + part.Count + " bytes: keep to " + Largest,

@@ -3,10 +3,10 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>How it stands, as of the last tick.</summary>
+    /// <summary>The client's state, as of the last tick.</summary>
     public sealed partial class HapticClient
     {
-        /// <summary>How it stands with the server.</summary>
+        /// <summary>The state of the connection.</summary>
         public ClientStatus Status
         {
             get { return _standing.Status; }
@@ -18,7 +18,7 @@ namespace Pacinian
             get { return _standing.Problem; }
         }
 
-        /// <summary>Whether this client's scene may be felt.</summary>
+        /// <summary>Whether this client has armed the output and owns it.</summary>
         public bool Armed
         {
             get { return _standing.Armed && _standing.Owner; }
@@ -30,7 +30,7 @@ namespace Pacinian
             get { return _standing.Owner; }
         }
 
-        /// <summary>From the last tick to silence, as agreed with the server [s].</summary>
+        /// <summary>The time from the last tick to silence, as granted by the server [s].</summary>
         public double Lease
         {
             get { return _standing.Lease; }
@@ -42,67 +42,67 @@ namespace Pacinian
             get { return _standing.Scene; }
         }
 
-        /// <summary>What the server says that it is.</summary>
+        /// <summary>The server's description of itself.</summary>
         public string Server
         {
             get { return _standing.Server; }
         }
 
-        /// <summary>Median round trip of the last renewals [s].</summary>
+        /// <summary>The median round trip of the last renewals [s].</summary>
         public double Latency
         {
             get { return _trips.Median; }
         }
 
-        /// <summary>Round trips of the last renewals.</summary>
+        /// <summary>The round trips of the last renewals.</summary>
         public Trips Trips
         {
             get { return _trips; }
         }
 
-        /// <summary>Server's clock less ours [s]; right to half of the shortest round trip.</summary>
+        /// <summary>The server's clock minus the client's [s]; the error is at most half of the shortest round trip.</summary>
         public double Offset
         {
             get { return _offset; }
         }
 
-        /// <summary>What the server can do; null until it has told.</summary>
+        /// <summary>The server's capabilities; null until it has reported them.</summary>
         public Abilities Capabilities
         {
             get { return _standing.Abilities; }
         }
 
-        /// <summary>The newest state, good until the next tick; null before the first of this session.</summary>
+        /// <summary>The newest state, valid until the next tick; null before the first one of this session.</summary>
         public State State
         {
             get { return _shared.Inbox.Read; }
         }
 
-        /// <summary>What is felt of an object's surface or volume, by its name, in the newest state.</summary>
+        /// <summary>Returns the achieved and the requested pressure of an object's surface or volume, from the newest state.</summary>
         public RegionFelt Felt(string name)
         {
             return RegionFelt.Of(State, name);
         }
 
-        /// <summary>Why the output is silent, and what to do; "" while it sounds. As of the newest state.</summary>
+        /// <summary>Why the output is silent, and what to do, from the newest state; "" while it sounds.</summary>
         public Silence Silence
         {
             get { return Silence.Of(_standing, State); }
         }
 
-        /// <summary>Hands that feel an object of this client's scene now.</summary>
+        /// <summary>The hands that now feel an object of this client's scene.</summary>
         public IReadOnlyList<HandTouch> Touches
         {
             get { return _touches.Now; }
         }
 
-        /// <summary>Our steady clock [s].</summary>
+        /// <summary>The client's monotonic clock [s].</summary>
         public double Now
         {
             get { return _shared.Options.Clock(); }
         }
 
-        /// <summary>How long ago the server published a state [s].</summary>
+        /// <summary>Returns the time since the server published a state [s].</summary>
         public double Age(State state)
         {
             return Now + _offset - state.Time;

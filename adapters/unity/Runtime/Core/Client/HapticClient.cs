@@ -6,16 +6,16 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// A game's side of the wire. Nothing here waits: a worker thread owns the sockets, and what is asked is done later
-    /// or, if there is no session, not at all; then the answer is false. All but <see cref="Stop"/> belongs to the game's
-    /// thread, the one that calls <see cref="Tick"/>, which raises the events. Calls from another one do nothing, and that is told.
-    ///
-    /// It connects by itself, again and again. After a loss nothing resumes: the output is not armed, and what was put is
-    /// to be put again, best when <see cref="Connected"/> is raised.
+    /// A client of the server. No call blocks: a worker thread owns the sockets and sends commands later. Without a
+    /// session, commands return false and are not sent. All members except <see cref="Stop"/> belong to the game's
+    /// thread, which calls <see cref="Tick"/>; Tick raises the events. Calls from another thread do nothing and are
+    /// reported.
+    /// The client connects, and reconnects, by itself. After a loss nothing resumes: the output is not armed, and the
+    /// game must put its objects again, best when <see cref="Connected"/> is raised.
     /// </summary>
     public sealed partial class HapticClient : IDisposable
     {
-        private const double End = 0.5; // [s] that the end may take
+        private const double End = 0.5; // [s] that Dispose may wait
 
         private readonly SharedState _shared;
         private readonly Worker _worker;
@@ -24,68 +24,73 @@ namespace Pacinian
         private Standing _standing = Standing.None(ClientStatus.Stopped, "");
         private Trips _trips;
         private double _offset;
-        private bool _started, _ended, _toldNoSession;
-        private volatile int _thread; // that ticked last; 0: none has
-        private volatile bool _toldThread;
+        private bool _started, _ended, _reportedNoSession;
+        private volatile int _thread; // the thread that ticked last; 0: none
+        private volatile bool _reportedThread;
 
-        /// <summary>Not started yet.</summary>
+        /// <summary>Creates a client that is not started.</summary>
         public HapticClient(Options options)
         {
             _shared = new SharedState(options);
             _worker = new Worker(_shared);
         }
 
-        /// <summary>One that is forgotten ends by itself.</summary>
+        /// <summary>Ends the worker of a client that was not disposed.</summary>
         ~HapticClient()
         {
             _worker?.End();
         }
 
-        /// <summary>There is a session: now put what is to be felt.</summary>
+        /// <summary>A session has started: put the objects now.</summary>
         public event Action Connected;
 
-        /// <summary>The session is over, and why: nothing of it goes on.</summary>
+        /// <summary>The session has ended. The argument is the reason. Nothing of the session continues.</summary>
         public event Action<string> Lost;
 
-        /// <summary>It does not sound any more, unasked: owner, stopped or fault; without `resume`, expired, too.</summary>
+        /// <summary>
+        /// The output ended unasked: another owner, an emergency stop or a fault; without `resume` also an expired
+        /// lease.
+        /// </summary>
         public event Action<Refusal> Ended;
 
-        /// <summary>What the server would not do.</summary>
+        /// <summary>The server refused a command or request.</summary>
         public event Action<Refusal> Refused;
 
-        /// <summary>The server has published a state, which is good until the next tick.</summary>
+        /// <summary>The server has published a state, which is valid until the next tick.</summary>
         public event Action<State> StateChanged;
 
-        /// <summary>A hand begins to feel an object of this client's scene. Touches come with the states, 60 times a second.</summary>
+        /// <summary>
+        /// A hand begins to feel an object of this client's scene. Touches arrive with the states, 60 times a second.
+        /// </summary>
         public event Action<HandTouch> TouchBegan;
 
-        /// <summary>It feels it still, where and as strongly as told.</summary>
+        /// <summary>A hand still feels an object: its position and strength.</summary>
         public event Action<HandTouch> TouchMoved;
 
-        /// <summary>It feels it no more, as it was told last.</summary>
+        /// <summary>A hand no longer feels an object. The argument is the last report of the touch.</summary>
         public event Action<HandTouch> TouchEnded;
 
         /// <summary>
-        /// The game stood still for longer than its lease while it was armed. It sounds again by itself if it was armed with
-        /// `resume`, still owns the output, and nothing else has ended the sound.
+        /// The game stood still for longer than its lease while it was armed. The output sounds again by itself if the
+        /// client armed it with `resume` and still owns it, and if nothing else has ended the sound.
         /// </summary>
         public event Action<Standstill> StoodStill;
 
-        /// <summary>Begins to connect.</summary>
+        /// <summary>Starts to connect.</summary>
         public void Start()
         {
             if (!_started && !_ended)
             {
                 _started = true;
                 _standing = Standing.None(ClientStatus.Connecting, "");
-                _shared.Inbox.Stand(_standing);
+                _shared.Inbox.SetStanding(_standing);
                 _worker.Start();
             }
         }
 
         /// <summary>
-        /// Once in each of the game's frames: it is alive, so the lease goes on; what has happened is told. A game that
-        /// does not tick is silent when its lease is over, until it ticks again.
+        /// Renews the lease and raises the events; call it once per frame. A game that does not tick is silent when its
+        /// lease is over, until it ticks again.
         /// </summary>
         public void Tick()
         {
@@ -95,26 +100,26 @@ namespace Pacinian
             }
             _thread = Environment.CurrentManagedThreadId;
             double still, worker;
-            _shared.Heartbeat.Tick(Now, out still, out worker);
+            _shared.Heartbeat.RecordTick(Now, out still, out worker);
             _worker.Wake();
             if (Armed && still > Lease)
             {
                 StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.75 * still });
             }
-            bool fresh = _shared.Inbox.Look(out _standing, out _trips, out _offset);
+            bool fresh = _shared.Inbox.TakeState(out _standing, out _trips, out _offset);
             Notice notice;
-            while (!_ended && _shared.Inbox.Take(out notice, ref _standing))
+            while (!_ended && _shared.Inbox.TakeNotice(out notice, ref _standing))
             {
                 Raise(notice);
             }
             if (fresh && !_ended)
             {
-                Follow(State.Scene == Scene ? State : null);
+                UpdateTouches(State.Scene == Scene ? State : null);
                 StateChanged?.Invoke(State);
             }
         }
 
-        /// <summary>Says goodbye, and ends: silence, if this client owns the output. Takes half a second at most.</summary>
+        /// <summary>Ends the session, and the sound if this client owns the output. Waits for half a second at most.</summary>
         public void Dispose()
         {
             if (_ended)
@@ -123,7 +128,7 @@ namespace Pacinian
             }
             _ended = true;
             GC.SuppressFinalize(this);
-            double due = Timing.Now() + End;
+            double due = SteadyClock.Now() + End;
             _worker.End();
             _worker.Join(Left(due));
             lock (_stops)
@@ -138,20 +143,20 @@ namespace Pacinian
 
         private static int Left(double due)
         {
-            return (int)Math.Max(0.0, 1e3 * (due - Timing.Now()));
+            return (int)Math.Max(0.0, 1e3 * (due - SteadyClock.Now()));
         }
 
-        private void Follow(State state)
+        private void UpdateTouches(State state)
         {
-            _touches.Follow(state, TouchBegan, TouchMoved, TouchEnded);
+            _touches.ReportChanges(state, TouchBegan, TouchMoved, TouchEnded);
         }
 
         private void Raise(Notice notice)
         {
             switch (notice.What)
             {
-                case Happening.Connected: _toldNoSession = false; Connected?.Invoke(); break;
-                case Happening.Lost: Follow(null); Lost?.Invoke(notice.Why.Message); break;
+                case Happening.Connected: _reportedNoSession = false; Connected?.Invoke(); break;
+                case Happening.Lost: UpdateTouches(null); Lost?.Invoke(notice.Why.Message); break;
                 case Happening.Ended: Ended?.Invoke(notice.Why); break;
                 case Happening.Refused: Refused?.Invoke(notice.Why); break;
                 case Happening.Answered: notice.Callback(notice.Answer); break;

@@ -2,7 +2,7 @@ using System;
 
 namespace Pacinian
 {
-    /// <summary>The server's three sockets: requests and their answers, commands, the published state.</summary>
+    /// <summary>The server's three sockets: requests and replies, commands, and the published state.</summary>
     public enum Channel
     {
         Control,
@@ -13,54 +13,54 @@ namespace Pacinian
     /// <summary>How a connection has ended.</summary>
     public enum Ending
     {
-        /// <summary>It has not.</summary>
+        /// <summary>The connection has not ended.</summary>
         None,
 
-        /// <summary>Nobody listens there.</summary>
+        /// <summary>No program listens at the address.</summary>
         Nobody,
 
-        /// <summary>It was there, and has gone.</summary>
+        /// <summary>The server closed the connection, or is gone.</summary>
         Gone,
 
-        /// <summary>It refuses the token or key.</summary>
+        /// <summary>The server rejected the token or key.</summary>
         Denied,
 
-        /// <summary>It is no Pacinian server, or wants other security.</summary>
+        /// <summary>The peer is not a Pacinian server, or uses another security mechanism.</summary>
         Foreign,
     }
 
     /// <summary>
-    /// Carries whole messages to and from one server. All but <see cref="Wake"/> belongs to one thread, and nothing
-    /// but <see cref="Wait"/> waits. Once a connection has ended it does not come back by itself, and it takes a
-    /// message only while it stands: so nothing old can reach a server that was started anew.
+    /// Carries whole messages to and from one server. All members except <see cref="Wake"/> belong to one thread, and
+    /// only <see cref="Wait"/> blocks. A connection that has ended does not come back, and it accepts messages only
+    /// while it is connected. Therefore no old message reaches a restarted server.
     /// </summary>
     public interface ITransport : IDisposable
     {
-        /// <summary>Begins to connect, to the control socket alone unless all; "" or why it cannot.</summary>
+        /// <summary>Starts to connect, only to the control socket unless `all`. Returns "", or the reason for a failure.</summary>
         string Open(ConnectionFile file, bool all);
 
-        /// <summary>How the connection has ended.</summary>
+        /// <summary>Returns how the connection has ended.</summary>
         Ending Ended();
 
-        /// <summary>Why the connection has ended, for people; "" if that is not known, or it has not.</summary>
+        /// <summary>Why the connection has ended, for people; "" if unknown, or if it has not ended.</summary>
         string Problem { get; }
 
-        /// <summary>Whether a message can be sent now; if not, the next wait ends when it can.</summary>
+        /// <summary>Returns whether a message can be sent now. If not, the next wait ends when there is room.</summary>
         bool Room(Channel channel);
 
-        /// <summary>Sends the first bytes of data; false if there is no room, as above.</summary>
+        /// <summary>Sends the first bytes of data. Returns false if there is no room, as above.</summary>
         bool Send(Channel channel, byte[] data, int count);
 
-        /// <summary>The next message, without its topic: how many bytes it is; -1 if there is none.</summary>
+        /// <summary>Receives the next message, without its topic. Returns its length; -1 if there is none.</summary>
         int Receive(Channel channel, byte[] into);
 
-        /// <summary>Waits until something has come, it is woken, or so long [s].</summary>
+        /// <summary>Waits for a message, for Wake, or for this time [s] at most.</summary>
         void Wait(double seconds);
 
-        /// <summary>Ends a wait, now or the next; from any thread, also after the end.</summary>
+        /// <summary>Ends the present wait, or the next one. May be called from any thread, even after Dispose.</summary>
         void Wake();
 
-        /// <summary>Ends the connection at once; what was not sent is not sent any more.</summary>
+        /// <summary>Closes the connection at once. Messages that were not sent are dropped.</summary>
         void Close();
     }
 }

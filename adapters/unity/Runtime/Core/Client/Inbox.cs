@@ -5,12 +5,12 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// What the worker has for the game: how it stands, what has happened, the newest state. Both sides only hold
-    /// the lock for a few assignments. States go round in three objects, so that none is made while it runs.
+    /// What the worker passes to the game: the client's state, notices and the newest state of the server. Both sides
+    /// hold the lock only for a few assignments. Three state objects rotate, so that none is allocated.
     /// </summary>
     internal sealed class Inbox
     {
-        private const int MaxNotices = 1000; // that wait; of more, the oldest are forgotten
+        private const int MaxNotices = 1000; // the oldest are dropped beyond that
 
         private readonly object _lock = new object();
         private readonly Queue<Notice> _notices = new Queue<Notice>(16);
@@ -25,11 +25,11 @@ namespace Pacinian
             Back = new State();
         }
 
-        /// <summary>The state that the worker may write.</summary>
+        /// <summary>The state object that the worker may write.</summary>
         public State Back { get; private set; }
 
-        /// <summary>The worker has written a state.</summary>
-        public void Publish()
+        /// <summary>Publishes the state that the worker has written.</summary>
+        public void PublishState()
         {
             lock (_lock)
             {
@@ -40,8 +40,8 @@ namespace Pacinian
             }
         }
 
-        /// <summary>How it stands now. States of another session are not read any more.</summary>
-        public void Stand(Standing standing)
+        /// <summary>Sets the client's state. Published states of another session become invalid.</summary>
+        public void SetStanding(Standing standing)
         {
             lock (_lock)
             {
@@ -52,7 +52,7 @@ namespace Pacinian
             }
         }
 
-        public void Time(Trips trips, double offset)
+        public void SetServerClock(Trips trips, double offset)
         {
             lock (_lock)
             {
@@ -61,7 +61,7 @@ namespace Pacinian
             }
         }
 
-        public void Tell(Notice notice)
+        public void AddNotice(Notice notice)
         {
             lock (_lock)
             {
@@ -73,22 +73,22 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The server would not do something.</summary>
-        public void Refuse(Refusal why)
+        /// <summary>Adds a notice that the server refused something.</summary>
+        public void AddRefusal(Refusal why)
         {
-            Tell(new Notice { What = Happening.Refused, Why = why });
+            AddNotice(new Notice { What = Happening.Refused, Why = why });
         }
 
-        /// <summary>Something was answered; null: it will not be.</summary>
-        public void Answer(PendingRequest request, Pressures answer)
+        /// <summary>Adds a notice with the answer to a request; null: there will be none.</summary>
+        public void AddAnswer(PendingRequest request, Pressures answer)
         {
             if (request.Callback != null)
             {
-                Tell(new Notice { What = Happening.Answered, Callback = request.Callback, Answer = answer });
+                AddNotice(new Notice { What = Happening.Answered, Callback = request.Callback, Answer = answer });
             }
         }
 
-        /// <summary>How it stands.</summary>
+        /// <summary>The client's state.</summary>
         public Standing Standing
         {
             get
@@ -100,8 +100,8 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The game takes the next notice, if there is one, and how it stands now.</summary>
-        public bool Take(out Notice notice, ref Standing standing)
+        /// <summary>Takes the next notice, and the client's present state. Returns false if there is no notice.</summary>
+        public bool TakeNotice(out Notice notice, ref Standing standing)
         {
             lock (_lock)
             {
@@ -116,8 +116,8 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The game looks: the newest state, if one has come since, is the one that is read now.</summary>
-        public bool Look(out Standing standing, out Trips trips, out double offset)
+        /// <summary>Makes the newest state the one that the game reads. Returns false if no new one has arrived.</summary>
+        public bool TakeState(out Standing standing, out Trips trips, out double offset)
         {
             lock (_lock)
             {
@@ -139,7 +139,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The state that the game reads, until it looks again; null before the first of this session.</summary>
+        /// <summary>The state that the game reads; null before the first one of this session.</summary>
         public State Read
         {
             get { return _any ? _read : null; }

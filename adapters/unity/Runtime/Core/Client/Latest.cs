@@ -4,11 +4,11 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What waits to be sent about objects, by name. Pure; belongs to who holds the outbox's lock.</summary>
+    /// <summary>The waiting commands about objects, by name. Not thread-safe: the outbox's lock protects it.</summary>
     internal sealed class Latest
     {
-        private const int Full = 900000; // [bytes] of objects in one message
-        private const double Together = 0.001; // [s] between parts that are sent with one time
+        private const int Full = 900000; // [bytes] of the objects in one message
+        private const double Together = 0.001; // [s] between parts that are sent in one message, with one time
 
         private static readonly Kind[] Kinds = { Kind.Remove, Kind.Put, Kind.Envelope, Kind.Move };
 
@@ -18,14 +18,17 @@ namespace Pacinian
         private readonly WriterPool _writers;
         private readonly double _life;
 
-        /// <summary>writers: where bytes come from. life: how long a command may live [s].</summary>
+        /// <summary>writers: the pool of the parts. life: the time to live of a command [s].</summary>
         public Latest(WriterPool writers, double life)
         {
             _writers = writers;
             _life = life;
         }
 
-        /// <summary>Keeps something about an object, in place of what it outdoes. part: its bytes, which are taken.</summary>
+        /// <summary>
+        /// Adds a command about an object, and drops waiting ones that it replaces. part: its bytes, whose ownership
+        /// passes.
+        /// </summary>
         public void Write(Kind kind, string name, Writer part, ref Movement movement, double now)
         {
             Waiting waiting;
@@ -46,7 +49,7 @@ namespace Pacinian
             waiting.Keep(kind, part, ref movement, now);
         }
 
-        /// <summary>The next of it, if the batch is empty yet; what has waited too long is dropped.</summary>
+        /// <summary>Moves the next commands to the batch if it is empty. Drops commands whose time to live is over.</summary>
         public void Take(Batch batch, double now)
         {
             for (int i = 0; i < Kinds.Length && batch.Kind == Kind.None && _waiting.Count > 0; i++)
@@ -56,7 +59,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Nothing waits any more.</summary>
+        /// <summary>Drops all commands.</summary>
         public void Forget()
         {
             foreach (KeyValuePair<string, Waiting> pair in _waiting)

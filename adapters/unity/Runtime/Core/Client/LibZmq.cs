@@ -5,8 +5,8 @@ using System.Text;
 namespace Pacinian
 {
     /// <summary>
-    /// The part of libzmq's C interface that is used. Unity finds a native plug-in of that name; .NET and Mono look
-    /// for libzmq.dll, libzmq.so or libzmq.dylib, and Mono can be told another name by Pacinian.dll.config.
+    /// The part of libzmq's C interface that the client uses. Unity finds a native plug-in of that name. .NET and Mono
+    /// look for libzmq.dll, libzmq.so or libzmq.dylib; Pacinian.dll.config can give Mono another name.
     /// </summary>
     internal static class LibZmq
     {
@@ -65,7 +65,7 @@ namespace Pacinian
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         public static extern int zmq_getsockopt(IntPtr socket, int option, ref int value, ref UIntPtr count);
 
-        /// <summary>Text as C has it.</summary>
+        /// <summary>Returns a text as a null-terminated string.</summary>
         public static byte[] Text(string text)
         {
             return Encoding.UTF8.GetBytes(text + "\0");

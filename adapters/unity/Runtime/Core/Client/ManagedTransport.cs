@@ -7,12 +7,12 @@ using Pacinian.Zmtp;
 
 namespace Pacinian
 {
-    /// <summary>By the sockets of .NET alone, with the token of a server on this machine, over TCP: no native library is needed.</summary>
+    /// <summary>Uses .NET's sockets over TCP, and the token of a server on this machine. Needs no native library.</summary>
     public sealed class ManagedTransport : ITransport
     {
-        private const double LongestWait = 0.05; // [s]: a thread that waits cannot be ended
+        private const double LongestWait = 0.05; // [s]: a waiting thread cannot be ended
         private const double PingInterval = 0.05; // [s]
-        private const int MaxToken = 255; // [bytes]: what a HELLO has room for
+        private const int MaxToken = 255; // [bytes] that a HELLO has room for
         private const string User = "pacinian";
 
         private readonly AutoResetEvent _wake = new AutoResetEvent(false);
@@ -31,7 +31,7 @@ namespace Pacinian
             {
                 string address = file.AddressOf((Channel)i);
                 IPEndPoint at = Endpoint.Read(address);
-                if (at == null || !IPAddress.IsLoopback(at.Address)) // a token goes in clear text
+                if (at == null || !IPAddress.IsLoopback(at.Address)) // a token is sent in clear text
                 {
                     Close();
                     return "cannot connect to " + address + ": with a token it must be tcp://ADDRESS:PORT of this machine";
@@ -145,13 +145,13 @@ namespace Pacinian
                 User = User,
                 Password = token,
                 MaxMessage = Protocol.MaxReplyBytes,
-                PingInterval = channel == Channel.Control ? PingInterval : 0.0, // elsewhere it would wait behind what is not read
+                PingInterval = channel == Channel.Control ? PingInterval : 0.0, // elsewhere a ping would wait behind unread messages
             };
             if (state)
             {
                 settings.Topics.Add(Encoding.ASCII.GetBytes("state"));
             }
-            return new ZmtpSocket(settings, at, state, _wake, Timing.Now);
+            return new ZmtpSocket(settings, at, state, _wake, SteadyClock.Now);
         }
     }
 }

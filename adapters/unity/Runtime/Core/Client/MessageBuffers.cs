@@ -2,7 +2,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What the worker writes and reads with, made once.</summary>
+    /// <summary>The worker's buffers for writing and reading, allocated once.</summary>
     internal sealed class MessageBuffers
     {
         public readonly Writer Writer = new Writer(1 << 16);
@@ -12,7 +12,7 @@ namespace Pacinian
         public IReply Reply;
         public readonly Commands Commands;
 
-        /// <summary>life: how long a command may live [s].</summary>
+        /// <summary>life: the time to live of a command [s].</summary>
         public MessageBuffers(double life)
         {
             Commands = new Commands(life);
@@ -20,12 +20,12 @@ namespace Pacinian
             Spare = new byte[Protocol.MaxReplyBytes];
         }
 
-        /// <summary>A message as it has come, and room for the next.</summary>
+        /// <summary>The bytes of a received message. `Spare` has room for the next.</summary>
         public byte[] Data { get; private set; }
 
         public byte[] Spare { get; private set; }
 
-        /// <summary>The next is what was read last.</summary>
+        /// <summary>Exchanges `Data` and `Spare`.</summary>
         public void Swap()
         {
             byte[] data = Data;

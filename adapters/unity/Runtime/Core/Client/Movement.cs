@@ -1,21 +1,21 @@
 namespace Pacinian
 {
-    /// <summary>A new pose of an object, in the world's frame, and how it moves from then on.</summary>
+    /// <summary>A new pose of an object, in the array's frame, and its velocity.</summary>
     public struct Movement
     {
-        /// <summary>Where [m].</summary>
+        /// <summary>The position [m].</summary>
         public Vec3 Position;
 
-        /// <summary>How it is turned.</summary>
+        /// <summary>The rotation.</summary>
         public Quat Rotation;
 
-        /// <summary>Velocity [m/s], and about the world's axes [rad/s].</summary>
+        /// <summary>The velocity [m/s], and the angular velocity about the frame's axes [rad/s].</summary>
         public Vec3 Velocity, AngularVelocity;
 
         /// <summary>Whether the velocities are known.</summary>
         public bool Moving;
 
-        /// <summary>A pose, standing still.</summary>
+        /// <summary>Creates a pose without velocity.</summary>
         public Movement(Vec3 position, Quat rotation)
         {
             Position = position;

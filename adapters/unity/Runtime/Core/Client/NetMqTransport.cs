@@ -7,9 +7,9 @@ using NetMQ.Sockets;
 namespace Pacinian
 {
     /// <summary>
-    /// By NetMQ 4.0.1 or newer, where no native library can be used: over TCP, with CURVE keys only, as it has no PLAIN. It
-    /// does not tell why a server refuses, and takes memory for each message. On Windows AsyncIO.ForceDotNet.Force() is
-    /// to be called before.
+    /// Uses NetMQ 4.0.1 or newer over TCP, for platforms without a native library. It supports only CURVE keys, because
+    /// NetMQ has no PLAIN. It does not report why a server refuses, and allocates for each message. On Windows, call
+    /// AsyncIO.ForceDotNet.Force() first.
     /// </summary>
     public sealed class NetMqTransport : ITransport
     {
@@ -25,7 +25,7 @@ namespace Pacinian
         private bool _stood;
         private int _rung;
 
-        /// <summary>Not connected.</summary>
+        /// <summary>Creates a transport that is not connected.</summary>
         public NetMqTransport()
         {
             PairSocket.CreateSocketPair(out _wakes, out _woken);
@@ -75,7 +75,7 @@ namespace Pacinian
             return "";
         }
 
-        /// <summary>A connection that stood has gone when there is no room on its control socket any more.</summary>
+        /// <summary>Returns how the connection has ended. It counts as gone once its control socket has no room any more.</summary>
         public Ending Ended()
         {
             NetMQSocket control = _sockets[0];
@@ -87,7 +87,7 @@ namespace Pacinian
         /// <inheritdoc/>
         public string Problem
         {
-            get { return ""; } // NetMQ does not tell
+            get { return ""; } // NetMQ does not report it
         }
 
         /// <inheritdoc/>
@@ -120,7 +120,7 @@ namespace Pacinian
             }
             while (more)
             {
-                socket.TryReceiveFrameBytes(Never, out part, out more); // all parts of a message come together
+                socket.TryReceiveFrameBytes(Never, out part, out more); // all parts of a message arrive together
             }
             int count = Math.Min(part.Length, into.Length);
             Buffer.BlockCopy(part, 0, into, 0, count);

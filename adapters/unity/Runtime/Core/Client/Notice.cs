@@ -3,7 +3,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What is told by an event.</summary>
+    /// <summary>The kinds of notices.</summary>
     internal enum Happening
     {
         None,
@@ -14,7 +14,7 @@ namespace Pacinian
         Answered,
     }
 
-    /// <summary>Something that has happened, to be told on the game's thread.</summary>
+    /// <summary>Something that an event reports on the game's thread.</summary>
     internal struct Notice
     {
         public Happening What;

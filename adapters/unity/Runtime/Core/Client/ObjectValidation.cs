@@ -2,13 +2,16 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What the server would refuse is found here: one bad object would take others of its message with it.</summary>
+    /// <summary>Finds objects that the server would reject. The server rejects a whole message because of one wrong object.</summary>
     public static class ObjectValidation
     {
-        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of one object: the rest is for other fields
+        private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of one object; the rest is for other fields
         private const int LongestName = 64; // characters
 
-        /// <summary>What is wrong with an object; "" if nothing is. Limits of the server's own settings are not known here.</summary>
+        /// <summary>
+        /// Returns what is wrong with an object; "" if nothing is. Does not know the limits in the server's own
+        /// settings.
+        /// </summary>
         public static string Problem(Felt item)
         {
             Writer writer = new Writer(4096);
@@ -19,7 +22,7 @@ namespace Pacinian
                 : "";
         }
 
-        /// <summary>Whether something is wrong with an object, and what. written: its bytes. reader: to read them.</summary>
+        /// <summary>Returns whether an object is wrong, and why. written: its bytes. reader: used to decode them.</summary>
         internal static bool Find(string name, Felt item, Writer written, Reader reader, out Refusal why)
         {
             string path = "$.objects[" + name + "]";

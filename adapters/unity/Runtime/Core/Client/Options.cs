@@ -2,37 +2,38 @@ using System;
 
 namespace Pacinian
 {
-    /// <summary>How a client connects.</summary>
+    /// <summary>Options of a client.</summary>
     public sealed class Options
     {
         /// <summary>
-        /// The connection file; where PACINIAN_CONNECTION says, or where the server writes it, unless given. Or the file's content,
-        /// which begins with {: for a server whose files this program cannot read, as from a headset.
+        /// The path of the connection file; "": the path in PACINIAN_CONNECTION, or the place where the server writes
+        /// it. Or the content of the file, which begins with {, if the client cannot read the server's files, as on a
+        /// headset.
         /// </summary>
         public string ConnectionPath = "";
 
-        /// <summary>Who this is, for people: 1 to 64 characters.</summary>
+        /// <summary>The name of the client, shown to people: 1 to 64 characters.</summary>
         public string Name = "game";
 
-        /// <summary>The game's version, for people.</summary>
+        /// <summary>The version of the game, shown to people.</summary>
         public string Version = "";
 
-        /// <summary>Clients of one name share a scene; one of its own unless given.</summary>
+        /// <summary>Clients with the same name share a scene; "": a scene of its own.</summary>
         public string Scene = "";
 
-        /// <summary>Within which the game must tick while it is armed [s]; 0: the server's, which is the most.</summary>
+        /// <summary>The longest time between two ticks while the client is armed [s]; 0: the longest that the server allows.</summary>
         public double Lease;
 
-        /// <summary>A command that the server would apply later than so long after it was asked for is dropped [s].</summary>
+        /// <summary>The time to live of a command [s]: the server drops it if it would apply it later.</summary>
         public double Life = 1.0;
 
-        /// <summary>An answer that takes longer means that the server hangs [s].</summary>
+        /// <summary>If an answer takes longer, the client takes the server to be hanging [s].</summary>
         public double Timeout = 2.0;
 
-        /// <summary>A steady clock [s].</summary>
-        public Func<double> Clock = Timing.Now;
+        /// <summary>A monotonic clock [s].</summary>
+        public Func<double> Clock = SteadyClock.Now;
 
-        /// <summary>Makes the transport, on the thread that it belongs to.</summary>
+        /// <summary>Creates the transport, on the thread that uses it.</summary>
         public Func<ITransport> Transport = Transports.Make;
     }
 }

@@ -3,8 +3,9 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// Commands that wait to be sent: the game writes, the worker takes. Of each object only the newest is kept, for
-    /// as long as a command may live. What is written for another session than the one there is, is not kept.
+    /// The commands that wait to be sent: the game adds them, the worker takes them. A newer command drops waiting ones
+    /// that it replaces: of each kind for one object only the newest waits, and `Put` and `Remove` replace all kinds. A
+    /// command is also dropped when its time to live is over, or if it was written for another session.
     /// </summary>
     internal sealed class Outbox
     {
@@ -17,7 +18,7 @@ namespace Pacinian
         private bool _clear;
         private int _session;
 
-        /// <summary>writers: where the bytes that are given come from. life: how long a command may live [s].</summary>
+        /// <summary>writers: the pool of the parts. life: the time to live of a command [s].</summary>
         public Outbox(WriterPool writers, double life)
         {
             _writers = writers;
@@ -25,7 +26,7 @@ namespace Pacinian
             _latest = new Latest(writers, life);
         }
 
-        /// <summary>Begins a session, with nothing that waits; 0: there is none.</summary>
+        /// <summary>Starts a session without waiting commands. session: 0 for none.</summary>
         public void Open(int session)
         {
             lock (_lock)
@@ -35,7 +36,10 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Keeps something about an object, in place of what it outdoes. part: its bytes, which are taken.</summary>
+        /// <summary>
+        /// Adds a command about an object, and drops waiting ones that it replaces. part: its bytes, whose ownership
+        /// passes.
+        /// </summary>
         public bool Write(int session, Kind kind, string name, Writer part, ref Movement movement, double now)
         {
             lock (_lock)
@@ -49,7 +53,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Keeps all hands, or all quiet zones. part: their bytes, which are taken.</summary>
+        /// <summary>Replaces all hands, or all quiet zones. part: their bytes, whose ownership passes.</summary>
         public bool Write(int session, Kind kind, Writer part, double time)
         {
             lock (_lock)
@@ -74,7 +78,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Keeps that all is to be cleared, and nothing else.</summary>
+        /// <summary>Drops all commands, and adds a clear.</summary>
         public bool Clear(int session, double now)
         {
             lock (_lock)
@@ -90,7 +94,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The next command to be sent, whose parts are to be returned; false if nothing waits.</summary>
+        /// <summary>Takes the next command, whose parts the caller returns. Returns false if none waits.</summary>
         public bool Take(Batch batch, double now)
         {
             batch.Clear();

@@ -3,13 +3,13 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Something that is asked of the server, and answered.</summary>
+    /// <summary>A request or command that the server answers.</summary>
     internal sealed class PendingRequest
     {
         private readonly Request _request;
         private readonly Command _command;
 
-        /// <summary>To the control socket. what: as it is called on the wire. patience: for the answer [s].</summary>
+        /// <summary>Creates a request for the control socket. what: its name on the wire. patience: for the answer [s].</summary>
         public PendingRequest(string what, Request request, double patience)
         {
             What = what;
@@ -17,7 +17,7 @@ namespace Pacinian
             Patience = patience;
         }
 
-        /// <summary>To the command socket. callback: is given the answer, or null.</summary>
+        /// <summary>Creates a command for the command socket. callback: receives the answer, or null.</summary>
         public PendingRequest(string what, Command command, double patience, Action<Pressures> callback)
         {
             What = what;
@@ -30,7 +30,7 @@ namespace Pacinian
 
         public double Patience { get; private set; }
 
-        /// <summary>By when there must be an answer [s].</summary>
+        /// <summary>The time by which the answer must arrive [s].</summary>
         public double Until { get; private set; }
 
         public Action<Pressures> Callback { get; private set; }
@@ -40,25 +40,25 @@ namespace Pacinian
             get { return _command != null ? Channel.Command : Channel.Control; }
         }
 
-        /// <summary>Whether this client is armed after it is done.</summary>
+        /// <summary>Whether it arms the output.</summary>
         public bool Arms
         {
             get { return _request is Arm; }
         }
 
-        /// <summary>Whether it lets the output go.</summary>
+        /// <summary>Whether it releases the output.</summary>
         public bool LetsGo
         {
             get { return _request is Disarm; }
         }
 
-        /// <summary>Whether it ends a stop.</summary>
+        /// <summary>Whether it resets an emergency stop.</summary>
         public bool Resets
         {
             get { return _request is Reset; }
         }
 
-        /// <summary>Writes it, in place of what the writer holds. sequence: for commands.</summary>
+        /// <summary>Writes the message. Replaces the writer's content. sequence: the counter of commands.</summary>
         public void Write(Writer writer, Bulk session, long id, ref long sequence, double now)
         {
             Until = now + Patience;

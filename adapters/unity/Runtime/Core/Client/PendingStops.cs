@@ -2,24 +2,24 @@ using System.Threading;
 
 namespace Pacinian
 {
-    /// <summary>Emergency stops that are not confirmed yet: nothing may be reset before they are. For any thread.</summary>
+    /// <summary>Counts emergency stops that are not confirmed. A reset must wait for them. Thread-safe.</summary>
     internal sealed class PendingStops
     {
         private int _count;
 
-        /// <summary>Whether there is one.</summary>
+        /// <summary>Whether a stop is pending.</summary>
         public bool Any
         {
             get { return Volatile.Read(ref _count) != 0; }
         }
 
-        /// <summary>One has begun.</summary>
+        /// <summary>Counts a stop that has started.</summary>
         public void Begin()
         {
             Interlocked.Increment(ref _count);
         }
 
-        /// <summary>One was confirmed, or given up.</summary>
+        /// <summary>Counts a stop that was confirmed, or given up.</summary>
         public void End()
         {
             Interlocked.Decrement(ref _count);

@@ -5,7 +5,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What is told to people when there is no connection, and what they can do.</summary>
+    /// <summary>Messages for people that say why there is no connection, and what to do.</summary>
     internal static class Problems
     {
         private const string NoLibrary = "this server takes CURVE keys, for which the library libzmq (4.3 or newer) is needed, and it is not "
@@ -14,7 +14,7 @@ namespace Pacinian
 
         public const string Nothing = "; nothing of this session goes on";
 
-        /// <summary>Why a connection to an address has ended. why: as the transport tells; "" if it does not.</summary>
+        /// <summary>Returns why the connection to an address has ended. why: the transport's reason, or "".</summary>
         public static string Of(Ending ending, string at, string why)
         {
             return Of(ending, at) + (why.Length > 0 && ending != Ending.Denied ? ": " + why : "");
@@ -35,7 +35,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>What the server would not do.</summary>
+        /// <summary>Returns the refusal of an error reply.</summary>
         public static Refusal Of(Error error)
         {
             string advice = error.Advice;
@@ -47,45 +47,45 @@ namespace Pacinian
             return new Refusal { Code = code, Message = error.Message, Path = error.Path, Advice = advice };
         }
 
-        /// <summary>Whether that ends the sound of an owner, unasked.</summary>
+        /// <summary>Returns whether an error ends the sound of an owner unasked.</summary>
         public static bool Ends(Code code)
         {
             return code == Code.Expired || code == Code.Owner || code == Code.Fault || code == Code.Stopped;
         }
 
-        /// <summary>Whether it is the server that will not have us.</summary>
+        /// <summary>Returns whether the server rejects the client.</summary>
         public static bool Refuses(Ending ending)
         {
             return ending == Ending.Denied || ending == Ending.Foreign;
         }
 
-        /// <summary>No answer in time [s].</summary>
+        /// <summary>Returns the message for an answer that did not arrive in time [s].</summary>
         public static string Hangs(string what, double seconds)
         {
             string time = seconds.ToString(CultureInfo.InvariantCulture);
             return "no answer to `" + what + "` within " + time + " s: the server hangs";
         }
 
-        /// <summary>Why a thread of ours has ended.</summary>
+        /// <summary>Returns why a thread of the client has ended.</summary>
         public static string Of(Exception error)
         {
             return IsMissingLibrary(error) ? NoLibrary + error.Message : "the client has failed: " + error;
         }
 
-        /// <summary>Whether a native library is not there, or is no good.</summary>
+        /// <summary>Returns whether a native library is missing, or cannot be used.</summary>
         public static bool IsMissingLibrary(Exception error)
         {
             return error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException;
         }
 
-        /// <summary>Of two major versions the older is to be updated.</summary>
+        /// <summary>Returns the message for different major versions: it asks for an update of the older side.</summary>
         public static string Version(long theirs)
         {
             string older = theirs < Protocol.Major ? "server" : "client";
             return "the server speaks protocol " + theirs + ", this client " + Protocol.Major + ": update the " + older;
         }
 
-        /// <summary>What a reader here cannot read.</summary>
+        /// <summary>Returns the refusal for a reply that the client cannot decode.</summary>
         public static Refusal Unreadable(string problem, string path)
         {
             return new Refusal
@@ -97,7 +97,7 @@ namespace Pacinian
             };
         }
 
-        /// <summary>What was asked for while there is no session, in which it is lost.</summary>
+        /// <summary>Returns the refusal for a command without a session.</summary>
         public static Refusal NoSession(string what, bool started)
         {
             return new Refusal
@@ -109,7 +109,7 @@ namespace Pacinian
             };
         }
 
-        /// <summary>What was called from another thread than the game's, and did nothing.</summary>
+        /// <summary>Returns the refusal for a call from another thread than the game's.</summary>
         public static Refusal WrongThread(string call)
         {
             return new Refusal
@@ -121,7 +121,7 @@ namespace Pacinian
             };
         }
 
-        /// <summary>A stop that was not confirmed.</summary>
+        /// <summary>Returns the refusal for an emergency stop that was not confirmed.</summary>
         public static Refusal Unstopped(string problem)
         {
             return new Refusal

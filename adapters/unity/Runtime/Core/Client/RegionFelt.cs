@@ -4,32 +4,33 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// What is felt of an object's surface or volume, against what was asked: between its samples, over the last second or
-    /// so. All numbers are NaN where the server does not tell: of points and paths, and in silence.
+    /// The achieved pressure of an object's surface or volume, compared with the requested one, between its samples and
+    /// over about the last second. All numbers are NaN if the server does not report them: for points and paths, and in
+    /// silence.
     /// </summary>
     public struct RegionFelt
     {
-        private const int Figures = 4; // of each object
+        private const int Figures = 4; // for each object
 
-        /// <summary>Force over what was asked; 1 if right.</summary>
+        /// <summary>Achieved force divided by the requested one; 1 is ideal.</summary>
         public float Force;
 
-        /// <summary>Root mean square of the error of radiation pressure, over that of what was asked; 0 if right.</summary>
+        /// <summary>Root mean square error of the radiation pressure, relative to that of the requested one; 0 is ideal.</summary>
         public float Rms;
 
-        /// <summary>Share of the region that is pressed with less than half of what was asked; 0 if right.</summary>
+        /// <summary>The fraction of the region with less than half of the requested pressure; 0 is ideal.</summary>
         public float Holes;
 
-        /// <summary>Highest radiation pressure 3 to 5 mm beside the region, over the mean asked.</summary>
+        /// <summary>The highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one.</summary>
         public float Spill;
 
-        /// <summary>Whether the server tells.</summary>
+        /// <summary>Whether the server reports the numbers.</summary>
         public bool Known
         {
             get { return !float.IsNaN(Force); }
         }
 
-        /// <summary>Of the object of that name, in a state; nothing is allocated. state: may be null.</summary>
+        /// <summary>Returns the numbers of the object with this name. Allocates nothing. state: may be null.</summary>
         public static RegionFelt Of(State state, string name)
         {
             bool told = state != null && state.Output == Output.Sounding && state.Felt.Numbers == Figures * state.Objects.Count;
@@ -49,7 +50,7 @@ namespace Pacinian
             return new RegionFelt { Force = float.NaN, Rms = float.NaN, Holes = float.NaN, Spill = float.NaN };
         }
 
-        /// <summary>In one line, for people.</summary>
+        /// <summary>Returns the numbers in one line.</summary>
         public override string ToString()
         {
             return Known

@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace Pacinian
 {
-    /// <summary>Requests that wait to be sent, oldest first: the game adds, the worker takes.</summary>
+    /// <summary>The requests that wait to be sent, oldest first: the game adds them, the worker takes them.</summary>
     internal sealed class RequestQueue
     {
         private const int MaxWaiting = 1000; // requests
@@ -10,20 +10,23 @@ namespace Pacinian
         private readonly Queue<PendingRequest> _waiting = new Queue<PendingRequest>();
         private int _session;
 
-        /// <summary>Begins a session, with nothing that waits; 0: there is none. inbox: is told what waited in vain.</summary>
+        /// <summary>
+        /// Starts a session without waiting requests. session: 0 for none. inbox: receives a notice of each dropped
+        /// request.
+        /// </summary>
         public void Open(int session, Inbox inbox)
         {
             lock (_waiting)
             {
                 while (_waiting.Count > 0)
                 {
-                    inbox.Answer(_waiting.Dequeue(), null);
+                    inbox.AddAnswer(_waiting.Dequeue(), null);
                 }
                 _session = session;
             }
         }
 
-        /// <summary>False if that is not the session that there is, or too many wait.</summary>
+        /// <summary>Adds a request. Returns false if the session is another, or if too many requests wait.</summary>
         public bool Add(int session, PendingRequest request)
         {
             lock (_waiting)
@@ -37,7 +40,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The next one, which stays; null if none waits.</summary>
+        /// <summary>The next request, which stays in the queue; null if none waits.</summary>
         public PendingRequest Next
         {
             get
@@ -49,7 +52,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The next one is sent now.</summary>
+        /// <summary>Removes the next request.</summary>
         public void RemoveNext()
         {
             lock (_waiting)

@@ -3,10 +3,10 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What was asked of the server and not answered yet. Pure: times are given, in seconds.</summary>
+    /// <summary>The requests that the server has not answered yet. Does not read a clock: times are arguments [s].</summary>
     internal sealed class RequestTable
     {
-        private const int MaxRenewals = 64; // whose answer is waited for
+        private const int MaxRenewals = 64; // that can wait for an answer
 
         private readonly Dictionary<long, PendingRequest> _pending = new Dictionary<long, PendingRequest>();
         private readonly long[] _renewals = new long[MaxRenewals];
@@ -14,14 +14,14 @@ namespace Pacinian
         private double _renewed = double.PositiveInfinity; // the first renewal since the last answer to one
         private long _id;
 
-        /// <summary>A number for a message that is to be answered.</summary>
+        /// <summary>Returns a new ID for a message.</summary>
         public long NextId()
         {
             _id = _id % uint.MaxValue + 1;
             return _id;
         }
 
-        /// <summary>A renewal was sent.</summary>
+        /// <summary>Records that a renewal was sent.</summary>
         public void NoteRenewal(long id, double now)
         {
             _renewals[id % MaxRenewals] = id;
@@ -29,20 +29,20 @@ namespace Pacinian
             _renewed = now < _renewed ? now : _renewed;
         }
 
-        /// <summary>A renewal was answered: when it was sent; NaN if that is not known any more.</summary>
+        /// <summary>Returns when an answered renewal was sent; NaN if that is no longer known.</summary>
         public double TakeRenewal(long id)
         {
             _renewed = double.PositiveInfinity;
             return _renewals[id % MaxRenewals] == id ? _sent[id % MaxRenewals] : double.NaN;
         }
 
-        /// <summary>A request was sent.</summary>
+        /// <summary>Records that a request was sent.</summary>
         public void Add(long id, PendingRequest request)
         {
             _pending.Add(id, request);
         }
 
-        /// <summary>What the answer of that number is to, which is not waited for any more; null if nothing.</summary>
+        /// <summary>Removes and returns the request with this ID; null if there is none.</summary>
         public PendingRequest Take(long id)
         {
             PendingRequest request;
@@ -53,7 +53,7 @@ namespace Pacinian
             return request;
         }
 
-        /// <summary>What should have been answered by now, by name; "" if nothing.</summary>
+        /// <summary>Returns the name of a request whose answer is late; "" if there is none.</summary>
         public string FindLate(double now, double timeout)
         {
             if (now - _renewed > timeout)
@@ -70,12 +70,12 @@ namespace Pacinian
             return "";
         }
 
-        /// <summary>All that is still waited for will not be answered.</summary>
+        /// <summary>Drops all requests: they will not be answered.</summary>
         public void Forget(Inbox inbox)
         {
             foreach (KeyValuePair<long, PendingRequest> pair in _pending)
             {
-                inbox.Answer(pair.Value, null);
+                inbox.AddAnswer(pair.Value, null);
             }
             _pending.Clear();
         }

@@ -4,13 +4,13 @@ using System.IO;
 
 namespace Pacinian
 {
-    /// <summary>Where the server writes its connection file: the user's folder for what lives as long as programs do.</summary>
+    /// <summary>Finds the folder in which the server writes its connection file: the user's runtime folder.</summary>
     internal static class RuntimeFolder
     {
         private const string FolderName = "pacinian";
         private const string FileName = "connection.json";
 
-        /// <summary>The connection file that is there, or the first place where it might be.</summary>
+        /// <summary>Returns the path of the existing connection file, or else the first possible path.</summary>
         public static string File()
         {
             string first = null;

@@ -8,17 +8,17 @@ using System.Threading;
 namespace Pacinian
 {
     /// <summary>
-    /// The server, if this program is to start it: `pacinian serve`, as installed or as a standalone folder. It ends with this
-    /// program, however that ends. If another server has written the connection file, none is started as long as the client
-    /// can connect to that one. Belongs to one thread; only Stop waits.
+    /// Starts the server as a child process: `pacinian serve`, as installed or as a standalone folder. The server ends
+    /// with this program, even after a crash. If another server has written the connection file, none is started while
+    /// the client can connect to that server. Belongs to one thread; only Stop blocks.
     /// </summary>
     public sealed class ServerProcess : IDisposable
     {
         private const double FirstPause = 2.0, LongestPause = 30.0; // [s] between two starts
-        private const double Well = 10.0; // [s] after which the next pause is the first again
-        private const int Tail = 2000; // of a log [bytes]
+        private const double Well = 10.0; // [s] of running, after which the first pause applies again
+        private const int Tail = 2000; // [bytes] of a log
         private const int NotFound = 127, NotFoundByWindows = 9009; // exit codes of a shell
-        private const int Killed = 128 + 9; // exit code of a program that was ended by SIGKILL
+        private const int Killed = 128 + 9; // exit code of a program that SIGKILL ended
 
         private static readonly bool Windows = Path.DirectorySeparatorChar == '\\';
 
@@ -29,9 +29,10 @@ namespace Pacinian
         private double _started, _due, _pause = FirstPause;
 
         /// <summary>
-        /// Not started yet. program: its path, or its name if the system finds it. connection: the connection file; "": where
-        /// clients look for it. log: a file for what it says; "": one in the folder for temporary files, which Stop deletes.
-        /// arguments: more for `serve`, such as the path of a configuration, without spaces inside of one.
+        /// Creates a process that is not started. program: its path, or its name if the system finds it. connection:
+        /// the connection file; "": where clients look for it. log: a file for its output; "": a temporary file, which
+        /// Stop deletes. arguments: more arguments of `serve`, such as the path of a configuration; none may contain a
+        /// space.
         /// </summary>
         public ServerProcess(string program, string connection = "", string log = "", string arguments = "")
         {
@@ -42,16 +43,16 @@ namespace Pacinian
             _arguments = arguments;
         }
 
-        /// <summary>Why it does not run; "" if it does, or the client is connected to another one.</summary>
+        /// <summary>Why the server does not run; "" if it does, or if the client is connected to another one.</summary>
         public string Problem { get; private set; } = "";
 
-        /// <summary>Whether it was started here, and has not ended.</summary>
+        /// <summary>Whether the server was started here, and has not ended.</summary>
         public bool Running
         {
             get { return _process != null && !_process.HasExited; }
         }
 
-        /// <summary>Starts it, unless another server runs. False if it cannot be started: see Problem.</summary>
+        /// <summary>Starts the server, unless another one runs. Returns false on failure; see Problem.</summary>
         public bool Start()
         {
             if (Running)
@@ -68,19 +69,19 @@ namespace Pacinian
             Problem = "";
             if (ConnectionFile.Read(_connection, out string _) == null)
             {
-                return Begin(Timing.Now());
+                return Begin(SteadyClock.Now());
             }
-            Rest(Timing.Now());
+            Rest(SteadyClock.Now());
             return true;
         }
 
         /// <summary>
-        /// Once in each of the game's frames: starts it again, after 2 s at first and 30 s at most, if it has ended and the
-        /// client is not connected to another one.
+        /// Restarts the server if it has ended and the client is not connected to another one, after a pause of 2 s at
+        /// first and of 30 s at most; call it once per frame.
         /// </summary>
         public void Tick(bool connected)
         {
-            double now = Timing.Now();
+            double now = SteadyClock.Now();
             if (!_wanted)
             {
                 return;
@@ -104,16 +105,18 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Ends it, and with it all sound, if it was started here. Takes at most so long [s], and then kills it.</summary>
+        /// <summary>
+        /// Stops the server, and with it all sound, if it was started here. Waits this time at most [s], then kills it.
+        /// </summary>
         public void Stop(double patience = 5.0)
         {
             _wanted = false;
             if (_process != null)
             {
                 _process.StandardInput.Close();
-                for (double end = Timing.Now() + patience; !_process.HasExited; Thread.Sleep(10))
+                for (double end = SteadyClock.Now() + patience; !_process.HasExited; Thread.Sleep(10))
                 {
-                    if (Timing.Now() > end)
+                    if (SteadyClock.Now() > end)
                     {
                         Kill();
                     }
@@ -123,7 +126,6 @@ namespace Pacinian
             DeleteTemporaryLog();
         }
 
-        /// <summary>As Stop.</summary>
         public void Dispose()
         {
             Stop();
@@ -154,12 +156,12 @@ namespace Pacinian
             catch (Exception error) when (error is Win32Exception || error is InvalidOperationException || error is NotSupportedException
                 || error is IOException || error is UnauthorizedAccessException)
             {
-                Problem = _program + " cannot be started: " + error.Message; // NotSupportedException: of IL2CPP
+                Problem = _program + " cannot be started: " + error.Message; // NotSupportedException: IL2CPP
             }
             return _process != null;
         }
 
-        /// <summary>Until the next start there is to be a pause, longer each time.</summary>
+        /// <summary>Schedules the next start, after a longer pause each time.</summary>
         private void Rest(double now)
         {
             _due = now + _pause;
@@ -183,7 +185,7 @@ namespace Pacinian
                 : "the server has ended, with exit code " + code.ToString(CultureInfo.InvariantCulture);
         }
 
-        /// <summary>Creates it anew, so that the server does not follow a link that another user has put there.</summary>
+        /// <summary>Creates a new log file, so that the server does not follow a link of another user.</summary>
         private void CreateTemporaryLog()
         {
             if (_temporaryLog)

@@ -3,19 +3,19 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// One session with the server, from hello to bye: what is lost with it is not taken up again. Pure: times are
-    /// given [s], and it never waits. Here is what is said; what is heard is in the other part.
+    /// One session with the server, from hello to bye; nothing of a lost session continues. This part sends messages,
+    /// the other one receives them. Never blocks, and does not read a clock: times are arguments [s].
     /// </summary>
     internal sealed partial class ServerSession
     {
-        private const double Share = 0.125; // of the lease between two renewals
-        private const int Burst = 100; // commands before it looks again at what has come
+        private const double Share = 0.125; // fraction of the lease between two renewals
+        private const int Burst = 100; // commands that are sent before messages are received again
 
         private readonly SharedState _shared;
         private readonly ITransport _transport;
         private readonly MessageBuffers _buffers;
         private readonly RequestTable _table = new RequestTable();
-        private readonly Timing _timing = new Timing();
+        private readonly ServerClock _serverClock = new ServerClock();
         private readonly string _at;
         private readonly double _begun;
         private Standing _standing = Standing.None(ClientStatus.Connected, "");
@@ -24,7 +24,7 @@ namespace Pacinian
         private Bulk _session;
         private long _sequence;
 
-        /// <summary>buffers: what it writes and reads with. at: the server's address. session: which it is, from 1 on.</summary>
+        /// <summary>buffers: for writing and reading. at: the server's address. session: its number, from 1 on.</summary>
         public ServerSession(SharedState shared, ITransport transport, MessageBuffers buffers, string at, int session, double now)
         {
             _shared = shared;
@@ -36,43 +36,43 @@ namespace Pacinian
             Over = "";
         }
 
-        /// <summary>Why it is over; "" while it is not.</summary>
+        /// <summary>Why the session is over; "" while it is not.</summary>
         public string Over { get; private set; }
 
-        /// <summary>Whether it is over because the server will not have us.</summary>
+        /// <summary>Whether the session is over because the server rejects the client.</summary>
         public bool Refused { get; private set; }
 
-        /// <summary>Whether there is, or was, a session.</summary>
+        /// <summary>Whether the session has begun.</summary>
         public bool Begun { get; private set; }
 
-        /// <summary>Whether the goodbye was answered.</summary>
-        public bool Left { get; private set; }
+        /// <summary>Whether the server has answered the goodbye.</summary>
+        public bool GoodbyeAnswered { get; private set; }
 
-        /// <summary>Does what is due. ticked: when the game ticked last.</summary>
+        /// <summary>Receives and sends messages. ticked: the time of the game's last tick.</summary>
         public void Step(double now, double ticked)
         {
-            bool heard = Hear(Channel.Control, now) | Hear(Channel.Command, now);
-            Look();
+            bool heard = ReceiveMessages(Channel.Control, now) | ReceiveMessages(Channel.Command, now);
+            ReceiveState();
             Ending ending = _transport.Ended();
             string why = _transport.Problem;
             if (Begun && (ending == Ending.Nobody || ending == Ending.Foreign))
             {
-                ending = Ending.Gone; // in the middle of the handshake of another connection
+                ending = Ending.Gone; // during the handshake of another of its connections
                 why = "";
             }
             if (ending != Ending.None && !heard)
             {
-                Lose(Problems.Of(ending, _at, why), Problems.Refuses(ending));
+                SetLost(Problems.Of(ending, _at, why), Problems.Refuses(ending));
             }
             if (Over.Length == 0)
             {
-                Speak(now, ticked);
-                Check(now);
+                SendMessages(now, ticked);
+                CheckTimeouts(now);
             }
         }
 
-        /// <summary>Says goodbye; false if there is nobody who would answer.</summary>
-        public bool Leave(double now)
+        /// <summary>Says goodbye. Returns false if no server would answer.</summary>
+        public bool SayGoodbye(double now)
         {
             if (!Begun || Over.Length > 0)
             {
@@ -82,7 +82,7 @@ namespace Pacinian
             return Send(new Bye { Session = _session, Id = _table.NextId() });
         }
 
-        private void Speak(double now, double ticked)
+        private void SendMessages(double now, double ticked)
         {
             if (!_greeted)
             {
@@ -97,7 +97,7 @@ namespace Pacinian
             {
                 Renew(now, ticked);
             }
-            Ask(now);
+            SendRequests(now);
             for (int i = 0; i < Burst && _transport.Room(Channel.Command); i++)
             {
                 if (!_shared.Outbox.Take(_buffers.Batch, now))
@@ -110,7 +110,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The lease counts from the game's tick, not from when this is sent.</summary>
+        /// <summary>Renews the lease from the time of the game's tick, which may be earlier than now.</summary>
         private void Renew(double now, double ticked)
         {
             Renew renew = _buffers.Renew;
@@ -122,7 +122,7 @@ namespace Pacinian
             Send(renew);
         }
 
-        private void Ask(double now)
+        private void SendRequests(double now)
         {
             PendingRequest request;
             while ((request = _shared.Requests.Next) != null && _transport.Room(request.Channel))
@@ -139,18 +139,18 @@ namespace Pacinian
             }
         }
 
-        private void Check(double now)
+        private void CheckTimeouts(double now)
         {
             double timeout = _shared.Options.Timeout;
             if (!Begun && now - _begun > timeout)
             {
-                Lose(Problems.Hangs("hello", timeout), false);
+                SetLost(Problems.Hangs("hello", timeout), false);
                 return;
             }
             string late = _table.FindLate(now, timeout);
             if (late.Length > 0)
             {
-                Lose(Problems.Hangs(late, timeout), false);
+                SetLost(Problems.Hangs(late, timeout), false);
             }
         }
 
@@ -175,7 +175,7 @@ namespace Pacinian
             return _transport.Send(Channel.Control, _buffers.Writer.Data, _buffers.Writer.Count);
         }
 
-        private void Lose(string why, bool refused)
+        private void SetLost(string why, bool refused)
         {
             if (Over.Length > 0)
             {

@@ -3,14 +3,14 @@ using System;
 namespace Pacinian
 {
     /// <summary>
-    /// One session after another: connects, again and again with growing pauses, and takes nothing of a session that
-    /// was lost into the next. Pure: times are given, and it never waits.
+    /// Runs one session after another. Reconnects with growing pauses, and carries nothing of a lost session into the
+    /// next. Never blocks, and does not read a clock: times are arguments.
     /// </summary>
     internal sealed class Sessions
     {
-        private const double Shortest = 0.1, Longest = 2.0; // [s] of the pauses
-        private const double Unasked = 0.5; // [s] of the longest pause if nobody was asked: a look at a file costs little
-        private const double Asleep = 0.05; // [s] between two looks at what brings no message
+        private const double Shortest = 0.1, Longest = 2.0; // [s] pauses
+        private const double Unasked = 0.5; // [s] longest pause if no server was asked, because reading a file costs little
+        private const double Asleep = 0.05; // [s] between two polls of what brings no message
 
         private readonly SharedState _shared;
         private readonly ITransport _transport;
@@ -29,7 +29,7 @@ namespace Pacinian
             _buffers = new MessageBuffers(shared.Options.Life);
         }
 
-        /// <summary>Does what is due. ticked: when the game ticked last; both [s].</summary>
+        /// <summary>Connects, or runs the session. ticked: the time of the game's last tick; both [s].</summary>
         public void Step(double now, double ticked)
         {
             if (_session == null && now >= _due)
@@ -43,26 +43,26 @@ namespace Pacinian
             _session.Step(now, ticked);
             if (_session.Over.Length > 0)
             {
-                Pause(_session.Over, _session.Refused, _session.Begun, Longest, now);
+                ScheduleRetry(_session.Over, _session.Refused, _session.Begun, Longest, now);
             }
         }
 
-        /// <summary>How long there is nothing to do but what comes [s].</summary>
+        /// <summary>Returns how long only messages need work [s].</summary>
         public double Patience(double now)
         {
             return _session != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _due - now));
         }
 
-        /// <summary>Says goodbye, if there is a session; whether there will be an answer.</summary>
-        public bool Leave(double now)
+        /// <summary>Says goodbye if there is a session. Returns whether an answer will come.</summary>
+        public bool SayGoodbye(double now)
         {
-            return _session != null && _session.Leave(now);
+            return _session != null && _session.SayGoodbye(now);
         }
 
-        /// <summary>Whether the goodbye was answered, or there is nobody any more who would.</summary>
-        public bool Left
+        /// <summary>Whether the goodbye was answered, or no server can answer it.</summary>
+        public bool GoodbyeAnswered
         {
-            get { return _session == null || _session.Left; }
+            get { return _session == null || _session.GoodbyeAnswered; }
         }
 
         private void Connect(double now)
@@ -75,19 +75,19 @@ namespace Pacinian
             }
             if (problem.Length > 0)
             {
-                Pause(problem, false, false, Unasked, now);
+                ScheduleRetry(problem, false, false, Unasked, now);
                 return;
             }
             _session = new ServerSession(_shared, _transport, _buffers, file.Control, ++_count, now);
         }
 
-        private void Pause(string problem, bool refused, bool begun, double longest, double now)
+        private void ScheduleRetry(string problem, bool refused, bool begun, double longest, double now)
         {
             _transport.Close();
             _session = null;
             _pause = begun ? Shortest : Math.Min(2.0 * _pause, longest);
             _due = now + _pause;
-            _shared.End(problem, refused, begun);
+            _shared.EndSession(problem, refused, begun);
         }
     }
 }

@@ -1,6 +1,6 @@
 namespace Pacinian
 {
-    /// <summary>What the game's thread and the worker share.</summary>
+    /// <summary>The state that the game's thread and the worker share.</summary>
     internal sealed class SharedState
     {
         public readonly Options Options;
@@ -17,25 +17,25 @@ namespace Pacinian
             Outbox = new Outbox(Writers, options.Life);
         }
 
-        /// <summary>A session begins: what is asked from now on is for it.</summary>
-        public void Begin(Standing standing)
+        /// <summary>Starts a session: commands and requests from now on belong to it.</summary>
+        public void StartSession(Standing standing)
         {
             Outbox.Open(standing.Session);
             Requests.Open(standing.Session, Inbox);
-            Inbox.Stand(standing);
-            Inbox.Tell(new Notice { What = Happening.Connected });
+            Inbox.SetStanding(standing);
+            Inbox.AddNotice(new Notice { What = Happening.Connected });
         }
 
-        /// <summary>There is no session. begun: there was one, of which nothing is left.</summary>
-        public void End(string problem, bool refused, bool begun)
+        /// <summary>Ends the session. begun: whether there was one, so that its loss is reported.</summary>
+        public void EndSession(string problem, bool refused, bool begun)
         {
             Outbox.Open(0);
             Requests.Open(0, Inbox);
             Standing standing = Standing.None(refused ? ClientStatus.Refused : ClientStatus.Connecting, problem);
-            Inbox.Stand(standing);
+            Inbox.SetStanding(standing);
             if (begun)
             {
-                Inbox.Tell(new Notice { What = Happening.Lost, Why = new Refusal { Message = problem } });
+                Inbox.AddNotice(new Notice { What = Happening.Lost, Why = new Refusal { Message = problem } });
             }
         }
     }

@@ -3,27 +3,28 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// Why the output is silent for this client. The server finds it, but for what only a client knows. For some 30 ms after a
-    /// command the newest state may be from before it, and name a cause that the command has just removed.
+    /// Why the output is silent for this client. The server determines the cause, except for what only the client
+    /// knows. For about 30 ms after a command, the newest state may be older than the command, and give a cause that
+    /// the command has just removed.
     /// </summary>
     public struct Silence
     {
         private const string Stopped = "the client is not started, or has ended: call Start";
         private const string NoState = "connected; the server has not sent its first state yet";
 
-        /// <summary>For programs: the values of `cause` on the wire, "not connected" and "not the owner"; "" if it sounds.</summary>
+        /// <summary>For programs: a value of `cause` on the wire, "not connected" or "not the owner"; "" if it sounds.</summary>
         public string Cause;
 
-        /// <summary>For people: what is the matter, and what to do; "" if it sounds.</summary>
+        /// <summary>For people: the cause and what to do; "" if it sounds.</summary>
         public string Text;
 
-        /// <summary>In one line.</summary>
+        /// <summary>Returns the text.</summary>
         public override string ToString()
         {
             return Text;
         }
 
-        /// <summary>state: the newest one; null: there is none yet.</summary>
+        /// <summary>state: the newest one; null if there is none yet.</summary>
         internal static Silence Of(Standing standing, State state)
         {
             if (standing.Status != ClientStatus.Connected)

@@ -2,23 +2,23 @@ using System;
 
 namespace Pacinian
 {
-    /// <summary>The last so many numbers, in their order of size. It takes no memory while it takes numbers.</summary>
+    /// <summary>The last numbers of a series, sorted. Adding a number allocates nothing.</summary>
     internal sealed class Sorted
     {
         private readonly double[] _ring, _sorted;
         private int _next;
 
-        /// <summary>kept: how many; of more, the oldest are forgotten.</summary>
+        /// <summary>kept: the capacity; beyond it, the oldest numbers are dropped.</summary>
         public Sorted(int kept)
         {
             _ring = new double[kept];
             _sorted = new double[kept];
         }
 
-        /// <summary>How many there are.</summary>
+        /// <summary>The number of numbers.</summary>
         public int Count { get; private set; }
 
-        /// <summary>One more.</summary>
+        /// <summary>Adds a number.</summary>
         public void Add(double value)
         {
             if (Count == _ring.Length)
@@ -32,13 +32,13 @@ namespace Pacinian
             _next = (_next + 1) % _ring.Length;
         }
 
-        /// <summary>That share of them, 0..1, is not larger; 0 before the first.</summary>
+        /// <summary>Returns the quantile for a fraction 0..1; 0 before the first number.</summary>
         public double Quantile(double share)
         {
             return Count == 0 ? 0.0 : _sorted[(int)Math.Round(share * (Count - 1))];
         }
 
-        /// <summary>How many are smaller.</summary>
+        /// <summary>Returns how many numbers are smaller.</summary>
         private int Place(double value)
         {
             int low = 0, high = Count;

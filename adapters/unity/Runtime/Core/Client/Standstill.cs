@@ -1,18 +1,18 @@
 namespace Pacinian
 {
-    /// <summary>The game did not tick for longer than its lease while it was armed, and goes on now.</summary>
+    /// <summary>A standstill that is over: the game did not tick for longer than its lease while it was armed.</summary>
     public struct Standstill
     {
-        /// <summary>From one tick to the next [s].</summary>
+        /// <summary>The time between the two ticks [s].</summary>
         public double Seconds;
 
         /// <summary>
-        /// Whether the whole program stood still, this client's own thread, too: a breakpoint, or a computer that slept. If
-        /// not, only the game's thread did: a long frame, or a pause of the editor.
+        /// Whether the whole program stood still, including the client's thread, as at a breakpoint or while the
+        /// computer slept. If false, only the game's thread stood still, as in a long frame or a pause of the editor.
         /// </summary>
         public bool Whole;
 
-        /// <summary>In one line, for people.</summary>
+        /// <summary>Returns a description in one line.</summary>
         public override string ToString()
         {
             string seconds = Seconds.ToString("F1", System.Globalization.CultureInfo.InvariantCulture);

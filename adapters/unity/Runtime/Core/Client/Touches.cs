@@ -5,21 +5,21 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// The touches of the newest state, compared with those before: a state that was lost loses no end. Nothing is allocated
-    /// once the lists are long enough.
+    /// Compares the touches of the newest state with those before, so that a lost state loses no end of a touch.
+    /// Allocates nothing once the lists are long enough.
     /// </summary>
     internal sealed class Touches
     {
         private readonly List<HandTouch> _now = new List<HandTouch>();
 
-        /// <summary>Those there are.</summary>
+        /// <summary>The present touches.</summary>
         public IReadOnlyList<HandTouch> Now
         {
             get { return _now; }
         }
 
-        /// <summary>Tells what has ended, begun and moved. state: the newest one; null: nothing is touched any more.</summary>
-        public void Follow(State state, Action<HandTouch> began, Action<HandTouch> moved, Action<HandTouch> ended)
+        /// <summary>Reports touches that ended, began or moved. state: the newest one; null: all touches end.</summary>
+        public void ReportChanges(State state, Action<HandTouch> began, Action<HandTouch> moved, Action<HandTouch> ended)
         {
             int count = state == null ? 0 : state.Touches.Count;
             for (int i = _now.Count - 1; i >= 0 && i < _now.Count; i--)

@@ -1,15 +1,18 @@
 namespace Pacinian
 {
-    /// <summary>The transports that are built in.</summary>
+    /// <summary>Creates the built-in transports.</summary>
     public static class Transports
     {
-        /// <summary>One that is not connected, for all connections.</summary>
+        /// <summary>Returns a transport for all kinds of connections, not connected.</summary>
         public static ITransport Make()
         {
             return new DefaultTransport();
         }
 
-        /// <summary>One for CURVE keys. Raises DllNotFoundException where libzmq is needed and not installed.</summary>
+        /// <summary>
+        /// Returns a transport for CURVE keys. Raises DllNotFoundException if it needs libzmq, and libzmq is not
+        /// installed.
+        /// </summary>
         internal static ITransport MakeCurve()
         {
 #if PACINIAN_NETMQ

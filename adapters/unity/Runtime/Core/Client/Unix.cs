@@ -3,15 +3,15 @@ using System.Runtime.InteropServices;
 
 namespace Pacinian
 {
-    /// <summary>What Linux tells of users and files; elsewhere nothing is told.</summary>
+    /// <summary>Reads users and file permissions on Linux; reports nothing on other systems.</summary>
     internal static class Unix
     {
         private const int Here = -100; // paths are relative to the working folder
-        private const uint Basic = 0x7ff; // what is asked: all that every file has
-        private const int UserAt = 20, ModeAt = 28; // [bytes] in what statx tells, the same on all processors
+        private const uint Basic = 0x7ff; // the requested fields, which every file has
+        private const int UserAt = 20, ModeAt = 28; // [bytes] in the result of statx, the same on all processors
         private const int OthersMay = 0x3f; // mode bits of the group and of all others
 
-        /// <summary>The user's number; 0 where it cannot be told.</summary>
+        /// <summary>Returns the user's number; 0 if unknown.</summary>
         public static uint User()
         {
             try
@@ -24,7 +24,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Why a file's secrets may be known to others, or may not be the server's; "" if all is well.</summary>
+        /// <summary>Returns why a file's secrets may be known to others, or may not be the server's; "" if the file is safe.</summary>
         public static string Danger(string path)
         {
             if (Environment.OSVersion.Platform == PlatformID.Win32NT || IsAndroid)
@@ -53,8 +53,8 @@ namespace Pacinian
         }
 
         /// <summary>
-        /// There a server runs on another machine; and the system keeps programs' files apart, but says of all that are in shared storage
-        /// that their group may read them.
+        /// Whether this is Android. There the server runs on another machine, and the system separates the files of
+        /// programs, but it reports files in shared storage as readable by their group.
         /// </summary>
         public static bool IsAndroid
         {

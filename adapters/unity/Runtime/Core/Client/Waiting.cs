@@ -2,7 +2,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What waits to be sent about one object: of each kind the newest, and when it was asked for [s].</summary>
+    /// <summary>The waiting commands about one object: the newest of each kind, and when it was written [s].</summary>
     internal sealed class Waiting
     {
         private Writer _put, _envelope;
@@ -11,7 +11,7 @@ namespace Pacinian
 
         public Movement Movement { get; private set; }
 
-        /// <summary>Something of that kind waits now.</summary>
+        /// <summary>Stores a command.</summary>
         public void Keep(Kind kind, Writer part, ref Movement movement, double now)
         {
             switch (kind)
@@ -23,13 +23,13 @@ namespace Pacinian
             }
         }
 
-        /// <summary>Whether nothing waits.</summary>
+        /// <summary>Whether no command waits.</summary>
         public bool Empty
         {
             get { return !_removed && !_moved && _put == null && _envelope == null; }
         }
 
-        /// <summary>Whether something of that kind waits.</summary>
+        /// <summary>Returns whether a command of this kind waits.</summary>
         public bool Has(Kind kind)
         {
             switch (kind)
@@ -42,7 +42,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>When what waits of that kind was asked for [s].</summary>
+        /// <summary>Returns when the command of this kind was written [s].</summary>
         public double Time(Kind kind)
         {
             switch (kind)
@@ -54,13 +54,13 @@ namespace Pacinian
             }
         }
 
-        /// <summary>The bytes of what waits of that kind; null for kinds that have none.</summary>
+        /// <summary>Returns the bytes of the command of this kind; null if it has none.</summary>
         public Writer Part(Kind kind)
         {
             return kind == Kind.Put ? _put : kind == Kind.Envelope ? _envelope : null;
         }
 
-        /// <summary>Nothing of that kind waits any more.</summary>
+        /// <summary>Drops the command of this kind.</summary>
         public void Drop(Kind kind)
         {
             switch (kind)

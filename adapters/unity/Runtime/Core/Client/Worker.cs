@@ -4,8 +4,8 @@ using System.Threading;
 namespace Pacinian
 {
     /// <summary>
-    /// The thread that owns the sockets. It holds nothing of the client that the game holds, so that a client which is
-    /// forgotten can be collected, and ends it.
+    /// The thread that owns the sockets. It has no reference to the client, so that a client that was not disposed can
+    /// be collected; its finaliser then ends the thread.
     /// </summary>
     internal sealed class Worker
     {
@@ -27,7 +27,7 @@ namespace Pacinian
             _thread.Start();
         }
 
-        /// <summary>There is something to do.</summary>
+        /// <summary>Wakes the thread because there is something to do.</summary>
         public void Wake()
         {
             ITransport transport = _transport;
@@ -37,14 +37,14 @@ namespace Pacinian
             }
         }
 
-        /// <summary>It is to end; does not wait for that.</summary>
+        /// <summary>Asks the thread to end. Does not wait.</summary>
         public void End()
         {
             _end = true;
             Wake();
         }
 
-        /// <summary>Waits for its end, at most so long [ms]; whether it has ended.</summary>
+        /// <summary>Waits for the end of the thread, for this time at most [ms]. Returns whether it has ended.</summary>
         public bool Join(int milliseconds)
         {
             return _thread == null || _thread.Join(milliseconds);
@@ -58,7 +58,7 @@ namespace Pacinian
                 using (ITransport transport = _shared.Options.Transport())
                 {
                     _transport = transport;
-                    Serve(new Sessions(_shared, transport, ConnectionFile.Read), transport);
+                    RunSessions(new Sessions(_shared, transport, ConnectionFile.Read), transport);
                 }
             }
             catch (Exception error)
@@ -67,25 +67,25 @@ namespace Pacinian
             }
             finally
             {
-                _shared.End(problem, false, false);
-                _shared.Inbox.Stand(Standing.None(ClientStatus.Stopped, problem));
+                _shared.EndSession(problem, false, false);
+                _shared.Inbox.SetStanding(Standing.None(ClientStatus.Stopped, problem));
             }
         }
 
-        private void Serve(Sessions sessions, ITransport transport)
+        private void RunSessions(Sessions sessions, ITransport transport)
         {
             Func<double> clock = _shared.Options.Clock;
             while (!_end)
             {
                 double now = clock();
-                _shared.Heartbeat.Step(now);
+                _shared.Heartbeat.RecordStep(now);
                 sessions.Step(now, _shared.Heartbeat.LastTick);
                 transport.Wait(sessions.Patience(now));
             }
             double due = clock() + Farewell;
-            if (sessions.Leave(clock()))
+            if (sessions.SayGoodbye(clock()))
             {
-                while (!sessions.Left && clock() < due)
+                while (!sessions.GoodbyeAnswered && clock() < due)
                 {
                     transport.Wait(due - clock());
                     sessions.Step(clock(), double.NegativeInfinity);

@@ -3,12 +3,12 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Writers of parts of messages, which are used again. For any thread.</summary>
+    /// <summary>A pool of writers for parts of messages. Thread-safe.</summary>
     internal sealed class WriterPool
     {
         private readonly Stack<Writer> _spare = new Stack<Writer>();
 
-        /// <summary>An empty writer.</summary>
+        /// <summary>Returns an empty writer.</summary>
         public Writer Rent()
         {
             lock (_spare)
@@ -23,7 +23,7 @@ namespace Pacinian
             }
         }
 
-        /// <summary>It is not needed any more; null will do, too.</summary>
+        /// <summary>Puts a writer back; null is allowed.</summary>
         public void Return(Writer part)
         {
             if (part != null)

@@ -1,6 +1,6 @@
 namespace Pacinian
 {
-    /// <summary>Keys as text: five characters for four bytes (ZeroMQ RFC 32).</summary>
+    /// <summary>Decodes keys in Z85: five characters for four bytes (ZeroMQ RFC 32).</summary>
     internal static class Z85
     {
         private const string Digits =
@@ -8,7 +8,7 @@ namespace Pacinian
 
         private const int Length = 40; // characters of a key
 
-        /// <summary>The 32 bytes of a key; false if it is none.</summary>
+        /// <summary>Decodes the 32 bytes of a key. Returns false if the text is not a key.</summary>
         public static bool Read(string text, out byte[] key)
         {
             key = new byte[Length / 5 * 4];

@@ -3,11 +3,11 @@ using System.Runtime.InteropServices;
 
 namespace Pacinian
 {
-    /// <summary>The sockets that libzmq waits for, in memory that is laid out as its zmq_pollitem_t.</summary>
+    /// <summary>The sockets that libzmq waits for, in the memory layout of its zmq_pollitem_t.</summary>
     internal sealed class ZmqPoll : IDisposable
     {
         private static readonly int Descriptor = Environment.OSVersion.Platform == PlatformID.Win32NT ? IntPtr.Size : 4;
-        private static readonly int Wanted = IntPtr.Size + Descriptor; // where the events stand, and after them those told
+        private static readonly int Wanted = IntPtr.Size + Descriptor; // offset of the requested events; the reported ones follow
         private static readonly int Size = (Wanted + 4 + IntPtr.Size - 1) / IntPtr.Size * IntPtr.Size;
 
         private readonly int _most;
@@ -25,7 +25,7 @@ namespace Pacinian
             _count = 0;
         }
 
-        /// <summary>Waits for messages of a socket, too; and for room to send one.</summary>
+        /// <summary>Adds a socket to wait for messages. room: also waits for room to send one.</summary>
         public void Add(IntPtr socket, bool room)
         {
             if (_count == _most)
@@ -41,7 +41,7 @@ namespace Pacinian
             _count++;
         }
 
-        /// <summary>Waits for any of them, at most so long [ms]; false if it could not.</summary>
+        /// <summary>Waits for any of the sockets, for this time at most [ms]. Returns false on an error.</summary>
         public bool Wait(int milliseconds)
         {
             return LibZmq.zmq_poll(_items, _count, (IntPtr)milliseconds) >= 0;

@@ -4,9 +4,7 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>
-    /// A socket of libzmq that never waits. Belongs to one thread; to be closed before its context is.
-    /// </summary>
+    /// <summary>A socket of libzmq that never blocks. Belongs to one thread. Close it before its context.</summary>
     internal sealed class ZmqSocket
     {
         private const int Most = 1000; // messages that wait to be read
@@ -24,7 +22,7 @@ namespace Pacinian
 
         public IntPtr Handle { get; private set; }
 
-        /// <summary>Whether room to send is waited for.</summary>
+        /// <summary>Whether a wait ends when there is room to send.</summary>
         public bool Full { get; set; }
 
         public IntPtr Monitor
@@ -37,12 +35,12 @@ namespace Pacinian
             get { return Handle != IntPtr.Zero; }
         }
 
-        /// <summary>What all sockets to a server have; false if the connection has no keys that will do.</summary>
+        /// <summary>Sets the options and keys of all sockets to a server. Returns false if the connection has no valid keys.</summary>
         public bool Secure(ConnectionFile file)
         {
             Set(LibZmq.SendRoom, Waiting);
             Set(LibZmq.ReceiveRoom, Most);
-            Set(LibZmq.HandshakeTimeout, 2000); // [ms], as all below
+            Set(LibZmq.HandshakeTimeout, 2000); // [ms], like all below
             Set(LibZmq.ConnectTimeout, 2000);
             long longest = Protocol.MaxReplyBytes;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
@@ -52,17 +50,17 @@ namespace Pacinian
                 && Set(LibZmq.CurveSecretKey, file.SecretKey);
         }
 
-        /// <summary>It takes messages only while it is connected, and is connected only once; its end is told.</summary>
+        /// <summary>Makes the socket accept messages only while it is connected, connect only once, and report its end.</summary>
         public void Once(IntPtr context, string monitor, bool heartbeat)
         {
             Set(LibZmq.Immediate, 1);
             Set(LibZmq.ReconnectInterval, -1);
             if (heartbeat)
             {
-                Set(LibZmq.HeartbeatInterval, 50); // [ms], as all below
+                Set(LibZmq.HeartbeatInterval, 50); // [ms], like all below
                 Set(LibZmq.HeartbeatTtl, 1500);
                 Set(LibZmq.HeartbeatTimeout, 1500);
-                Set(LibZmq.ReceiveRoom, 0); // no limit: libzmq 4.3 ends the process if a heartbeat is due at one
+                Set(LibZmq.ReceiveRoom, 0); // no limit: at a limit, libzmq 4.3 aborts the process if a heartbeat is due
             }
             const int events = LibZmq.Connected | LibZmq.Closed | LibZmq.Disconnected
                 | LibZmq.FailedNoDetail | LibZmq.FailedProtocol | LibZmq.FailedAuth;
@@ -74,7 +72,7 @@ namespace Pacinian
             LibZmq.zmq_connect(_monitor, at);
         }
 
-        /// <summary>Connects to an address; false if it is none.</summary>
+        /// <summary>Connects to an address. Returns false if the address is not valid.</summary>
         public bool Connect(string address)
         {
             Set(LibZmq.Ipv6, address.IndexOf('[') >= 0 ? 1 : 0);
@@ -92,7 +90,7 @@ namespace Pacinian
             return LibZmq.zmq_setsockopt(Handle, option, data, (UIntPtr)data.Length) == 0;
         }
 
-        /// <summary>An option that is a whole number; 0 if it cannot be told.</summary>
+        /// <summary>Returns an integer option; 0 if it cannot be read.</summary>
         public int Get(int option)
         {
             int value = 0;
@@ -112,7 +110,7 @@ namespace Pacinian
             return !Full;
         }
 
-        /// <summary>The last part of the next message: its bytes, -1 if there is none.</summary>
+        /// <summary>Receives the last part of the next message. Returns its length; -1 if there is none.</summary>
         public int Receive(byte[] into)
         {
             int count;
@@ -124,7 +122,7 @@ namespace Pacinian
             return Math.Min(count, into.Length);
         }
 
-        /// <summary>How the connection has ended, as the monitor told.</summary>
+        /// <summary>Returns how the connection has ended, from the monitor's events.</summary>
         public Ending Ended()
         {
             for (int told = Told(); told != 0; told = Told())

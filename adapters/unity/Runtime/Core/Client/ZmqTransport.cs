@@ -3,10 +3,10 @@ using System.Threading;
 
 namespace Pacinian
 {
-    /// <summary>By libzmq: with CURVE keys, for a server on another machine.</summary>
+    /// <summary>Uses libzmq with CURVE keys, for a server on another machine.</summary>
     public sealed class ZmqTransport : ITransport
     {
-        private const int Longest = 50; // [ms] of a wait: a thread in foreign code cannot be ended
+        private const int Longest = 50; // [ms] of a wait: a thread in native code cannot be ended
         private static int _counted;
 
         private readonly object _waking = new object();
@@ -18,7 +18,7 @@ namespace Pacinian
         private Ending _ending;
         private int _rung;
 
-        /// <summary>Raises DllNotFoundException where libzmq is not installed.</summary>
+        /// <summary>Creates a transport. Raises DllNotFoundException if libzmq is not installed.</summary>
         public ZmqTransport()
         {
             try
@@ -74,7 +74,7 @@ namespace Pacinian
         /// <inheritdoc/>
         public string Problem
         {
-            get { return ""; } // libzmq does not tell
+            get { return ""; } // libzmq does not report it
         }
 
         /// <inheritdoc/>

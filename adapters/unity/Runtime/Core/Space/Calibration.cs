@@ -2,25 +2,25 @@ using System;
 
 namespace Pacinian
 {
-    /// <summary>Where the array stands in the tracked world, from known points of it that a tracked finger touched.</summary>
+    /// <summary>The pose of the array in the tracked world, from known points of the array that a tracked finger touched.</summary>
     public struct Calibration
     {
-        private const double LeastSpread = 1e-3; // [m] of points that are more than one
-        private const double LeastGap = 1e-3; // of the largest eigenvalue: points that are 40 times longer than wide
+        private const double LeastSpread = 1e-3; // [m] smallest spread of distinct points
+        private const double LeastGap = 1e-3; // relative to the largest eigenvalue: points 40 times longer than wide
 
         /// <summary>The array's frame in the tracked world, both right-handed, in metres.</summary>
         public Rigid Origin;
 
-        /// <summary>Root mean square distance of known from touched points [m].</summary>
+        /// <summary>Root mean square distance between known and touched points [m].</summary>
         public double Residual;
 
         /// <summary>The largest of these distances [m].</summary>
         public double Worst;
 
         /// <summary>
-        /// The rigid transform, never a reflection, that brings known points (array's frame) closest to those touched
-        /// (tracked world), in the same order [m]. False, and what to do, if there are fewer than three or they do not
-        /// say how it is turned. Horn, J. Opt. Soc. Am. A 4, 629 (1987).
+        /// Fits the rigid transform, never a reflection, that moves the known points (array's frame) closest to the
+        /// touched points (tracked world), in the same order [m]. Returns false and what to do if there are fewer than
+        /// three points, or if they do not determine the rotation. Horn, J. Opt. Soc. Am. A 4, 629 (1987).
         /// </summary>
         public static bool Fit(Vec3[] known, Vec3[] touched, out Calibration made, out string problem)
         {
@@ -64,7 +64,7 @@ namespace Pacinian
             Residual = Math.Sqrt(sum / known.Length);
         }
 
-        /// <summary>The matrix whose eigenvector of the largest eigenvalue is the rotation w, x, y, z.</summary>
+        /// <summary>Returns the matrix whose eigenvector of the largest eigenvalue is the rotation w, x, y, z.</summary>
         private static double[,] Horn(Vec3[] from, Vec3 middle, Vec3[] to, Vec3 centre)
         {
             double[,] N = new double[4, 4];

@@ -2,15 +2,13 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>
-    /// An adult's open hand, in place of a tracked one: for tests without a tracker. Its palm faces down, its fingers point along y.
-    /// </summary>
+    /// <summary>An adult's open hand, for tests without a tracker. Its palm faces down, its fingers point along y.</summary>
     public static class OpenHand
     {
-        /// <summary>How many joints OpenXR has.</summary>
+        /// <summary>The number of OpenXR's joints.</summary>
         public const int Count = 26;
 
-        private static readonly double[] Right = // x, y, z of each joint of a right hand, from its palm [mm]
+        private static readonly double[] Right = // x, y, z of each joint of a right hand, relative to its palm [mm]
         {
             0, 0, 0, 0, -60, 0, -22, -44, -6, -52, -14, -14, -74, 8, -17, -88, 25, -18,
             -14, -32, 0, -22.5, 31, 0, -27.4966, 71.6944, 0, -30.4215, 95.5155, 0, -32.6152, 113.3813, 0,
@@ -24,20 +22,23 @@ namespace Pacinian
             20, 21, 19, 12.5, 10, 8.5, 20, 10.5, 8.5, 7.5, 6.5, 20, 11, 8.5, 7.5, 6.5, 19, 10, 8, 7.5, 6.5, 18, 8.5, 7, 6.5, 5.5,
         };
 
-        /// <summary>Where a joint is from the palm [m], in OpenXR's order: palm, wrist, thumb from the wrist on, index...</summary>
+        /// <summary>
+        /// Returns a joint relative to the palm [m], in OpenXR's order: palm, wrist, thumb from its metacarpal on,
+        /// index...
+        /// </summary>
         public static Vec3 Joint(HandFrameSide side, int index)
         {
             double mirror = side == HandFrameSide.Left ? -1e-3 : 1e-3;
             return new Vec3(mirror * Right[3 * index], 1e-3 * Right[3 * index + 1], 1e-3 * Right[3 * index + 2]);
         }
 
-        /// <summary>From a joint to the skin [m].</summary>
+        /// <summary>Returns the distance from a joint to the skin [m].</summary>
         public static double Radius(int index)
         {
             return 1e-3 * Radii[index];
         }
 
-        /// <summary>Makes a frame such a hand, with its palm there in the array's frame [m]. It makes no garbage.</summary>
+        /// <summary>Writes an open hand into a frame. palm: its pose in the array's frame [m]. Allocates nothing.</summary>
         public static void Write(HandFrame frame, HandFrameSide side, Rigid palm)
         {
             frame.Side = side;

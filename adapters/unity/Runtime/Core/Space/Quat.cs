@@ -5,10 +5,9 @@ namespace Pacinian
     /// <summary>A unit quaternion x, y, z, w: a rotation.</summary>
     public struct Quat
     {
-        /// <summary>Its numbers; W is the real part.</summary>
+        /// <summary>The components; W is the real part.</summary>
         public double X, Y, Z, W;
 
-        /// <summary>From its four numbers.</summary>
         public Quat(double x, double y, double z, double w)
         {
             X = x;
@@ -23,7 +22,7 @@ namespace Pacinian
             get { return new Quat(0.0, 0.0, 0.0, 1.0); }
         }
 
-        /// <summary>First b, then a.</summary>
+        /// <summary>Returns the rotation b followed by a.</summary>
         public static Quat operator *(Quat a, Quat b)
         {
             return new Quat(
@@ -33,13 +32,13 @@ namespace Pacinian
                 a.W * b.W - a.X * b.X - a.Y * b.Y - a.Z * b.Z);
         }
 
-        /// <summary>The rotation back.</summary>
+        /// <summary>The inverse rotation.</summary>
         public Quat Inverse
         {
             get { return new Quat(-X, -Y, -Z, W); }
         }
 
-        /// <summary>A vector, turned.</summary>
+        /// <summary>Returns the rotated vector.</summary>
         public Vec3 Turn(Vec3 v)
         {
             Vec3 axis = new Vec3(X, Y, Z);
@@ -47,7 +46,7 @@ namespace Pacinian
             return v + W * t + Vec3.Cross(axis, t);
         }
 
-        /// <summary>The same rotation, of length one; none for zeros and for what is not finite.</summary>
+        /// <summary>The same rotation with length one; the identity for zeros and for values that are not finite.</summary>
         public Quat Normalised
         {
             get

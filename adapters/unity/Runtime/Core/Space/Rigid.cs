@@ -1,34 +1,36 @@
 namespace Pacinian
 {
-    /// <summary>A rotation, then a translation: where a frame is in another, and how to get from the one to the other.</summary>
+    /// <summary>
+    /// A rotation followed by a translation: the pose of a frame in another, and the transform from the first to the
+    /// second.
+    /// </summary>
     public struct Rigid
     {
-        /// <summary>How the frame is turned.</summary>
+        /// <summary>The rotation of the frame.</summary>
         public Quat Rotation;
 
-        /// <summary>Where its origin is [m].</summary>
+        /// <summary>The position of the frame's origin [m].</summary>
         public Vec3 Position;
 
-        /// <summary>From its two parts.</summary>
         public Rigid(Vec3 position, Quat rotation)
         {
             Position = position;
             Rotation = rotation;
         }
 
-        /// <summary>The same frame.</summary>
+        /// <summary>The identity.</summary>
         public static Rigid Identity
         {
             get { return new Rigid(new Vec3(), Quat.Identity); }
         }
 
-        /// <summary>First b, then a.</summary>
+        /// <summary>Returns the transform b followed by a.</summary>
         public static Rigid operator *(Rigid a, Rigid b)
         {
             return new Rigid(a.Point(b.Position), a.Rotation * b.Rotation);
         }
 
-        /// <summary>The way back.</summary>
+        /// <summary>The inverse transform.</summary>
         public Rigid Inverse
         {
             get
@@ -38,13 +40,13 @@ namespace Pacinian
             }
         }
 
-        /// <summary>A place in the other frame.</summary>
+        /// <summary>Returns the transformed position.</summary>
         public Vec3 Point(Vec3 place)
         {
             return Rotation.Turn(place) + Position;
         }
 
-        /// <summary>A direction or velocity, also an angular one, in the other frame.</summary>
+        /// <summary>Returns the transformed direction, velocity or angular velocity.</summary>
         public Vec3 Direction(Vec3 direction)
         {
             return Rotation.Turn(direction);

@@ -2,12 +2,12 @@ using System;
 
 namespace Pacinian
 {
-    /// <summary>Eigenvalues of small symmetric matrices, by Jacobi's rotations.</summary>
+    /// <summary>Computes eigenvalues of small symmetric matrices with Jacobi rotations.</summary>
     internal static class Symmetric
     {
         private const int Sweeps = 50;
 
-        /// <summary>Makes A (n, n) diagonal: its eigenvalues. The columns of V are the eigenvectors, in no order.</summary>
+        /// <summary>Makes A (n, n) diagonal, with the eigenvalues. Returns the eigenvectors as columns, in no order.</summary>
         public static double[,] Diagonalise(double[,] A)
         {
             int n = A.GetLength(0);

@@ -1,9 +1,9 @@
 namespace Pacinian.Wire
 {
-    /// <summary>Values whose type is not known before.</summary>
+    /// <summary>Reads values whose type is not known in advance.</summary>
     public sealed partial class Reader
     {
-        /// <summary>Takes a value of any kind and depth, without recursion.</summary>
+        /// <summary>Skips a value of any kind and depth, without recursion.</summary>
         internal bool Skip()
         {
             for (long left = 1; left > 0; left--)
@@ -22,7 +22,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>A value of any kind.</summary>
+        /// <summary>Reads a value of any kind.</summary>
         internal bool Any(ref Value value)
         {
             int start = _at;

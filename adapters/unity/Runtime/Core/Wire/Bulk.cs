@@ -3,28 +3,28 @@ using System.Runtime.InteropServices;
 
 namespace Pacinian.Wire
 {
-    /// <summary>Bytes, as a rule little-endian numbers, in a buffer that grows and never shrinks. Copies share the buffer.</summary>
+    /// <summary>Bytes, usually little-endian numbers, in a buffer that grows and never shrinks. Copies share the buffer.</summary>
     public struct Bulk
     {
-        /// <summary>The first <see cref="Count"/> bytes are meant; null before the first.</summary>
+        /// <summary>The buffer, of which the first <see cref="Count"/> bytes are used; null if it was never used.</summary>
         public byte[] Data { get; private set; }
 
-        /// <summary>How many bytes there are.</summary>
+        /// <summary>The number of bytes.</summary>
         public int Count { get; private set; }
 
-        /// <summary>How many 32-bit numbers that is.</summary>
+        /// <summary>The number of 32-bit numbers.</summary>
         public int Numbers
         {
             get { return Count / 4; }
         }
 
-        /// <summary>Empties it.</summary>
+        /// <summary>Removes all bytes.</summary>
         public void Clear()
         {
             Count = 0;
         }
 
-        /// <summary>Makes room for so many bytes after what is there.</summary>
+        /// <summary>Makes room for more bytes after the present ones.</summary>
         public void Reserve(int more)
         {
             if (Data == null || Count + more > Data.Length)
@@ -38,7 +38,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>These bytes in place of what is there.</summary>
+        /// <summary>Replaces all bytes.</summary>
         public void Set(byte[] data, int start, int count)
         {
             Count = 0;
@@ -47,13 +47,13 @@ namespace Pacinian.Wire
             Count = count;
         }
 
-        /// <summary>One more float32.</summary>
+        /// <summary>Appends a float32.</summary>
         public void Add(double value)
         {
             Add(new Bits { Single = (float)value }.Whole);
         }
 
-        /// <summary>Three more float32.</summary>
+        /// <summary>Appends three float32.</summary>
         public void Add(Vec3 value)
         {
             Add(value.X);
@@ -61,7 +61,7 @@ namespace Pacinian.Wire
             Add(value.Z);
         }
 
-        /// <summary>Four more float32.</summary>
+        /// <summary>Appends four float32.</summary>
         public void Add(Quat value)
         {
             Add(value.X);
@@ -70,7 +70,7 @@ namespace Pacinian.Wire
             Add(value.W);
         }
 
-        /// <summary>One more uint32.</summary>
+        /// <summary>Appends a uint32.</summary>
         public void Add(uint value)
         {
             Reserve(4);
@@ -80,31 +80,31 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>The float32 of that index.</summary>
+        /// <summary>Returns the float32 at an index.</summary>
         public float Single(int index)
         {
             return new Bits { Whole = Index(index) }.Single;
         }
 
-        /// <summary>The point of that index, each of three float32.</summary>
+        /// <summary>Returns the point at an index: three float32.</summary>
         public Vec3 Point(int index)
         {
             return new Vec3(Single(3 * index), Single(3 * index + 1), Single(3 * index + 2));
         }
 
-        /// <summary>The uint32 of that index; an int32 by a cast.</summary>
+        /// <summary>Returns the uint32 at an index; cast it for an int32.</summary>
         public uint Index(int index)
         {
             return (uint)Little(4 * index, 4);
         }
 
-        /// <summary>The uint16 of that index.</summary>
+        /// <summary>Returns the uint16 at an index.</summary>
         public int Level(int index)
         {
             return (int)Little(2 * index, 2);
         }
 
-        /// <summary>The float64 of that index.</summary>
+        /// <summary>Returns the float64 at an index.</summary>
         public double Real(int index)
         {
             return BitConverter.Int64BitsToDouble((long)Little(8 * index, 8));
@@ -125,7 +125,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>A number and its bits, without `unsafe`.</summary>
+    /// <summary>Converts between a number and its bits, without `unsafe`.</summary>
     [StructLayout(LayoutKind.Explicit)]
     internal struct Bits
     {

@@ -2,20 +2,20 @@ using System.Text;
 
 namespace Pacinian.Wire
 {
-    /// <summary>Messages as maps: their keys, their kinds, and where in them something is wrong.</summary>
+    /// <summary>Reads messages as maps: keys, types, and the path of an error.</summary>
     public sealed partial class Reader
     {
-        /// <summary>What <see cref="Key"/> gives for a key that is not known.</summary>
+        /// <summary>The result of <see cref="Key"/> for an unknown key.</summary>
         internal const int Other = -1;
 
-        /// <summary>What is given where something is wrong.</summary>
+        /// <summary>The result for an error.</summary>
         internal const int Failed = -2;
 
         private const string NoValue = "is cut short, or has a byte that MessagePack never uses";
-        private const int Longest = 200; // characters of a path that are told
+        private const int Longest = 200; // characters of a path in a message
         private static readonly byte[][] Type = Utf8.Of("type");
 
-        /// <summary>The index of the next key; Other; or Failed. likely: where to look first.</summary>
+        /// <summary>Reads the next key. Returns its index, Other or Failed. likely: the index to compare first.</summary>
         internal int Key(byte[][] keys, int likely)
         {
             Head head;
@@ -37,7 +37,7 @@ namespace Pacinian.Wire
             return Other;
         }
 
-        /// <summary>Which of these is the `type` of the message that begins here, all of which is left; or Failed.</summary>
+        /// <summary>Returns the index of the `type` of the message that begins here, or Failed. Consumes nothing.</summary>
         internal int Tag(byte[][] tags)
         {
             int start = _at, count, index;
@@ -64,7 +64,7 @@ namespace Pacinian.Wire
             return Failed;
         }
 
-        /// <summary>The `type` must be this one.</summary>
+        /// <summary>Checks that the `type` is this one.</summary>
         internal bool Expect(byte[][] tag)
         {
             int index;
@@ -82,14 +82,14 @@ namespace Pacinian.Wire
             return _at >= _end || IsText() || Fail("must be str");
         }
 
-        /// <summary>Whether text comes next.</summary>
+        /// <summary>Returns whether a text comes next.</summary>
         internal bool IsText()
         {
             int code = _at < _end ? _data[_at] : 0;
             return (code >= 0xA0 && code < 0xC0) || (code >= 0xD9 && code <= 0xDB);
         }
 
-        /// <summary>The first of these fields is missing.</summary>
+        /// <summary>Reports that the first of these fields is missing. Returns false.</summary>
         internal bool Missing(byte[][] keys, ulong fields)
         {
             int first = 0;
@@ -101,19 +101,19 @@ namespace Pacinian.Wire
             return Within(keys, first);
         }
 
-        /// <summary>What is wrong is in the field of that index.</summary>
+        /// <summary>Adds the field with this index to the error's path. Returns false.</summary>
         internal bool Within(byte[][] keys, int key)
         {
             return key < 0 ? false : Within("." + Encoding.UTF8.GetString(keys[key]));
         }
 
-        /// <summary>What is wrong is in the item of that index.</summary>
+        /// <summary>Adds the item with this index to the error's path. Returns false.</summary>
         internal bool Within(int index)
         {
             return Within("[" + index + "]");
         }
 
-        /// <summary>What is wrong is in that part. False.</summary>
+        /// <summary>Adds a part to the error's path. Returns false.</summary>
         internal bool Within(string part)
         {
             if (!_whole)
@@ -124,7 +124,7 @@ namespace Pacinian.Wire
             return false;
         }
 
-        /// <summary>Something is wrong here. False.</summary>
+        /// <summary>Reports an error here. Returns false.</summary>
         internal bool Fail(string problem)
         {
             Problem = Problem.Length == 0 ? problem : Problem;
@@ -143,7 +143,7 @@ namespace Pacinian.Wire
             return text ? Fail("must be a word that is known here") : Broken("has text that is not UTF-8");
         }
 
-        /// <summary>The bytes are no MessagePack: whatever it was, the whole message is wrong. False.</summary>
+        /// <summary>Reports bytes that are not MessagePack: the whole message is wrong. Returns false.</summary>
         private bool Broken(string problem)
         {
             _whole = true;

@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace Pacinian.Wire
 {
-    /// <summary>A JSON object's texts and whole numbers, by key; other values must be JSON, and are left out.</summary>
+    /// <summary>The texts and integers of a JSON object, by key. Other values must be valid JSON, and are left out.</summary>
     public sealed class FlatJson
     {
         private const int Deepest = 32;
@@ -16,21 +16,21 @@ namespace Pacinian.Wire
             _scanner = new JsonScanner(source);
         }
 
-        /// <summary>Reads an object; null if the text is anything else. Of a key that comes twice the last counts.</summary>
+        /// <summary>Parses an object. Returns null if the text is anything else. If a key is repeated, the last value counts.</summary>
         public static FlatJson Parse(string source)
         {
             FlatJson json = new FlatJson(source);
             return json.Object(0) && json._scanner.End ? json : null;
         }
 
-        /// <summary>The text of a key, or `otherwise`.</summary>
+        /// <summary>Returns the text of a key, or `otherwise`.</summary>
         public string Text(string key, string otherwise)
         {
             string value;
             return _texts.TryGetValue(key, out value) ? value : otherwise;
         }
 
-        /// <summary>The whole number of a key, or `otherwise`.</summary>
+        /// <summary>Returns the integer of a key, or `otherwise`.</summary>
         public long Number(string key, long otherwise)
         {
             long value;
@@ -80,7 +80,7 @@ namespace Pacinian.Wire
             return _scanner.Take(']');
         }
 
-        /// <summary>Reads a value, and keeps it if it has a key.</summary>
+        /// <summary>Reads a value, and stores it if it has a key.</summary>
         private bool Value(int depth, string key)
         {
             if (key != null)

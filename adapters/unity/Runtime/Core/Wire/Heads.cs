@@ -2,7 +2,7 @@ using System;
 
 namespace Pacinian.Wire
 {
-    /// <summary>The heads of values: what comes next, and how much.</summary>
+    /// <summary>Reads the heads of values: their kind and size.</summary>
     public sealed partial class Reader
     {
         [Flags]
@@ -12,7 +12,7 @@ namespace Pacinian.Wire
             Nil = 1,
             Bool = 2,
             Whole = 4,
-            Huge = 8, // a whole number beyond 63 bits
+            Huge = 8, // an integer beyond 63 bits
             Real = 16,
             Text = 32,
             Binary = 64,
@@ -22,17 +22,17 @@ namespace Pacinian.Wire
             Never = 1024, // a byte that MessagePack does not use
         }
 
-        /// <summary>A value, or the head of an array or a map: Count items or keys follow.</summary>
+        /// <summary>A value, or the head of an array or map with Count items or keys.</summary>
         private struct Head
         {
             public Kind Kind;
             public long Whole;
             public double Number;
             public int Start, Count;
-            public bool Cut; // bytes, of which not all are there
+            public bool Cut; // not all bytes are there
         }
 
-        /// <summary>Takes a value whole, or the head of an array or map.</summary>
+        /// <summary>Reads a whole value, or the head of an array or map.</summary>
         private bool Take(out Head head)
         {
             head = new Head();
@@ -134,7 +134,10 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Text and bytes are taken as far as they are there. Of arrays and maps the items are only counted.</summary>
+        /// <summary>
+        /// Reads a head with a size. Text and bytes are consumed as far as they are there; items of arrays and maps are
+        /// only counted.
+        /// </summary>
         private bool Sized(ref Head head, Kind kind, long count)
         {
             head.Kind = kind;

@@ -1,9 +1,9 @@
 namespace Pacinian.Wire
 {
-    /// <summary>A message, or a part of one, that a client sends.</summary>
+    /// <summary>A message that a client sends, or a part of one.</summary>
     public interface IMessage
     {
-        /// <summary>Writes all fields, in their order.</summary>
+        /// <summary>Writes all fields in order.</summary>
         void Write(Writer w);
     }
 }

@@ -2,15 +2,15 @@ using System;
 
 namespace Pacinian.Wire
 {
-    /// <summary>A list that keeps what was in it, to be used again: it grows and never shrinks.</summary>
+    /// <summary>A list that keeps removed items for reuse. It grows and never shrinks.</summary>
     public sealed class Items<T>
     {
         private T[] _slots = new T[4];
 
-        /// <summary>How many items there are.</summary>
+        /// <summary>The number of items.</summary>
         public int Count { get; private set; }
 
-        /// <summary>The item of that index, below <see cref="Count"/>.</summary>
+        /// <summary>The item at an index below <see cref="Count"/>.</summary>
         public T this[int index]
         {
             get
@@ -23,19 +23,22 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Empties it.</summary>
+        /// <summary>Removes all items, but keeps them for reuse.</summary>
         public void Clear()
         {
             Count = 0;
         }
 
-        /// <summary>What was at the end's place before, to be changed and added; the type's default if nothing was.</summary>
+        /// <summary>
+        /// Returns the former item after the end, which may be changed and added again; the type's default if there is
+        /// none.
+        /// </summary>
         public T Spare()
         {
             return Count < _slots.Length ? _slots[Count] : default(T);
         }
 
-        /// <summary>One more item.</summary>
+        /// <summary>Appends an item.</summary>
         public void Add(T item)
         {
             if (Count == _slots.Length)
@@ -45,7 +48,7 @@ namespace Pacinian.Wire
             _slots[Count++] = item;
         }
 
-        /// <summary>What was at the end's place before is not used again: it is somewhere else now.</summary>
+        /// <summary>Forgets the former item after the end, because it is used elsewhere.</summary>
         internal void Forget()
         {
             if (Count < _slots.Length)
@@ -54,7 +57,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Another item at that index, below <see cref="Count"/>.</summary>
+        /// <summary>Replaces the item at an index below <see cref="Count"/>.</summary>
         public void Replace(int index, T item)
         {
             if (index < 0 || index >= Count)

@@ -3,7 +3,7 @@ using System.Text;
 
 namespace Pacinian.Wire
 {
-    /// <summary>The words of JSON, one after the other. What is not there is false, or '\0'.</summary>
+    /// <summary>Reads the tokens of JSON one by one. If a token is not there, returns false, or '\0'.</summary>
     internal sealed class JsonScanner
     {
         private readonly StringBuilder _buffer = new StringBuilder();
@@ -15,13 +15,13 @@ namespace Pacinian.Wire
             _source = source;
         }
 
-        /// <summary>Whether nothing follows but space.</summary>
+        /// <summary>Whether nothing but white space follows.</summary>
         public bool End
         {
             get { return Next == '\0' && _at == _source.Length; }
         }
 
-        /// <summary>The next character after space.</summary>
+        /// <summary>The next character after white space.</summary>
         public char Next
         {
             get
@@ -39,13 +39,13 @@ namespace Pacinian.Wire
             get { return _at < _source.Length ? _source[_at] : '\0'; }
         }
 
-        /// <summary>Takes a character after space.</summary>
+        /// <summary>Consumes a character after white space.</summary>
         public bool Take(char c)
         {
             return Next == c && TakeHere(c);
         }
 
-        /// <summary>Takes a word.</summary>
+        /// <summary>Consumes a word.</summary>
         public bool Word(string word)
         {
             bool same = string.CompareOrdinal(_source, _at, word, 0, word.Length) == 0;
@@ -53,7 +53,7 @@ namespace Pacinian.Wire
             return same;
         }
 
-        /// <summary>Takes a number, which is null if it is not whole or beyond 64 bits.</summary>
+        /// <summary>Consumes a number. It is null if it is not an integer, or has more than 64 bits.</summary>
         public bool Number(out long? whole)
         {
             int start = _at;
@@ -69,7 +69,7 @@ namespace Pacinian.Wire
             return valid;
         }
 
-        /// <summary>Takes a text in quotes.</summary>
+        /// <summary>Consumes a text in quotes.</summary>
         public bool Text(out string text)
         {
             text = null;
@@ -114,7 +114,7 @@ namespace Pacinian.Wire
             return valid;
         }
 
-        /// <summary>Whether no half of a surrogate pair is alone.</summary>
+        /// <summary>Returns whether all surrogates come in pairs.</summary>
         private static bool Paired(string text)
         {
             for (int i = 0; i < text.Length; i++)

@@ -1,12 +1,12 @@
 namespace Pacinian.Wire
 {
-    /// <summary>Arrays of numbers and texts, and numbers that may be nil.</summary>
+    /// <summary>Reads arrays of numbers and texts, and numbers that may be nil.</summary>
     public sealed partial class Reader
     {
-        /// <summary>The most keys of a map that has no bounds of its own.</summary>
+        /// <summary>The most keys of a map without a limit of its own.</summary>
         internal const int MostKeys = 4096;
 
-        /// <summary>A number in low..high, or nil.</summary>
+        /// <summary>Reads a number in low..high, or nil.</summary>
         internal bool Real(ref double? value, double low, double high, bool above = false)
         {
             double read = 0.0;
@@ -19,7 +19,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Texts, each of so many code points.</summary>
+        /// <summary>Reads texts with shortest..longest code points each.</summary>
         internal bool Texts(Items<string> items, int least, int most, int shortest, int longest)
         {
             int count;
@@ -40,33 +40,33 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Two numbers, each in low..high.</summary>
+        /// <summary>Reads two numbers, each in low..high.</summary>
         internal bool Fixed(ref Vec2 value, double low = 0.0, double high = 0.0, bool above = false)
         {
             return Fixed(2) && Item(0, ref value.X, low, high, above) && Item(1, ref value.Y, low, high, above);
         }
 
-        /// <summary>Three numbers, each in low..high; without bounds if these are the same.</summary>
+        /// <summary>Reads three numbers, each in low..high; without limits if these are equal.</summary>
         internal bool Fixed(ref Vec3 value, double low = 0.0, double high = 0.0, bool above = false)
         {
             return Fixed(3) && Item(0, ref value.X, low, high, above) && Item(1, ref value.Y, low, high, above)
                 && Item(2, ref value.Z, low, high, above);
         }
 
-        /// <summary>Four numbers, each in low..high.</summary>
+        /// <summary>Reads four numbers, each in low..high.</summary>
         internal bool Fixed(ref Quat value, double low = 0.0, double high = 0.0, bool above = false)
         {
             return Fixed(4) && Item(0, ref value.X, low, high, above) && Item(1, ref value.Y, low, high, above)
                 && Item(2, ref value.Z, low, high, above) && Item(3, ref value.W, low, high, above);
         }
 
-        /// <summary>Two whole numbers, each in low..high.</summary>
+        /// <summary>Reads two integers, each in low..high.</summary>
         internal bool Fixed(ref Int2 value, long low = long.MinValue, long high = long.MaxValue)
         {
             return Fixed(2) && Item(0, ref value.X, low, high) && Item(1, ref value.Y, low, high);
         }
 
-        /// <summary>Three whole numbers, each in low..high.</summary>
+        /// <summary>Reads three integers, each in low..high.</summary>
         internal bool Fixed(ref Int3 value, long low = long.MinValue, long high = long.MaxValue)
         {
             return Fixed(3) && Item(0, ref value.X, low, high) && Item(1, ref value.Y, low, high)

@@ -21,7 +21,7 @@ namespace Pacinian.Wire
             w.Real(Level);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -98,7 +98,7 @@ namespace Pacinian.Wire
             w.Real(High);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -186,7 +186,7 @@ namespace Pacinian.Wire
             w.Real(Duty);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -289,7 +289,7 @@ namespace Pacinian.Wire
             w.Real(High);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -397,7 +397,7 @@ namespace Pacinian.Wire
             w.Whole(Seed);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -476,7 +476,7 @@ namespace Pacinian.Wire
             w.Word(Words.PresetName[(int)Name]);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -546,7 +546,7 @@ namespace Pacinian.Wire
             w.Word(Words.WaveMode[(int)Mode]);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -615,7 +615,7 @@ namespace Pacinian.Wire
             w.Word(Tag[0]);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -674,7 +674,7 @@ namespace Pacinian.Wire
             w.Real(Depth);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -756,7 +756,7 @@ namespace Pacinian.Wire
             w.Real(Dwell);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -839,7 +839,7 @@ namespace Pacinian.Wire
             w.Real(Angle);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;

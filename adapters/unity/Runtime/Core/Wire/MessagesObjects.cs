@@ -32,7 +32,7 @@ namespace Pacinian.Wire
         /// <inheritdoc/>
         public abstract void Write(Writer w);
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public abstract bool Read(Reader r);
     }
 
@@ -57,7 +57,7 @@ namespace Pacinian.Wire
             w.Real(Reach);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -126,7 +126,7 @@ namespace Pacinian.Wire
             w.Fixed(AngularVelocity);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -214,7 +214,7 @@ namespace Pacinian.Wire
             w.Real(Area);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -360,7 +360,7 @@ namespace Pacinian.Wire
             w.Real(Width);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -511,7 +511,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -648,7 +648,7 @@ namespace Pacinian.Wire
             w.Bool(Repeat);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -748,7 +748,7 @@ namespace Pacinian.Wire
             w.Real(Thickness);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -920,7 +920,7 @@ namespace Pacinian.Wire
             w.Word(Words.VolumeFelt[(int)Felt]);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;

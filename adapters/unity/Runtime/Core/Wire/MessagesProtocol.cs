@@ -2,7 +2,7 @@
 
 namespace Pacinian.Wire
 {
-    /// <summary>The protocol's numbers, and its messages.</summary>
+    /// <summary>Constants of the protocol, and functions that read its messages.</summary>
     public static partial class Protocol
     {
         public const int Major = 1;
@@ -23,14 +23,14 @@ namespace Pacinian.Wire
         public const int MaxParts = 16;
         public const int MaxOptions = 32;
 
-        /// <summary>Reads a message of the kind `reply`; one of the same kind that is there already is used again.</summary>
+        /// <summary>Reads a message of the kind `reply`; if `value` is already a message of the same kind, it is reused.</summary>
         public static bool ReadReply(Reader r, byte[] data, int start, int count, ref IReply value)
         {
             return r.Begin(data, start, count, 1048576)
                 && Unions.Read(r, ref value) && r.End();
         }
 
-        /// <summary>Reads a message of the kind `state`; one of the same kind that is there already is used again.</summary>
+        /// <summary>Reads a message of the kind `state`; if `value` is already a message of the same kind, it is reused.</summary>
         public static bool ReadState(Reader r, byte[] data, int start, int count, ref IState value)
         {
             return r.Begin(data, start, count, 1048576)

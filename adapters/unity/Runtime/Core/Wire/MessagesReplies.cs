@@ -8,7 +8,7 @@ namespace Pacinian.Wire
         /// <summary>`id` of the message that it answers; 0 if it answers none. 0 to 4,294,967,295.</summary>
         public long Id;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public abstract bool Read(Reader r);
     }
 
@@ -42,7 +42,7 @@ namespace Pacinian.Wire
         /// <summary>Ticks per second [Hz].</summary>
         public double Rate;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -104,7 +104,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "id");
         private static readonly byte[][] Tag = Utf8.Of("ok");
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -170,7 +170,7 @@ namespace Pacinian.Wire
         /// <summary>Remedy, for people. 0 to 1,000 characters.</summary>
         public string Advice = "";
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -254,7 +254,7 @@ namespace Pacinian.Wire
         /// <summary>Whether the output may sound.</summary>
         public bool Armed;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -322,7 +322,7 @@ namespace Pacinian.Wire
         /// <summary>Options that clients may set, with their defaults if these are plain values.</summary>
         public readonly Table<Value> Options = new Table<Value>();
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -432,7 +432,7 @@ namespace Pacinian.Wire
         /// <summary>Temperature of the air, configured or assumed [degC]; nil if only a speed of sound is configured. -80 to 100; null: not given.</summary>
         public double? Temperature;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -543,7 +543,7 @@ namespace Pacinian.Wire
         /// <summary>Parameters of the field; since protocol 1.1. null: not given.</summary>
         public Sound Sound;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -692,7 +692,7 @@ namespace Pacinian.Wire
         /// <summary>Time of the emitted frame, by the server's clock [s]. -1e+12 to 1e+12 [s].</summary>
         public double Time;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -763,7 +763,7 @@ namespace Pacinian.Wire
         /// <summary>Objects that are new since the version asked for, by name, as they were put. If there are many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out. 0 to 1,024.</summary>
         public readonly Table<Felt> Objects = new Table<Felt>();
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
         {
             int count, key = Reader.Other;

@@ -21,7 +21,7 @@ namespace Pacinian.Wire
             w.Real(Length);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -76,7 +76,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -151,7 +151,7 @@ namespace Pacinian.Wire
             w.Real(Phase);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -235,7 +235,7 @@ namespace Pacinian.Wire
             w.Bool(Closed);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -305,7 +305,7 @@ namespace Pacinian.Wire
             w.Fixed(Rotation);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -377,7 +377,7 @@ namespace Pacinian.Wire
             w.Real(Height);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -433,7 +433,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -488,7 +488,7 @@ namespace Pacinian.Wire
             w.Real(Radius);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -563,7 +563,7 @@ namespace Pacinian.Wire
             w.Real(Depth);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -644,7 +644,7 @@ namespace Pacinian.Wire
             w.Real(Scale);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -714,7 +714,7 @@ namespace Pacinian.Wire
             w.Fixed(Size);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -774,7 +774,7 @@ namespace Pacinian.Wire
             w.Real(Length);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -845,7 +845,7 @@ namespace Pacinian.Wire
             w.Real(Level);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -920,7 +920,7 @@ namespace Pacinian.Wire
             w.Message(Pose);
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -992,7 +992,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -1071,7 +1071,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -1155,7 +1155,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;

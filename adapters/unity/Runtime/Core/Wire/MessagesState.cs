@@ -34,7 +34,7 @@ namespace Pacinian.Wire
         /// <summary>Time since its last renewal [s].</summary>
         public double Renewed;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -97,7 +97,7 @@ namespace Pacinian.Wire
         /// <summary>That pressure over the object's own, 0..1. All are at full envelope.</summary>
         public double Strength;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -223,7 +223,7 @@ namespace Pacinian.Wire
         /// <summary>Longest time between two frames while armed [s].</summary>
         public double LongestGap;
 
-        /// <summary>Number of skipped samples by reason.</summary>
+        /// <summary>Counts of work that was left out, by reason.</summary>
         public readonly Table<long> Skipped = new Table<long>();
 
         /// <summary>Texts of the last faults, newest last.</summary>
@@ -256,7 +256,7 @@ namespace Pacinian.Wire
         /// <summary>The technique in use with its parameters; since protocol 1.1. null: not given.</summary>
         public ITechnique Presentation;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;
@@ -578,7 +578,7 @@ namespace Pacinian.Wire
         /// <summary>Number of frames in the cycle, which sound in turn; 0 if it is not known; since protocol 1.1.</summary>
         public long Parts;
 
-        /// <summary>Reads it; what is missing takes its default. False: it is not valid, and half read.</summary>
+        /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public bool Read(Reader r)
         {
             int count, key = Reader.Other;

@@ -7,7 +7,7 @@ namespace Pacinian.Wire
     {
     }
 
-    /// <summary>A word in place of route: one of RouteWord.</summary>
+    /// <summary>A word that stands for an IRoute: one of RouteWord.</summary>
     public sealed class NamedRoute : IRoute
     {
         /// <summary>The word.</summary>
@@ -19,7 +19,7 @@ namespace Pacinian.Wire
             w.Word(Words.RouteWord[(int)Value]);
         }
 
-        /// <summary>Reads it.</summary>
+        /// <summary>Reads the word.</summary>
         public bool Read(Reader r)
         {
             return Words.Read(r, ref Value);
@@ -31,7 +31,7 @@ namespace Pacinian.Wire
     {
     }
 
-    /// <summary>A word in place of envelope: one of PresetName.</summary>
+    /// <summary>A word that stands for an IEnvelope: one of PresetName.</summary>
     public sealed class NamedEnvelope : IEnvelope
     {
         /// <summary>The word.</summary>
@@ -43,7 +43,7 @@ namespace Pacinian.Wire
             w.Word(Words.PresetName[(int)Value]);
         }
 
-        /// <summary>Reads it.</summary>
+        /// <summary>Reads the word.</summary>
         public bool Read(Reader r)
         {
             return Words.Read(r, ref Value);
@@ -95,7 +95,7 @@ namespace Pacinian.Wire
     {
     }
 
-    /// <summary>Reads one of several messages; one of the same kind that is there already is used again.</summary>
+    /// <summary>Reads one of several messages; if `value` is already a message of the same kind, it is reused.</summary>
     internal static partial class Unions
     {
         private static readonly byte[][] RouteTags = Utf8.Of("line", "circle", "lissajous", "polyline");

@@ -68,7 +68,7 @@ namespace Pacinian.Wire
         Faulted,
     }
 
-    /// <summary>The words of the enumerations.</summary>
+    /// <summary>The encoded words of the enumerations.</summary>
     internal static partial class Words
     {
         public static readonly byte[][] PresetName = Utf8.Of("impulsive", "rapturous", "trembling", "buzzing");

@@ -3,8 +3,8 @@ using System.Text;
 namespace Pacinian.Wire
 {
     /// <summary>
-    /// Reads MessagePack. Whatever the bytes are, it neither throws nor allocates more than they hold: what is wrong
-    /// is false, and then <see cref="Problem"/> and <see cref="Path"/> say what and where.
+    /// Reads MessagePack. For any bytes it neither throws nor allocates more than they hold. On an error, methods
+    /// return false, and <see cref="Problem"/> and <see cref="Path"/> say what is wrong and where.
     /// </summary>
     public sealed partial class Reader
     {
@@ -12,13 +12,13 @@ namespace Pacinian.Wire
         private int _at, _end;
         private bool _whole;
 
-        /// <summary>What is wrong; empty while nothing is.</summary>
+        /// <summary>What is wrong; empty if nothing is.</summary>
         public string Problem { get; private set; }
 
-        /// <summary>Where that is, as "$.hands[0].joints".</summary>
+        /// <summary>Where it is wrong, such as "$.hands[0].joints".</summary>
         public string Path { get; private set; }
 
-        /// <summary>Begins to read a message.</summary>
+        /// <summary>Starts to read a message.</summary>
         public void Start(byte[] data, int start, int count)
         {
             _data = data;
@@ -29,20 +29,20 @@ namespace Pacinian.Wire
             Path = "$";
         }
 
-        /// <summary>Begins to read a message, which must have at most so many bytes.</summary>
+        /// <summary>Starts to read a message of at most `most` bytes.</summary>
         internal bool Begin(byte[] data, int start, int count, int most)
         {
             Start(data, start, count);
             return count <= most || Broken("must be of at most " + most + " bytes");
         }
 
-        /// <summary>Whether all has been read.</summary>
+        /// <summary>Checks that all bytes have been read.</summary>
         public bool End()
         {
             return _at == _end || Broken("has trailing bytes");
         }
 
-        /// <summary>Nil is taken, anything else is left.</summary>
+        /// <summary>Consumes a nil. Returns false, and consumes nothing, if something else comes next.</summary>
         public bool Nil()
         {
             bool nil = _at < _end && _data[_at] == 0xC0;
@@ -50,7 +50,7 @@ namespace Pacinian.Wire
             return nil;
         }
 
-        /// <summary>True or false.</summary>
+        /// <summary>Reads a boolean.</summary>
         public bool Bool(ref bool value)
         {
             Head head;
@@ -62,7 +62,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>A whole number of 64 bits.</summary>
+        /// <summary>Reads an integer of 64 bits.</summary>
         public bool Whole(ref long value, long low = long.MinValue, long high = long.MaxValue)
         {
             Head head;
@@ -78,7 +78,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Any number, NaN too.</summary>
+        /// <summary>Reads a number, which may be NaN.</summary>
         public bool Real(ref double value)
         {
             Head head;
@@ -91,7 +91,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>A number in low..high, which is not NaN. above: low itself is too low.</summary>
+        /// <summary>Reads a number in low..high, not NaN. above: excludes low itself.</summary>
         public bool Real(ref double value, double low, double high, bool above = false)
         {
             double read = 0.0;
@@ -107,7 +107,9 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Text of least..most code points. A text that is there already is kept: nothing is allocated.</summary>
+        /// <summary>
+        /// Reads a text of least..most code points. If `value` is already equal, it is kept, and nothing is allocated.
+        /// </summary>
         public bool Text(ref string value, int least = 0, int most = int.MaxValue)
         {
             Head head;
@@ -131,7 +133,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>The index of one of these words.</summary>
+        /// <summary>Reads one of these words, and gives its index.</summary>
         internal bool Word(byte[][] words, out int index)
         {
             Head head;
@@ -150,7 +152,7 @@ namespace Pacinian.Wire
             return Unknown(head);
         }
 
-        /// <summary>least..most bytes.</summary>
+        /// <summary>Reads least..most bytes.</summary>
         public bool Binary(ref Bulk value, int least = 0, int most = int.MaxValue)
         {
             Head head;
@@ -170,7 +172,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>The head of an array of least..most items, which follow.</summary>
+        /// <summary>Reads the head of an array of least..most items.</summary>
         public bool Array(out int count, int least = 0, int most = int.MaxValue)
         {
             Head head;
@@ -183,7 +185,7 @@ namespace Pacinian.Wire
             return (count >= least && count <= most) || Fail("must be of " + least + " to " + most + " items");
         }
 
-        /// <summary>The head of a map of at most so many keys, which follow.</summary>
+        /// <summary>Reads the head of a map of at most `most` keys.</summary>
         public bool Map(out int count, int most = int.MaxValue)
         {
             Head head;

@@ -2,10 +2,13 @@ using System.Globalization;
 
 namespace Pacinian.Wire
 {
-    /// <summary>Ranges, and the rules for bulk numbers.</summary>
+    /// <summary>Checks ranges and the rules for bulk numbers.</summary>
     public sealed partial class Reader
     {
-        /// <summary>Whether data is rows of so many 32-bit numbers. counts: how many of them, if not -1, or the other.</summary>
+        /// <summary>
+        /// Checks that data consists of rows of `width` 32-bit numbers. count, other: the allowed numbers of rows; -1:
+        /// any.
+        /// </summary>
         internal bool Rows(string name, ref Bulk data, long width, long count = -1, long other = -1)
         {
             long rows = data.Count / (4 * width);
@@ -14,7 +17,7 @@ namespace Pacinian.Wire
                 || In(name, "must be " + (count < 0 ? "" : count + " ") + "rows of " + width + " numbers of 32 bits");
         }
 
-        /// <summary>Whether all float32 are in low..high, none NaN.</summary>
+        /// <summary>Checks that all float32 are in low..high and none is NaN.</summary>
         internal bool Range(string name, ref Bulk data, double low, double high)
         {
             for (int i = 0; i < data.Numbers; i++)
@@ -28,7 +31,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>Whether data is rows of three uint32, all below that.</summary>
+        /// <summary>Checks that data consists of rows of three uint32, all less than `below`.</summary>
         internal bool Indices(string name, ref Bulk data, int below)
         {
             if (!Rows(name, ref data, 3))

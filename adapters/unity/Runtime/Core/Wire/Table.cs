@@ -1,30 +1,30 @@
 namespace Pacinian.Wire
 {
-    /// <summary>Items by name, in their order. It keeps what was in it, to be used again.</summary>
+    /// <summary>Items by name, in order. Removed items are kept for reuse.</summary>
     public sealed class Table<T>
     {
         private readonly Items<string> _keys = new Items<string>();
         private readonly Items<T> _values = new Items<T>();
 
-        /// <summary>How many there are.</summary>
+        /// <summary>The number of items.</summary>
         public int Count
         {
             get { return _keys.Count; }
         }
 
-        /// <summary>The name of that index.</summary>
+        /// <summary>Returns the name at an index.</summary>
         public string Key(int index)
         {
             return _keys[index];
         }
 
-        /// <summary>The item of that index.</summary>
+        /// <summary>Returns the item at an index.</summary>
         public T Value(int index)
         {
             return _values[index];
         }
 
-        /// <summary>The index of a name; -1 if there is none.</summary>
+        /// <summary>Returns the index of a name; -1 if there is none.</summary>
         public int Find(string key)
         {
             for (int i = 0; i < Count; i++)
@@ -37,14 +37,14 @@ namespace Pacinian.Wire
             return -1;
         }
 
-        /// <summary>Empties it.</summary>
+        /// <summary>Removes all items.</summary>
         public void Clear()
         {
             _keys.Clear();
             _values.Clear();
         }
 
-        /// <summary>An item in place of the one of that name, or one more.</summary>
+        /// <summary>Replaces the item with this name, or appends it.</summary>
         public void Set(string key, T value)
         {
             int at = Find(key);
@@ -58,13 +58,13 @@ namespace Pacinian.Wire
             _values.Add(value);
         }
 
-        /// <summary>The name that was at the end's place before; null if none was.</summary>
+        /// <summary>Returns the former name after the end; null if there is none.</summary>
         internal string SpareKey()
         {
             return _keys.Spare();
         }
 
-        /// <summary>The item that was at the end's place before; the type's default if none was.</summary>
+        /// <summary>Returns the former item after the end; the type's default if there is none.</summary>
         internal T Spare()
         {
             return _values.Spare();

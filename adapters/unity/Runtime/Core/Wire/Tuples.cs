@@ -1,12 +1,11 @@
 namespace Pacinian.Wire
 {
-    /// <summary>Two numbers, along x and y.</summary>
+    /// <summary>Two numbers along x and y.</summary>
     public struct Vec2
     {
-        /// <summary>Along the axes.</summary>
+        /// <summary>The components.</summary>
         public double X, Y;
 
-        /// <summary>From its two numbers.</summary>
         public Vec2(double x, double y)
         {
             X = x;
@@ -14,13 +13,12 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Two whole numbers: rows and columns, or major and minor.</summary>
+    /// <summary>Two integers: rows and columns, or major and minor.</summary>
     public struct Int2
     {
         /// <summary>The first and the second.</summary>
         public long X, Y;
 
-        /// <summary>From its two numbers.</summary>
         public Int2(long x, long y)
         {
             X = x;
@@ -28,13 +26,12 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Three whole numbers: of voxels, in x, y and z.</summary>
+    /// <summary>Three integers, such as the numbers of voxels in x, y and z.</summary>
     public struct Int3
     {
-        /// <summary>Along the axes.</summary>
+        /// <summary>The components.</summary>
         public long X, Y, Z;
 
-        /// <summary>From its three numbers.</summary>
         public Int3(long x, long y, long z)
         {
             X = x;
@@ -43,10 +40,10 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Writes arrays that always have as many numbers.</summary>
+    /// <summary>Writes arrays of a fixed length.</summary>
     public static class Tuples
     {
-        /// <summary>An array of two numbers.</summary>
+        /// <summary>Writes two numbers.</summary>
         public static void Fixed(this Writer w, Vec2 value)
         {
             w.Array(2);
@@ -54,7 +51,7 @@ namespace Pacinian.Wire
             w.Real(value.Y);
         }
 
-        /// <summary>An array of three numbers.</summary>
+        /// <summary>Writes three numbers.</summary>
         public static void Fixed(this Writer w, Vec3 value)
         {
             w.Array(3);
@@ -63,7 +60,7 @@ namespace Pacinian.Wire
             w.Real(value.Z);
         }
 
-        /// <summary>An array of four numbers.</summary>
+        /// <summary>Writes four numbers.</summary>
         public static void Fixed(this Writer w, Quat value)
         {
             w.Array(4);
@@ -73,7 +70,7 @@ namespace Pacinian.Wire
             w.Real(value.W);
         }
 
-        /// <summary>An array of two whole numbers.</summary>
+        /// <summary>Writes two integers.</summary>
         public static void Fixed(this Writer w, Int2 value)
         {
             w.Array(2);
@@ -81,7 +78,7 @@ namespace Pacinian.Wire
             w.Whole(value.Y);
         }
 
-        /// <summary>An array of three whole numbers.</summary>
+        /// <summary>Writes three integers.</summary>
         public static void Fixed(this Writer w, Int3 value)
         {
             w.Array(3);

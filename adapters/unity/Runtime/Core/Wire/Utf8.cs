@@ -2,12 +2,12 @@ using System.Text;
 
 namespace Pacinian.Wire
 {
-    /// <summary>Text as UTF-8, looked at without making a string.</summary>
+    /// <summary>Inspects UTF-8 without creating strings.</summary>
     internal static class Utf8
     {
         private static readonly int[] Least = { 0, 0, 0x80, 0x800, 0x10000 };
 
-        /// <summary>The bytes of some words.</summary>
+        /// <summary>Returns the bytes of words.</summary>
         public static byte[][] Of(params string[] words)
         {
             byte[][] made = new byte[words.Length][];
@@ -18,7 +18,7 @@ namespace Pacinian.Wire
             return made;
         }
 
-        /// <summary>How many code points these bytes are; -1 if they are not UTF-8.</summary>
+        /// <summary>Returns the number of code points; -1 if the bytes are not UTF-8.</summary>
         public static int Points(byte[] data, int start, int count)
         {
             int points = 0;
@@ -32,7 +32,7 @@ namespace Pacinian.Wire
             return points;
         }
 
-        /// <summary>Whether these bytes, which are UTF-8, are that text.</summary>
+        /// <summary>Returns whether bytes, which must be UTF-8, equal a text.</summary>
         public static bool Same(byte[] data, int start, int count, string text)
         {
             int i = 0;
@@ -55,7 +55,7 @@ namespace Pacinian.Wire
             return i == text.Length;
         }
 
-        /// <summary>Whether these bytes are those of a word.</summary>
+        /// <summary>Returns whether bytes equal those of a word.</summary>
         public static bool Same(byte[] data, int start, int count, byte[] word)
         {
             if (word.Length != count)
@@ -72,7 +72,7 @@ namespace Pacinian.Wire
             return true;
         }
 
-        /// <summary>The next code point, and what is after it; -1 if it is none.</summary>
+        /// <summary>Reads the next code point, and advances; -1 if it is not valid.</summary>
         private static int Next(byte[] data, ref int at, int end)
         {
             int first = data[at++];

@@ -1,83 +1,83 @@
 namespace Pacinian.Wire
 {
-    /// <summary>What a <see cref="Value"/> is.</summary>
+    /// <summary>The type of a <see cref="Value"/>.</summary>
     public enum ValueKind
     {
         /// <summary>Nil.</summary>
         Nil,
 
-        /// <summary>True or false.</summary>
+        /// <summary>A boolean.</summary>
         Bool,
 
-        /// <summary>A whole number.</summary>
+        /// <summary>An integer.</summary>
         Whole,
 
-        /// <summary>A number.</summary>
+        /// <summary>A floating-point number.</summary>
         Real,
 
-        /// <summary>Text.</summary>
+        /// <summary>A text.</summary>
         Text,
 
-        /// <summary>Anything else, as the bytes that it came in.</summary>
+        /// <summary>Any other type, stored as its encoded bytes.</summary>
         Other,
     }
 
-    /// <summary>A value of some type: a setting of a plug-in.</summary>
+    /// <summary>A value of any type, such as a setting of a plug-in.</summary>
     public struct Value
     {
         private long _whole;
         private double _real;
         private Bulk _bytes;
 
-        /// <summary>What it is.</summary>
+        /// <summary>The type.</summary>
         public ValueKind Kind { get; private set; }
 
-        /// <summary>The text; null if it is none.</summary>
+        /// <summary>The text; null if it is not a text.</summary>
         public string Text { get; private set; }
 
-        /// <summary>The number, if it is one; of true 1; else 0.</summary>
+        /// <summary>The number; 1 for true; otherwise 0.</summary>
         public double Number
         {
             get { return Kind == ValueKind.Real ? _real : _whole; }
         }
 
-        /// <summary>Whether it is true.</summary>
+        /// <summary>Whether the value is true.</summary>
         public bool True
         {
             get { return Kind == ValueKind.Bool && _whole != 0; }
         }
 
-        /// <summary>The whole number, if it is one; of true 1; else 0.</summary>
+        /// <summary>The integer; 1 for true; otherwise 0.</summary>
         public long Whole
         {
             get { return _whole; }
         }
 
-        /// <summary>True or false.</summary>
+        /// <summary>Returns a boolean value.</summary>
         public static Value Of(bool value)
         {
             return new Value { Kind = ValueKind.Bool, _whole = value ? 1 : 0 };
         }
 
-        /// <summary>A whole number.</summary>
+        /// <summary>Returns an integer value.</summary>
         public static Value Of(long value)
         {
             return new Value { Kind = ValueKind.Whole, _whole = value };
         }
 
-        /// <summary>A number.</summary>
+        /// <summary>Returns a floating-point value.</summary>
         public static Value Of(double value)
         {
             return new Value { Kind = ValueKind.Real, _real = value };
         }
 
-        /// <summary>A text.</summary>
+        /// <summary>Returns a text value.</summary>
         public static Value Of(string value)
         {
             return new Value { Kind = ValueKind.Text, Text = value };
         }
 
-        /// <summary>Bytes that are MessagePack already.</summary>
+        /// <summary>Returns a value from bytes that are MessagePack.</summary>
         internal static Value Of(byte[] data, int start, int count)
         {
             Value made = new Value { Kind = ValueKind.Other };
@@ -85,7 +85,7 @@ namespace Pacinian.Wire
             return made;
         }
 
-        /// <summary>Writes it.</summary>
+        /// <summary>Writes the value.</summary>
         public void Write(Writer w)
         {
             switch (Kind)

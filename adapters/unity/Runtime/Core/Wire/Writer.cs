@@ -3,54 +3,54 @@ using System.Text;
 
 namespace Pacinian.Wire
 {
-    /// <summary>Writes MessagePack into a buffer of its own, which grows and never shrinks: shortest forms, 64-bit floats.</summary>
+    /// <summary>Writes MessagePack, in the shortest forms and with 64-bit floats, into a buffer that grows and never shrinks.</summary>
     public sealed partial class Writer
     {
         private static readonly UTF8Encoding Utf = new UTF8Encoding(false);
 
-        /// <summary>What was written: the first <see cref="Count"/> bytes.</summary>
+        /// <summary>The buffer, of which the first <see cref="Count"/> bytes were written.</summary>
         public byte[] Data { get; private set; }
 
-        /// <summary>How many bytes were written.</summary>
+        /// <summary>The number of bytes written.</summary>
         public int Count { get; private set; }
 
-        /// <summary>capacity: bytes before it grows.</summary>
+        /// <summary>capacity: bytes before the buffer grows.</summary>
         public Writer(int capacity = 256)
         {
             Data = new byte[capacity];
         }
 
-        /// <summary>Begins again.</summary>
+        /// <summary>Removes all bytes.</summary>
         public void Clear()
         {
             Count = 0;
         }
 
-        /// <summary>The head of a map of so many keys, which follow.</summary>
+        /// <summary>Writes the head of a map with `count` keys, which must follow.</summary>
         public void Map(int count)
         {
             Head(count, 0x80, 16, 0xDE);
         }
 
-        /// <summary>The head of an array of so many items, which follow.</summary>
+        /// <summary>Writes the head of an array with `count` items, which must follow.</summary>
         public void Array(int count)
         {
             Head(count, 0x90, 16, 0xDC);
         }
 
-        /// <summary>Nil.</summary>
+        /// <summary>Writes nil.</summary>
         public void Nil()
         {
             Byte(0xC0);
         }
 
-        /// <summary>True or false.</summary>
+        /// <summary>Writes a boolean.</summary>
         public void Bool(bool value)
         {
             Byte(value ? 0xC3 : 0xC2);
         }
 
-        /// <summary>A whole number.</summary>
+        /// <summary>Writes an integer.</summary>
         public void Whole(long value)
         {
             if (value >= 0)
@@ -79,13 +79,13 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>A number.</summary>
+        /// <summary>Writes a floating-point number.</summary>
         public void Real(double value)
         {
             Number(0xCB, 8, (ulong)BitConverter.DoubleToInt64Bits(value));
         }
 
-        /// <summary>A number, or nil.</summary>
+        /// <summary>Writes a floating-point number, or nil.</summary>
         public void Real(double? value)
         {
             if (value.HasValue)
@@ -98,7 +98,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>A message, or nil for null.</summary>
+        /// <summary>Writes a message; nil for null.</summary>
         public void Message(IMessage value)
         {
             if (value == null)
@@ -111,7 +111,7 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>Text; null is empty.</summary>
+        /// <summary>Writes a text; null is written as an empty text.</summary>
         public void Text(string value)
         {
             int length = value == null ? 0 : Utf.GetByteCount(value);
@@ -127,14 +127,14 @@ namespace Pacinian.Wire
             Count += length == 0 ? 0 : Utf.GetBytes(value, 0, value.Length, Data, Count);
         }
 
-        /// <summary>A word of which the bytes are known.</summary>
+        /// <summary>Writes a word from its bytes.</summary>
         internal void Word(byte[] value)
         {
             Byte(0xA0 | value.Length);
             Raw(value, 0, value.Length);
         }
 
-        /// <summary>Bytes.</summary>
+        /// <summary>Writes bytes.</summary>
         public void Binary(Bulk value)
         {
             int size = value.Count <= byte.MaxValue ? 1 : value.Count <= ushort.MaxValue ? 2 : 4;
@@ -145,13 +145,13 @@ namespace Pacinian.Wire
             }
         }
 
-        /// <summary>What another has written.</summary>
+        /// <summary>Appends the bytes of another writer.</summary>
         public void Append(Writer other)
         {
             Raw(other.Data, 0, other.Count);
         }
 
-        /// <summary>Bytes that are MessagePack already.</summary>
+        /// <summary>Appends bytes that are MessagePack.</summary>
         public void Raw(byte[] data, int start, int count)
         {
             Reserve(count);

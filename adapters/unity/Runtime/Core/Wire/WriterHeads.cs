@@ -2,7 +2,7 @@ using System;
 
 namespace Pacinian.Wire
 {
-    /// <summary>The heads of values, in their shortest forms.</summary>
+    /// <summary>Writes the heads of values in their shortest forms.</summary>
     public sealed partial class Writer
     {
         private void Large(ulong value)

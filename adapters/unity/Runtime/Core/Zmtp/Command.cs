@@ -3,7 +3,9 @@ using System.Text;
 
 namespace Pacinian.Zmtp
 {
-    /// <summary>The names of commands, and how they and their properties are read (RFC 37, "Commands" and "Connection Metadata").</summary>
+    /// <summary>
+    /// Names of commands, and reading and writing of their properties (RFC 37, "Commands" and "Connection Metadata").
+    /// </summary>
     internal static class Command
     {
         public static readonly byte[] Hello = Name("HELLO"), Welcome = Name("WELCOME"), Initiate = Name("INITIATE");
@@ -12,12 +14,12 @@ namespace Pacinian.Zmtp
         public static readonly byte[] Subscribe = Name("SUBSCRIBE"), Cancel = Name("CANCEL");
         private static readonly byte[] MisspeltError = Name("^RROR");
 
-        /// <summary>The largest body of a command that is accepted: a READY with all its properties is some 100 bytes.</summary>
+        /// <summary>The largest accepted body of a command; a READY with all its properties has about 100 bytes.</summary>
         public const int MaxBytes = 4096;
 
         private const int MaxShown = 100; // characters
 
-        /// <summary>Whether the frame that was read is the command of that name; and where its data are.</summary>
+        /// <summary>Returns whether the last frame is the command with this name; writes where its data are.</summary>
         public static bool Is(FrameReader frame, byte[] name, out int offset, out int count)
         {
             offset = frame.Offset + 1 + name.Length;
@@ -26,8 +28,9 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>
-        /// Whether it is ERROR; and where its data are. libzmq's server of PLAIN, up to 4.3.5, writes "^RROR" in place of the length
-        /// 5 and "ERROR": its source has "\x05ERROR", where C takes the first E for a digit of the escape.
+        /// Returns whether the last frame is ERROR; writes where its data are. libzmq's PLAIN server, up to 4.3.5,
+        /// writes "^RROR" instead of the length 5 and "ERROR": its source has "\x05ERROR", where C takes the first E
+        /// for a digit of the escape.
         /// </summary>
         public static bool IsError(FrameReader frame, out int offset, out int count)
         {
@@ -40,7 +43,7 @@ namespace Pacinian.Zmtp
             return frame.IsCommand && count >= 0 && Begins(frame, 0, MisspeltError);
         }
 
-        /// <summary>Reads a text whose length is its first byte; null if it is cut off.</summary>
+        /// <summary>Reads a text whose first byte is its length; null if it is truncated.</summary>
         public static string ReadText(byte[] data, int offset, int count)
         {
             if (count < 1 || data[offset] > count - 1)
@@ -57,7 +60,7 @@ namespace Pacinian.Zmtp
             return text == null ? "an error that cannot be read" : MakeVisible(text);
         }
 
-        /// <summary>A peer's text as it may be shown to people: not too long, and question marks for what is not visible.</summary>
+        /// <summary>Makes a peer's text printable: truncates it, and replaces invisible characters by question marks.</summary>
         public static string MakeVisible(string text)
         {
             char[] characters = text.ToCharArray(0, Math.Min(text.Length, MaxShown));
@@ -68,7 +71,9 @@ namespace Pacinian.Zmtp
             return new string(characters);
         }
 
-        /// <summary>Finds a property by its name, in which case does not count; "" if there is none, null if they are cut off.</summary>
+        /// <summary>
+        /// Finds a property by name, ignoring case. Returns "" if there is none, null if the properties are truncated.
+        /// </summary>
         public static string FindProperty(byte[] data, int offset, int count, string name)
         {
             string found = "";
@@ -100,7 +105,7 @@ namespace Pacinian.Zmtp
             return found;
         }
 
-        /// <summary>Properties as bytes: name, value, name, value and so on.</summary>
+        /// <summary>Encodes properties: name, value, name, value and so on.</summary>
         public static byte[] WriteProperties(params string[] pairs)
         {
             int count = 0;

@@ -3,12 +3,15 @@ using System.Net;
 
 namespace Pacinian.Zmtp
 {
-    /// <summary>Addresses as ZeroMQ writes them.</summary>
+    /// <summary>Parses ZeroMQ's addresses.</summary>
     internal static class Endpoint
     {
         private const string Tcp = "tcp://";
 
-        /// <summary>Reads `tcp://ADDRESS:PORT`, where the address is an IP address or `localhost`; null if it is none.</summary>
+        /// <summary>
+        /// Parses `tcp://ADDRESS:PORT`, where ADDRESS is an IP address or `localhost`; returns null if the text is
+        /// anything else.
+        /// </summary>
         public static IPEndPoint Read(string text)
         {
             int colon = text.LastIndexOf(':');

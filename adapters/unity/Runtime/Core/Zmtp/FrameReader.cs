@@ -3,8 +3,8 @@ using System;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// Cuts the bytes of a peer into frames (RFC 37, "Framing"). What a frame announces is checked as soon as its head is
-    /// there, and memory grows with the bytes that have come, never with the size that is announced.
+    /// Splits the bytes of a peer into frames (RFC 37, "Framing"). Checks a frame's size as soon as its head has
+    /// arrived. Memory grows with the received bytes, not with the announced size.
     /// </summary>
     internal sealed class FrameReader
     {
@@ -14,7 +14,7 @@ namespace Pacinian.Zmtp
         private byte[] _data = new byte[FirstBytes];
         private int _start, _end, _needed;
 
-        /// <summary>The largest bodies that are accepted, of a part of a message and of a command [bytes].</summary>
+        /// <summary>maxMessage, maxCommand: the largest accepted bodies of a part of a message and of a command [bytes].</summary>
         public FrameReader(int maxMessage, int maxCommand)
         {
             _maxMessage = maxMessage;
@@ -22,16 +22,16 @@ namespace Pacinian.Zmtp
             Problem = "";
         }
 
-        /// <summary>Where the frame's body is: good until bytes are added.</summary>
+        /// <summary>The buffer with the frame's body, valid until bytes are added.</summary>
         public byte[] Data
         {
             get { return _data; }
         }
 
-        /// <summary>Where the frame's body begins in <see cref="Data"/>.</summary>
+        /// <summary>The offset of the frame's body in <see cref="Data"/>.</summary>
         public int Offset { get; private set; }
 
-        /// <summary>The frame's body [bytes].</summary>
+        /// <summary>The length of the frame's body [bytes].</summary>
         public int Count { get; private set; }
 
         /// <summary>Whether another part of the same message follows.</summary>
@@ -40,19 +40,22 @@ namespace Pacinian.Zmtp
         /// <summary>Whether the frame is a command.</summary>
         public bool IsCommand { get; private set; }
 
-        /// <summary>Why the bytes are no frames; "" while they are.</summary>
+        /// <summary>Why the bytes are not frames; "" if they are.</summary>
         public string Problem { get; private set; }
 
-        /// <summary>Whether bytes have come since it was known that no whole frame is there.</summary>
+        /// <summary>Whether bytes have arrived since the last attempt to read a frame failed.</summary>
         public bool IsUnread { get; private set; }
 
-        /// <summary>The buffer's memory [bytes].</summary>
+        /// <summary>The size of the buffer [bytes].</summary>
         public int Capacity
         {
             get { return _data.Length; }
         }
 
-        /// <summary>Where new bytes are to be put into <see cref="Data"/>, and how many: 0 if a whole frame waits to be read.</summary>
+        /// <summary>
+        /// Makes room for new bytes in <see cref="Data"/>. Returns how many may be added; 0 if a whole frame waits to
+        /// be read.
+        /// </summary>
         public int Reserve(out int offset)
         {
             if (_start > 0 && (_start == _end || _end == _data.Length))
@@ -69,32 +72,32 @@ namespace Pacinian.Zmtp
             return _data.Length - _end;
         }
 
-        /// <summary>So many bytes were put where <see cref="Reserve"/> said.</summary>
+        /// <summary>Adds bytes that were put where <see cref="Reserve"/> said.</summary>
         public void Add(int count)
         {
             _end += count;
             IsUnread = true;
         }
 
-        /// <summary>Bytes that were added and not read yet.</summary>
+        /// <summary>The number of bytes that were added and not read.</summary>
         public int Waiting
         {
             get { return _end - _start; }
         }
 
-        /// <summary>A byte that was added and not read yet.</summary>
+        /// <summary>Returns a byte that was added and not read.</summary>
         public byte Peek(int index)
         {
             return _data[_start + index];
         }
 
-        /// <summary>Skips bytes that were looked at.</summary>
+        /// <summary>Skips bytes that were peeked at.</summary>
         public void Skip(int count)
         {
             _start += count;
         }
 
-        /// <summary>Reads the next frame; false if it has not come whole, or there is a problem.</summary>
+        /// <summary>Reads the next frame. Returns false if it has not arrived completely, or if there is a problem.</summary>
         public bool Read()
         {
             return IsUnread = ReadFrame();

@@ -3,7 +3,7 @@ using System.Collections.Generic;
 
 namespace Pacinian.Zmtp
 {
-    /// <summary>Frames that wait to be sent, as bytes (RFC 37, "Framing").</summary>
+    /// <summary>The encoded frames that wait to be sent (RFC 37, "Framing").</summary>
     internal sealed class FrameWriter
     {
         private readonly Queue<long> _ends = new Queue<long>(); // of the frames, counted from the first byte ever written
@@ -11,31 +11,31 @@ namespace Pacinian.Zmtp
         private int _start, _end;
         private long _sent;
 
-        /// <summary>The bytes that wait are here.</summary>
+        /// <summary>The buffer with the waiting bytes.</summary>
         public byte[] Data
         {
             get { return _data; }
         }
 
-        /// <summary>Where they begin in <see cref="Data"/>.</summary>
+        /// <summary>The offset of the waiting bytes in <see cref="Data"/>.</summary>
         public int Offset
         {
             get { return _start; }
         }
 
-        /// <summary>Bytes that wait.</summary>
+        /// <summary>The number of waiting bytes.</summary>
         public int Count
         {
             get { return _end - _start; }
         }
 
-        /// <summary>Frames that wait, also if some of their bytes are sent.</summary>
+        /// <summary>The number of waiting frames, including a frame that is partly sent.</summary>
         public int Frames
         {
             get { return _ends.Count; }
         }
 
-        /// <summary>So many of the bytes are sent.</summary>
+        /// <summary>Removes bytes that were sent.</summary>
         public void MarkSent(int count)
         {
             _start += count;
@@ -46,14 +46,14 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Bytes that are no frame.</summary>
+        /// <summary>Writes bytes that are not a frame.</summary>
         public void WriteRaw(byte[] bytes)
         {
             Reserve(bytes.Length);
             Put(bytes, 0, bytes.Length);
         }
 
-        /// <summary>A message of one part.</summary>
+        /// <summary>Writes a message of one part.</summary>
         public void WriteMessage(byte[] body, int count)
         {
             WriteHead(0, count);
@@ -61,7 +61,7 @@ namespace Pacinian.Zmtp
             _ends.Enqueue(_sent + Count);
         }
 
-        /// <summary>A command: its name, then its data (RFC 37, "Formal Grammar").</summary>
+        /// <summary>Writes a command: its name, then its data (RFC 37, "Formal Grammar").</summary>
         public void WriteCommand(byte[] name, byte[] data, int count)
         {
             WriteHead(Frame.Command, 1 + name.Length + count);

@@ -4,8 +4,8 @@ using System.Text;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// The client's side of a greeting and of the mechanisms NULL and PLAIN, until the peer is ready (RFC 37, "Formal Grammar",
-    /// "The NULL Security Mechanism"; RFC 24, "Implementation"). A peer older than ZMTP 3.0 is refused.
+    /// The client's side of the greeting and of the mechanisms NULL and PLAIN, until the peer is ready (RFC 37, "Formal
+    /// Grammar", "The NULL Security Mechanism"; RFC 24, "Implementation"). Rejects peers older than ZMTP 3.0.
     /// </summary>
     internal sealed class Handshake
     {
@@ -39,13 +39,13 @@ namespace Pacinian.Zmtp
             get { return _step == Step.Done; }
         }
 
-        /// <summary>Why there will be no connection; "" while there may be.</summary>
+        /// <summary>Why there will be no connection; "" if there may be.</summary>
         public string Problem { get; private set; }
 
-        /// <summary>Whether the problem is that the peer does not accept the name and password.</summary>
+        /// <summary>Whether the peer rejected the name and password.</summary>
         public bool Denied { get; private set; }
 
-        /// <summary>The peer's version: 3.0 or newer, of which the lower part counts.</summary>
+        /// <summary>The minor number of the peer's version, which is 3.0 or newer.</summary>
         public int Minor { get; private set; }
 
         /// <summary>Writes the greeting.</summary>
@@ -60,7 +60,7 @@ namespace Pacinian.Zmtp
             output.WriteRaw(greeting);
         }
 
-        /// <summary>Goes on with what has come; whether it went on.</summary>
+        /// <summary>Handles received bytes. Returns whether the handshake advanced.</summary>
         public bool Advance(FrameReader input, FrameWriter output)
         {
             if (Problem.Length > 0 || Done)
@@ -152,14 +152,17 @@ namespace Pacinian.Zmtp
                 : Command.WriteProperties("Socket-Type", "DEALER", "Identity", "");
         }
 
-        /// <summary>libzmq's reason is the status that the server's authenticator gave (RFC 27): 300, 400 or 500.</summary>
+        /// <summary>
+        /// Reads the reason of an ERROR. libzmq gives the status of the server's authenticator (RFC 27): 300, 400 or
+        /// 500.
+        /// </summary>
         private void ReadError(string reason)
         {
             Denied = reason == "300" || reason == "400" || reason == "500";
             Problem = "the peer refuses: " + reason;
         }
 
-        /// <summary>Which types may speak with each other: RFC 37, "The Socket-Type Property".</summary>
+        /// <summary>Checks that the two socket types are compatible (RFC 37, "The Socket-Type Property").</summary>
         private void CheckType(string type)
         {
             bool fits = _settings.Kind == SocketKind.Sub

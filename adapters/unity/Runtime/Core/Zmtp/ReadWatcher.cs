@@ -5,13 +5,13 @@ using System.Threading;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// A thread that waits until there is something to read from a socket, and sets a wake event: all else is its owner's work. In
-    /// place of Socket.Select, which takes memory at each call: a game's threads are to make no garbage.
+    /// A thread that waits until a socket has something to read, and then sets a wake event. It replaces Socket.Select,
+    /// which allocates at each call.
     /// </summary>
     internal sealed class ReadWatcher
     {
-        private const int PollTime = 50000; // [us] of a wait: a thread in foreign code cannot be ended
-        private const int JoinTimeout = 1000; // [ms], which only a thread that hangs would take
+        private const int PollTime = 50000; // [us] of a wait: a thread in native code cannot be ended
+        private const int JoinTimeout = 1000; // [ms]; only a thread that hangs takes so long
 
         private readonly Socket _socket;
         private readonly AutoResetEvent _wake, _armed = new AutoResetEvent(false);
@@ -26,7 +26,7 @@ namespace Pacinian.Zmtp
             _thread.Start();
         }
 
-        /// <summary>The wake event is to be set once, now or when something comes.</summary>
+        /// <summary>Requests that the wake event be set once, now or when something arrives.</summary>
         public void Arm()
         {
             if (!_watches)
@@ -36,7 +36,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Ends the thread; the socket must be shut down, which ends its wait.</summary>
+        /// <summary>Ends the thread. The caller must have shut down the socket, which ends the wait.</summary>
         public void End()
         {
             _ends = true;

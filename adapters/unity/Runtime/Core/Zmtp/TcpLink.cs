@@ -5,23 +5,23 @@ using System.Threading;
 
 namespace Pacinian.Zmtp
 {
-    /// <summary>A TCP connection that never waits, and does not raise. Belongs to one thread.</summary>
+    /// <summary>A TCP connection that neither blocks nor throws. Belongs to one thread.</summary>
     internal sealed class TcpLink
     {
         /// <summary>
-        /// [bytes] that are sent at once. Mono's Send goes round without a pause until all is sent, also of a socket that does
-        /// not wait; so it is given only what every system has room for once it says that there is some.
+        /// The number of bytes sent at once. Mono's Send loops without a pause until all is sent, even for a
+        /// non-blocking socket. Therefore it gets only as much as every system has room for once a socket is writable.
         /// </summary>
         private const int Chunk = 2048;
 
-        private const int MaxReads = 16; // at once, of a peer that sends without an end
+        private const int MaxReads = 16; // for a peer that sends without end
 
         private readonly AutoResetEvent _wake;
         private readonly Socket _socket;
         private ReadWatcher _watcher;
-        private bool _broken; // nothing can be sent; what has come can still be read
+        private bool _broken; // nothing can be sent; received bytes can still be read
 
-        /// <summary>Begins to connect. wake: is set when something has come, after <see cref="Watch"/>.</summary>
+        /// <summary>Starts to connect. wake: is set when something has arrived, after <see cref="Watch"/>.</summary>
         public TcpLink(IPEndPoint at, AutoResetEvent wake)
         {
             _wake = wake;
@@ -36,13 +36,13 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Whether it was connected.</summary>
+        /// <summary>Whether the connection was established.</summary>
         public bool Connected { get; private set; }
 
-        /// <summary>Whether it could not be connected, or the peer has closed it and all that came is read.</summary>
+        /// <summary>Whether the connection failed, or the peer has closed it and all received bytes were read.</summary>
         public bool Closed { get; private set; }
 
-        /// <summary>Looks whether it is connected by now.</summary>
+        /// <summary>Checks whether the connection is established by now.</summary>
         public void TryConnect()
         {
             if (Connected || Closed)
@@ -65,7 +65,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Takes in what has come; whether that was something.</summary>
+        /// <summary>Reads received bytes. Returns whether there were any.</summary>
         public bool Read(FrameReader input)
         {
             bool some = false;
@@ -120,7 +120,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>The wake event is to be set once, now or when something comes.</summary>
+        /// <summary>Requests that the wake event be set once, now or when something arrives.</summary>
         public void Watch()
         {
             if (Connected && !Closed)
@@ -130,7 +130,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Closes it at once; its thread has ended then.</summary>
+        /// <summary>Closes the connection at once, and ends its thread.</summary>
         public void Close()
         {
             Closed = true;
@@ -140,7 +140,7 @@ namespace Pacinian.Zmtp
                 {
                     _socket.Shutdown(SocketShutdown.Both);
                 }
-                catch (SocketException) // the peer was faster
+                catch (SocketException) // the peer closed first
                 {
                 }
                 _watcher.End();

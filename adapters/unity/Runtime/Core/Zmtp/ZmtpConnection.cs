@@ -3,13 +3,14 @@ using System;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// What is said on one connection, from the greeting to its end: handshake, messages, subscriptions, heartbeats (RFC 37).
-    /// Pure: bytes and times [s] are given, and it never waits. A time is to be taken before the bytes are read that go with
-    /// it, so that a program that stood still does not take that for the peer's silence.
+    /// The protocol of one connection, from the greeting to its end: handshake, messages, subscriptions, heartbeats
+    /// (RFC 37). Never blocks, and does no input or output: bytes and times [s] are arguments. Take a time before
+    /// reading the bytes that belong to it. Otherwise a program that stood still takes its own pause for silence of the
+    /// peer.
     /// </summary>
     internal sealed class ZmtpConnection
     {
-        private const int MaxFrames = 64; // that wait to be sent before heartbeats are not answered any more
+        private const int MaxFrames = 64; // waiting frames beyond which heartbeats are not answered
         private const int MaxContext = 16; // [bytes] of a heartbeat
         private const int MinorOfCommands = 1; // from ZMTP 3.1 on, subscriptions and heartbeats are commands
         private const double TtlUnit = 0.1; // [s]
@@ -21,7 +22,7 @@ namespace Pacinian.Zmtp
         private double _heard, _pinged, _unanswered = double.NaN, _peerTimeout;
         private bool _inMessage, _wanted, _failed;
 
-        /// <summary>Begins with the greeting.</summary>
+        /// <summary>Starts with the greeting.</summary>
         public ZmtpConnection(ZmtpSettings settings, double now)
         {
             _settings = settings;
@@ -36,19 +37,19 @@ namespace Pacinian.Zmtp
             _handshake.Begin(Output);
         }
 
-        /// <summary>Where the peer's bytes go.</summary>
+        /// <summary>Receives the peer's bytes.</summary>
         public FrameReader Input { get; private set; }
 
-        /// <summary>What is to be sent to the peer.</summary>
+        /// <summary>The bytes to be sent to the peer.</summary>
         public FrameWriter Output { get; private set; }
 
         /// <summary>Whether messages can be sent.</summary>
         public bool Established { get; private set; }
 
-        /// <summary>How it has ended; it is to be closed then.</summary>
+        /// <summary>How the connection has ended; close it then.</summary>
         public Ending Ending { get; private set; }
 
-        /// <summary>Why it has ended, for people; "" if the peer has closed it, or it has not ended.</summary>
+        /// <summary>Why the connection has ended, for people; "" if the peer has closed it, or if it has not ended.</summary>
         public string Problem { get; private set; }
 
         /// <summary>Whether a message can be sent now.</summary>
@@ -57,7 +58,7 @@ namespace Pacinian.Zmtp
             get { return Established && Ending == Ending.None && Output.Frames < _settings.SendLimit; }
         }
 
-        /// <summary>Bytes were added to <see cref="Input"/>, which were there at that time.</summary>
+        /// <summary>Records that bytes were added to <see cref="Input"/> which had arrived at that time.</summary>
         public void NoteArrival(double now)
         {
             _heard = now;
@@ -65,7 +66,7 @@ namespace Pacinian.Zmtp
             _peerTimeout = 0.0;
         }
 
-        /// <summary>Goes on with the handshake; to be called when bytes have come.</summary>
+        /// <summary>Continues the handshake; call it when bytes have arrived.</summary>
         public void Advance()
         {
             if (Established || Ending != Ending.None)
@@ -88,8 +89,8 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>
-        /// Reads the last part of the next message: how many bytes it is, of which as many are copied as there is room for;
-        /// -1 if none has come whole. Parts before it are not kept.
+        /// Reads the last part of the next message; drops the parts before it. Copies as many bytes as there is room
+        /// for. Returns the part's length; -1 if no message is complete.
         /// </summary>
         public int Read(byte[] into)
         {
@@ -118,7 +119,7 @@ namespace Pacinian.Zmtp
             return -1;
         }
 
-        /// <summary>Takes a message of one part; false if there is no room for it.</summary>
+        /// <summary>Takes a message of one part. Returns false if there is no room.</summary>
         public bool Send(byte[] data, int count)
         {
             if (!HasRoom)
@@ -130,8 +131,8 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>
-        /// Asks for messages that begin so, or not any more: by a command (RFC 37, "The Publish-Subscribe Pattern"), or to a peer of
-        /// ZMTP 3.0 by a message (RFC 23, the same).
+        /// Subscribes to messages with this prefix, or cancels that: by a command (RFC 37, "The Publish-Subscribe
+        /// Pattern"), or for a peer of ZMTP 3.0 by a message (RFC 23, the same).
         /// </summary>
         public void Subscribe(byte[] topic, bool wanted)
         {
@@ -147,8 +148,8 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>
-        /// Sends a heartbeat that is due, and ends what was silent for too long (RFC 37, "Connection Heartbeating"). ZMTP 3.0 has no
-        /// heartbeats: its peers are sent none.
+        /// Sends a heartbeat that is due, and ends a connection that was silent for too long (RFC 37, "Connection
+        /// Heartbeating"). ZMTP 3.0 has no heartbeats, so its peers are sent none.
         /// </summary>
         public void CheckTime(double now)
         {
@@ -164,7 +165,7 @@ namespace Pacinian.Zmtp
             {
                 _pinged = now;
                 _unanswered = double.IsNaN(_unanswered) ? now : _unanswered;
-                if (Output.Count == 0) // else it would be one more that waits
+                if (Output.Count == 0) // otherwise heartbeats would pile up
                 {
                     Output.WriteCommand(Command.Ping, _ping, _ping.Length);
                 }
@@ -175,7 +176,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>The peer has closed the connection.</summary>
+        /// <summary>Records that the peer has closed the connection.</summary>
         public void NoteClosed()
         {
             End(Established ? Ending.Gone : Ending.Foreign, "");
@@ -205,7 +206,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>What comes after it is not read (RFC 37, "Error Handling").</summary>
+        /// <summary>Ends the connection; later bytes are not read (RFC 37, "Error Handling").</summary>
         private void Fail(Ending ending, string problem)
         {
             _failed = true;

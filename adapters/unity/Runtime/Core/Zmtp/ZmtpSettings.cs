@@ -2,14 +2,14 @@ using System.Collections.Generic;
 
 namespace Pacinian.Zmtp
 {
-    /// <summary>The kinds of sockets that this client has.</summary>
+    /// <summary>The kinds of sockets that the client has.</summary>
     internal enum SocketKind
     {
         Dealer,
         Sub,
     }
 
-    /// <summary>How a socket speaks with its peer.</summary>
+    /// <summary>The settings of a socket.</summary>
     internal sealed class ZmtpSettings
     {
         public SocketKind Kind;
@@ -17,25 +17,25 @@ namespace Pacinian.Zmtp
         /// <summary>For PLAIN; null: NULL, without a name and password.</summary>
         public string User, Password;
 
-        /// <summary>The largest part of a message that is accepted [bytes].</summary>
+        /// <summary>The largest accepted part of a message [bytes].</summary>
         public int MaxMessage = 1 << 20;
 
-        /// <summary>Within which TCP must connect, and after that the peer must have shaken hands [s].</summary>
+        /// <summary>Time limits for TCP's connection, and then for the handshake [s].</summary>
         public double ConnectTimeout = 2.0, HandshakeTimeout = 2.0;
 
-        /// <summary>Between two heartbeats [s]; 0: none are sent, but the peer's are answered.</summary>
+        /// <summary>The time between two heartbeats [s]; 0: none are sent, but the peer's are answered.</summary>
         public double PingInterval;
 
-        /// <summary>How long a peer may be silent after a heartbeat, here and there [s].</summary>
+        /// <summary>The longest silence of a peer after a heartbeat [s].</summary>
         public double PingTimeout = 1.5;
 
-        /// <summary>Frames that wait to be sent before no more messages are taken.</summary>
+        /// <summary>The number of waiting frames beyond which messages are not accepted.</summary>
         public int SendLimit = 16;
 
-        /// <summary>What a subscriber wants: beginnings of messages.</summary>
+        /// <summary>The prefixes of messages to which a subscriber subscribes.</summary>
         public readonly List<byte[]> Topics = new List<byte[]>();
 
-        /// <summary>Takes one of the topics away; false if there is none that is equal.</summary>
+        /// <summary>Removes a topic. Returns false if it is not among the topics.</summary>
         public bool Remove(byte[] topic)
         {
             int at = Topics.FindIndex(each => Begins(each, 0, each.Length, topic) && each.Length == topic.Length);
@@ -46,7 +46,7 @@ namespace Pacinian.Zmtp
             return at >= 0;
         }
 
-        /// <summary>Whether a message that begins with these bytes is wanted.</summary>
+        /// <summary>Returns whether a message with these first bytes is wanted.</summary>
         public bool IsWanted(byte[] data, int offset, int count)
         {
             for (int i = 0; i < Topics.Count; i++)

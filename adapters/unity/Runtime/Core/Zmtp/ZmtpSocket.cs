@@ -5,14 +5,14 @@ using System.Threading;
 namespace Pacinian.Zmtp
 {
     /// <summary>
-    /// A DEALER or SUB socket with one peer, to which it connects. Belongs to one thread and never waits: <see cref="Work"/>
-    /// is to be called again when the wake event is set, and at the latest after <see cref="Patience"/>.
+    /// A DEALER or SUB socket that connects to one peer. Belongs to one thread and never blocks. Call <see
+    /// cref="Work"/> again when the wake event is set, and at the latest after <see cref="Patience"/>.
     /// </summary>
     internal sealed class ZmtpSocket
     {
         private const double FirstPause = 0.1, LongestPause = 2.0; // [s] before it connects again
-        private const double PollInterval = 0.002; // [s] between two looks at what sets no wake event: a connection, and room to send
-        private const int MaxReads = 16; // of a peer that sends without an end, for one message
+        private const double PollInterval = 0.002; // [s] between two checks of what sets no wake event: connecting, and room to send
+        private const int MaxReads = 16; // for one message, of a peer that sends without end
 
         private readonly ZmtpSettings _settings;
         private readonly IPEndPoint _at;
@@ -24,7 +24,7 @@ namespace Pacinian.Zmtp
         private double _begun, _due = double.NegativeInfinity, _pause = FirstPause;
         private Ending _unconnected;
 
-        /// <summary>Begins to connect. reconnects: again and again; else its end is its end. clock [s].</summary>
+        /// <summary>Starts to connect. reconnects: whether it connects again after each end. clock: [s].</summary>
         public ZmtpSocket(ZmtpSettings settings, IPEndPoint at, bool reconnects, AutoResetEvent wake, Func<double> clock)
         {
             _settings = settings;
@@ -35,13 +35,13 @@ namespace Pacinian.Zmtp
             Work();
         }
 
-        /// <summary>How it has ended; never if it reconnects.</summary>
+        /// <summary>How the connection has ended; Ending.None if the socket reconnects.</summary>
         public Ending Ended
         {
             get { return _reconnects ? Ending.None : Current; }
         }
 
-        /// <summary>Why it has ended, for people; "" if the peer has just closed it.</summary>
+        /// <summary>Why the connection has ended, for people; "" if the peer closed it.</summary>
         public string Problem
         {
             get { return _connection == null ? "" : _connection.Problem; }
@@ -53,7 +53,7 @@ namespace Pacinian.Zmtp
             get { return _connection != null && _connection.HasRoom; }
         }
 
-        /// <summary>How long it can be left alone unless the wake event is set [s].</summary>
+        /// <summary>The time after which Work must be called even if the wake event is not set [s].</summary>
         public double Patience
         {
             get
@@ -64,7 +64,7 @@ namespace Pacinian.Zmtp
                 }
                 if (_connection != null && _connection.Established && _connection.Input.IsUnread)
                 {
-                    return 0.0; // it was read from TCP, so that no wake event is set for it
+                    return 0.0; // already read from TCP, so no wake event is set for it
                 }
                 bool looks = _connection == null || _connection.Output.Count > 0;
                 return looks ? PollInterval : _settings.PingInterval > 0.0 ? _settings.PingInterval : double.PositiveInfinity;
@@ -76,7 +76,7 @@ namespace Pacinian.Zmtp
             get { return _connection == null ? _unconnected : _connection.Ending; }
         }
 
-        /// <summary>Does what is due: connects, shakes hands, sends what waits, and heartbeats.</summary>
+        /// <summary>Connects, shakes hands, and sends waiting messages and heartbeats, as far as they are due.</summary>
         public void Work()
         {
             double now = _clock();
@@ -106,7 +106,7 @@ namespace Pacinian.Zmtp
             Continue(now);
         }
 
-        /// <summary>Takes a message; false if there is no room for it.</summary>
+        /// <summary>Takes a message. Returns false if there is no room.</summary>
         public bool Send(byte[] data, int count)
         {
             bool sent = _connection != null && _connection.Send(data, count);
@@ -117,7 +117,7 @@ namespace Pacinian.Zmtp
             return sent;
         }
 
-        /// <summary>The last part of the next message: its bytes; -1 if there is none.</summary>
+        /// <summary>Receives the last part of the next message. Returns its length; -1 if there is none.</summary>
         public int Receive(byte[] into)
         {
             if (_connection == null)
@@ -142,14 +142,14 @@ namespace Pacinian.Zmtp
             return count;
         }
 
-        /// <summary>Asks for messages that begin so, now and after each reconnection.</summary>
+        /// <summary>Subscribes to messages with this prefix, now and after each reconnection.</summary>
         public void Subscribe(byte[] topic)
         {
             _settings.Topics.Add(topic);
             SendSubscription(topic, true);
         }
 
-        /// <summary>Asks once less for messages that begin so.</summary>
+        /// <summary>Cancels one subscription to messages with this prefix.</summary>
         public void Cancel(byte[] topic)
         {
             if (_settings.Remove(topic))
@@ -158,7 +158,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>The wake event is to be set when something comes.</summary>
+        /// <summary>Requests that the wake event be set when something arrives.</summary>
         public void Watch()
         {
             if (_link != null && Current == Ending.None)
@@ -167,7 +167,7 @@ namespace Pacinian.Zmtp
             }
         }
 
-        /// <summary>Closes it at once; what was not sent is not sent any more.</summary>
+        /// <summary>Closes the socket at once. Messages that were not sent are dropped.</summary>
         public void Close()
         {
             if (_link != null)
@@ -197,7 +197,7 @@ namespace Pacinian.Zmtp
             return some;
         }
 
-        /// <summary>now: before the last bytes were read.</summary>
+        /// <summary>now: the time before the last bytes were read.</summary>
         private void Continue(double now)
         {
             _connection.Advance();

@@ -7,12 +7,12 @@ public class Pacinian : ModuleRules
     public Pacinian(ReadOnlyTargetRules Target) : base(Target)
     {
         PCHUsage = PCHUsageMode.UseExplicitOrSharedPCHs;
-        bUseUnity = false; // files have names of their own in anonymous namespaces
+        bUseUnity = false; // files use equal names in anonymous namespaces
         bEnableExceptions = false;
         bUseRTTI = false;
         PublicDependencyModuleNames.AddRange(new string[] { "Core", "CoreUObject", "Engine", "DeveloperSettings" });
         PrivateDependencyModuleNames.AddRange(new string[] { "HeadMountedDisplay", "InputCore", "PacinianCore", "PhysicsCore", "Projects", "RenderCore", "RHI" });
-        string Server = Path.Combine(PluginDirectory, "Server", "pacinian"); // the standalone server, if it is there
+        string Server = Path.Combine(PluginDirectory, "Server", "pacinian"); // the standalone server, if present
         if (Directory.Exists(Server))
         {
             RuntimeDependencies.Add("$(PluginDir)/Server/pacinian/...");

@@ -1,20 +1,20 @@
 using System.IO;
 using UnrealBuildTool;
 
-/// The wire and the client, without the engine: C++17, neither exceptions nor RTTI. Tested outside of it by adapters/cpp.
-/// It uses libzmq, which servers on other machines need, where the headers of the module ZeroMQ are in place.
+/// The wire and the client in C++17, without the engine, exceptions or RTTI; adapters/cpp tests it without the engine.
+/// Uses libzmq, for servers on other machines, if the headers of the module ZeroMQ are in place.
 public class PacinianCore : ModuleRules
 {
     public PacinianCore(ReadOnlyTargetRules Target) : base(Target)
     {
         PCHUsage = PCHUsageMode.NoPCHs;
-        bUseUnity = false; // files have names of their own in anonymous namespaces, and some include windows.h
+        bUseUnity = false; // files use equal names in anonymous namespaces, and some include windows.h
         bEnableExceptions = false;
         bUseRTTI = false;
         PrivateIncludePaths.Add(Path.Combine(ModuleDirectory, "Private"));
         PrivateDependencyModuleNames.AddRange(new string[] { "Core", "Projects" });
         string Header = Path.Combine(ModuleDirectory, "..", "ThirdParty", "ZeroMQ", "Include", "zmq.h");
-        ExternalDependencies.Add(Header); // the module is built again when it comes or goes
+        ExternalDependencies.Add(Header); // rebuilds the module when it appears or disappears
         if (File.Exists(Header))
         {
             PrivateDependencyModuleNames.AddRange(new string[] { "ZeroMQ" });

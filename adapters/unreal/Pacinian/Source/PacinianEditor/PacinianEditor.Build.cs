@@ -1,6 +1,6 @@
 using UnrealBuildTool;
 
-/// What the editor shows of the components, and the server that it starts.
+/// The editor's part: how it shows the components, and the server that it starts.
 public class PacinianEditor : ModuleRules
 {
     public PacinianEditor(ReadOnlyTargetRules Target) : base(Target)

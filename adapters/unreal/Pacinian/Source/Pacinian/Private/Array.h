@@ -4,10 +4,11 @@
 
 namespace Haptic {
 
-/** The outermost transducers of the array of an object's world, in its own frame [cm]; empty without a server. */
+/** Returns the outermost transducers of the array of an object's world, in the array's frame [cm]; empty without a server. */
 TArray<FVector> Corners(const UObject* Object);
 
-/** From the array's frame to where its known points were touched [cm], and the distances left. False, with the problem. */
+/** Finds the pose of the array from known and touched points [cm], and the remaining distances. Returns false and
+ * the problem on failure. */
 bool Align(const TArray<FVector>& Known, const TArray<FVector>& Touched, FTransform& Found, double& Residual,
            double& Worst, FString& Problem);
 

@@ -23,7 +23,7 @@ void UArrayOriginComponent::EndPlay(const EEndPlayReason::Type Reason) {
   Super::EndPlay(Reason);
 }
 
-/// Of what it is attached to, without its scale.
+/// Returns the transform of the attach parent, without its scale.
 FTransform UArrayOriginComponent::GetParent() const {
   const USceneComponent* Above = GetAttachParent();
   if (!Above) return FTransform::Identity;

@@ -2,7 +2,7 @@
 
 #include "CoreMinimal.h"
 
-// The engine-free core. Its headers include the standard library only.
+// The engine-independent core. Its headers include only the standard library.
 THIRD_PARTY_INCLUDES_START
 #include "pacinian/client.h"
 #include "pacinian/space/calibration.h"

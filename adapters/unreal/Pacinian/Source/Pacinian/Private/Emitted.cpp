@@ -9,7 +9,7 @@ namespace Haptic {
 
 namespace {
 
-constexpr double Old = 0.5;  // [s] beyond which a state is not shown
+constexpr double Old = 0.5;  // [s]; an older state is not shown
 
 }  // namespace
 

@@ -7,22 +7,22 @@ class UObject;
 
 namespace Haptic {
 
-/** The connection of an object's world, or null. */
+/** Returns the connection of an object's world, or null. */
 TSharedPtr<FHapticLink> LinkOf(const UObject* Object);
 
-/** What is emitted now; null if nothing is known of it. */
+/** Returns the present state; null if there is none, or if it is too old. */
 const pacinian::wire::State* Fresh(const TSharedPtr<FHapticLink>& Link);
 
-/** Samples; none where it does not sound. */
+/** Returns the number of samples; 0 unless the output sounds. */
 std::size_t Samples(const pacinian::wire::State& State);
 
-/** A place or direction of some. */
+/** Returns a row of an array of positions or directions. */
 pacinian::Vec3 At(const pacinian::wire::Bytes& Rows, std::size_t i);
 
-/** The largest radiation pressure that is emitted for an object [Pa]; 0 if none is. */
+/** Returns the largest radiation pressure emitted for an object [Pa]; 0 if there is none. */
 float Strongest(const pacinian::wire::State& State, const std::string& Name);
 
-/** A touch in the level. */
+/** Converts a touch to the level's frame. */
 FHapticTouch ToTouch(const pacinian::wire::TouchState& Told, const FHapticSpace& Space);
 
 }  // namespace Haptic

@@ -7,10 +7,10 @@ struct FHapticTechnique;
 
 namespace Haptic {
 
-/** As the server knows it; the same at all times for none. */
+/** Converts an envelope to the wire's; null becomes a constant envelope. */
 pacinian::wire::Envelope ToWire(const UHapticEnvelope* Envelope);
 
-/** As the server knows it; none: the server's. */
+/** Converts a technique to the wire's; none means the server's default. */
 std::optional<pacinian::wire::Technique> ToWire(const FHapticTechnique& Given);
 
 }  // namespace Haptic

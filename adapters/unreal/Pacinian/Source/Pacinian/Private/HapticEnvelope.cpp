@@ -34,9 +34,9 @@ wire::Noise Noise(const UHapticEnvelope& Given) {
   return Made;
 }
 
-constexpr int32 Fast = 8000;  // [Hz] is enough: skin feels nothing above 1 kHz
+constexpr int32 Fast = 8000;  // [Hz]; skin feels nothing above 1 kHz
 
-/// So many samples become one.
+/// Returns how many samples are averaged to one.
 int32 Group(const UHapticEnvelope& Given) { return FMath::Max(1, static_cast<int32>(Given.Rate) / Fast); }
 
 int32 Groups(const UHapticEnvelope& Given) { return FMath::Max(1, Given.Samples.Num() / Group(Given)); }
@@ -56,9 +56,9 @@ wire::Wave Wave(const UHapticEnvelope& Given) {
   return Made;
 }
 
-constexpr double Fine = 2000.0;  // [Hz], while a curve is short enough for that
+constexpr double Fine = 2000.0;  // [Hz]; lower if the curve is long
 
-/// The time of a curve's last key [s]; 0 if there is none.
+/// Returns the time of a curve's last key [s]; 0 if there is none.
 float Length(const UCurveFloat* Curve) {
   float First = 0.0f, Last = 0.0f;
   if (Curve) Curve->GetTimeRange(First, Last);

@@ -15,7 +15,7 @@ namespace wire = pacinian::wire;
 namespace {
 
 constexpr int32 Count = 26;        // joints
-constexpr double Longest = 0.1;    // [s] between two frames of one movement
+constexpr double Longest = 0.1;    // [s] longest time between two frames of one movement
 constexpr double Fastest = 10.0;  // [m/s]
 
 }  // namespace
@@ -85,7 +85,7 @@ void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
     wire::append(Frame.radii, static_cast<float>(pacinian::unreal::metres * FMath::Clamp(Radius, 0.1f, 10.0f)));
 }
 
-/// How its middle has moved since it was told last.
+/// Adds velocities to the hand, from the movement of its mean joint since the last frame.
 void UHapticHandComponent::Predict(FHapticHand& Hand) {
   FVector Sum = FVector::ZeroVector;
   for (std::size_t i = 0; i < Count; ++i)

@@ -6,15 +6,15 @@
 #include "HapticScene.h"
 #include "Link.h"
 #include "Misc/CoreDelegates.h"
+#include "SceneSending.h"
 #include "StartedServer.h"
-#include "Telling.h"
 
 namespace wire = pacinian::wire;
 
 UHapticServerComponent::UHapticServerComponent() {
   PrimaryComponentTick.bCanEverTick = true;
   PrimaryComponentTick.bTickEvenWhenPaused = true;       // a paused game is alive
-  PrimaryComponentTick.TickGroup = TG_PostUpdateWork;  // when all has moved
+  PrimaryComponentTick.TickGroup = TG_PostUpdateWork;  // after all movement
 }
 
 void UHapticServerComponent::BeginPlay() {
@@ -30,7 +30,7 @@ void UHapticServerComponent::BeginPlay() {
   Start();
 }
 
-/// Also when the one that was used before has gone.
+/// Starts this component, also when the one in use before is gone.
 void UHapticServerComponent::Start() {
   bWaits = false;
   FString Problem;
@@ -60,7 +60,7 @@ void UHapticServerComponent::Connect() {
   Leave();
   bFirst = true;
   bWanted = false;
-  Link = MakeShared<FHapticLink>(Haptic::Wanted(*this));
+  Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
   pacinian::Events& On = Link->Client.on;
   On.connected = [this] { Begun(); };
   On.lost = [this](const std::string& Why) {
@@ -114,12 +114,12 @@ void UHapticServerComponent::Touched(const FHapticTouch& Touch, bool bBegins) {
   (bBegins ? OnTouchBegan : OnTouchEnded).Broadcast(Touch);
   const UHapticScene* Scene = UHapticScene::Of(this);
   if (!Scene) return;
-  const TArray<TObjectPtr<UHapticEffectComponent>> Effects = Scene->Effects;  // what is told may change them
+  const TArray<TObjectPtr<UHapticEffectComponent>> Effects = Scene->Effects;  // a handler may change the scene
   for (const TObjectPtr<UHapticEffectComponent>& Effect : Effects)
     if (Effect->IsCalled(Touch.Effect)) (bBegins ? Effect->OnTouchBegan : Effect->OnTouchEnded).Broadcast(Touch);
 }
 
-/// A session: nothing is there yet. The components put their objects when they find another number than before.
+/// Handles a new session, whose scene is empty. The components put their objects when they see a new session number.
 void UHapticServerComponent::Begun() {
   static uint32 Sessions = 0;
   if (!Link) return;
@@ -150,7 +150,7 @@ void UHapticServerComponent::Disarm() {
 
 void UHapticServerComponent::EmergencyStop() {
   bWanted = false;
-  if (!Link) Link = MakeShared<FHapticLink>(Haptic::Wanted(*this));
+  if (!Link) Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
   Link->Client.stop();
 }
 
@@ -164,15 +164,15 @@ void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType,
   if (bWaits && Scene && Scene->GetServer() == this) Start();
   if (bWaits) return;
   Haptic::TickServer(IsConnected());
-  const TSharedPtr<FHapticLink> Held = Link;  // what it tells may end it
+  const TSharedPtr<FHapticLink> Held = Link;  // a handler may disconnect
   if (!Held) return;
   Held->Client.tick();
   if (Link != Held || !IsConnected() || !Scene) return;
-  Haptic::Remember(*Held);
+  Haptic::ListPlugins(*Held);
   const UArrayOriginComponent* Origin = Scene->GetOrigin();
   Held->Space = Origin ? FHapticSpace(Origin->GetComponentTransform()) : FHapticSpace();
-  Haptic::TellHands(*Held, *Scene);
-  Haptic::TellZones(*Held, *Scene);
+  Haptic::SendHands(*Held, *Scene);
+  Haptic::SendZones(*Held, *Scene);
   const FHapticFrame Frame{Held->Client, Held->Space, Held->Session, DeltaTime};
   for (int32 i = Scene->Effects.Num() - 1; i >= 0; --i)
     if (i < Scene->Effects.Num()) Scene->Effects[i]->Send(Frame);

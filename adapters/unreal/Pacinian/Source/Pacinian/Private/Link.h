@@ -2,25 +2,27 @@
 
 #include "Space.h"
 
-/** A connection, and what is used anew in each frame. */
+class UHapticServerComponent;
+
+/** A connection, with buffers that each frame reuses. */
 struct FHapticLink {
   explicit FHapticLink(pacinian::Options Options) : Client(MoveTemp(Options)) {}
 
   pacinian::Client Client;
-  uint32 Session = 0;  ///< counts them; 0 before the first
+  uint32 Session = 0;  ///< number of the session; 0 before the first
   FHapticSpace Space;
 
   std::vector<pacinian::wire::HandFrame> Hands;
   std::vector<pacinian::wire::Zone> Zones, SentZones;
-  uint32 HandsSession = 0, ZonesSession = 0, ListedSession = 0;  ///< in which they were told
+  uint32 HandsSession = 0, ZonesSession = 0, ListedSession = 0;  ///< sessions in which they were last sent
 };
 
-/** A hand to be filled. */
+/** A hand to be written. */
 struct FHapticHand {
   pacinian::wire::HandFrame& Frame;
 };
 
-/** What an effect needs to tell the server of itself. */
+/** What an effect needs in order to send itself. */
 struct FHapticFrame {
   pacinian::Client& Client;
   const FHapticSpace& Space;
@@ -36,3 +38,13 @@ struct FHapticBody {
   FVector Scale = FVector::OneVector;
   uint64 Fingerprint = 0;  ///< of its shape
 };
+
+namespace Haptic {
+
+/** Returns the client's options from the component's properties. */
+pacinian::Options MakeOptions(const UHapticServerComponent& Server);
+
+/** Stores the server's plug-ins for the editor's lists. */
+void ListPlugins(FHapticLink& Link);
+
+}  // namespace Haptic

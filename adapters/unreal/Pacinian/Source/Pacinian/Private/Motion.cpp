@@ -8,12 +8,12 @@ namespace Haptic {
 
 namespace {
 
-constexpr double Fastest = 10.0;  // [m/s], [rad/s] times 5: beyond it is a jump
+constexpr double Fastest = 10.0;  // [m/s], and times 5 [rad/s]; faster is a jump
 constexpr double Still = 1e-6;    // [m]
 constexpr double Unturned = 1e-5;  // [rad]
 constexpr double Farthest = 10.0;  // [m]
 
-/// The rotation from one to the other, about its axis [rad].
+/// Returns the rotation from one to the other, as a vector along its axis [rad].
 pacinian::Vec3 Turn(const pacinian::Quat& From, const pacinian::Quat& To) {
   const pacinian::Quat Between = To * pacinian::inverse(From);
   const pacinian::Vec3 Axis{Between.x, Between.y, Between.z};

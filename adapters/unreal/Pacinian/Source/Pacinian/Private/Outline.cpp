@@ -11,10 +11,10 @@ namespace {
 using pacinian::Vec3;
 
 constexpr int Segments = 32;           // of a circle
-constexpr std::size_t MostFaces = 3000;  // of a mesh that is drawn: of a finer one only some
+constexpr std::size_t MostFaces = 3000;  // of a mesh; beyond that, some faces are left out
 constexpr Vec3 X{1.0, 0.0, 0.0}, Y{0.0, 1.0, 0.0}, Z{0.0, 0.0, 1.0};
 
-/// Draws each shape in its frame; those that no component has are left out.
+/// Draws each shape in its frame, except shapes that no component has.
 struct FPen {
   pacinian::Rigid Frame;
   TArray<FVector>& Lines;

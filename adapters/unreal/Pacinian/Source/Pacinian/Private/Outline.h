@@ -4,7 +4,7 @@
 
 namespace Haptic {
 
-/** Adds the lines of an object, as pairs of places in the level [cm]: in its true size. Frame: where it is in the world. */
+/** Adds the outline of an object in its true size, as pairs of positions in the level [cm]. Frame: the object's frame in the world. */
 void AddOutline(const pacinian::wire::Object& Object, const pacinian::Rigid& Frame, TArray<FVector>& Lines);
 
 }  // namespace Haptic

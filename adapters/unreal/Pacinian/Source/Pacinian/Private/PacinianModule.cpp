@@ -7,7 +7,7 @@
 
 DEFINE_LOG_CATEGORY(LogPacinian);
 
-/** Ends all connections before its code is unloaded: none of their threads may be left. */
+/** Ends all connections before the module is unloaded, because their threads run its code. */
 class FPacinianModule : public IModuleInterface {
  public:
   virtual void ShutdownModule() override {

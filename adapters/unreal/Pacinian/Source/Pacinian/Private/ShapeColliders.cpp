@@ -26,7 +26,7 @@ bool HasColliders(const UPrimitiveComponent* Component) {
   return All.SphereElems.Num() + All.BoxElems.Num() + All.SphylElems.Num() > 0;
 }
 
-/// A solid at its place in a frame.
+/// Returns a solid with its pose in a frame.
 wire::Piece Piece(wire::Primitive Shape, const pacinian::Rigid& Frame, const FVector& Center, const FRotator& Rotation) {
   const pacinian::Rigid Pose = Frame * FHapticSpace::Metres(FTransform(Rotation, Center));
   wire::Placed Made;
@@ -36,21 +36,21 @@ wire::Piece Piece(wire::Primitive Shape, const pacinian::Rigid& Frame, const FVe
   return Made;
 }
 
-/// Whether a haptic volume, which takes it, is attached to a component.
+/// Returns whether a haptic volume is attached to a component; then that volume has the component's colliders.
 bool IsTaken(const USceneComponent& Component) {
   for (const TObjectPtr<USceneComponent>& Below : Component.GetAttachChildren())
     if (Cast<UHapticVolumeComponent>(Below.Get())) return true;
   return false;
 }
 
-/// A component's own, if it has some, and of all below it.
+/// Collects a component, if it has colliders, and all components below it.
 void Gather(const USceneComponent& Component, TArray<const UPrimitiveComponent*>& Found) {
   if (const auto* Own = Cast<UPrimitiveComponent>(&Component); HasColliders(Own)) Found.Add(Own);
   for (const TObjectPtr<USceneComponent>& Below : Component.GetAttachChildren())
     if (Below && !IsTaken(*Below)) Gather(*Below, Found);
 }
 
-/// The elements of one component. Frame: where it is in that of the whole.
+/// Adds the elements of one component. Frame: the component's frame in that of the whole.
 void Append(const UPrimitiveComponent& Component, const pacinian::Rigid& Frame, wire::Union& Parts) {
   const FKAggregateGeom& All = const_cast<UPrimitiveComponent&>(Component).GetBodySetup()->AggGeom;
   const FVector Scale = Component.GetComponentScale();

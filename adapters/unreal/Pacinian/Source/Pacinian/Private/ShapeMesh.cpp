@@ -18,7 +18,8 @@ void Append(wire::Bytes& To, uint32 Value) {
   for (int Shift = 0; Shift < 32; Shift += 8) To.push_back(static_cast<uint8>(Value >> Shift));
 }
 
-/// Vertices of one place become one: a renderer's mesh is cut where its normals or textures are, and would not be closed.
+/// Merges vertices at the same position: a rendered mesh is split at normals and texture seams, and would not be
+/// closed.
 bool Weld(const FStaticMeshLODResources& Level, const FVector& Scale, wire::Mesh& Made) {
   const FPositionVertexBuffer& Positions = Level.VertexBuffers.PositionVertexBuffer;
   const FIndexArrayView Indices = Level.IndexBuffer.GetArrayView();
@@ -34,7 +35,7 @@ bool Weld(const FStaticMeshLODResources& Level, const FVector& Scale, wire::Mesh
     const pacinian::Vec3 At = pacinian::unreal::to_world(Vec(FVector(Place) * Scale));
     for (const double Value : {At.x, At.y, At.z}) wire::append(Made.vertices, static_cast<float>(Value));
   }
-  // Seen from outside the order is the same in both frames; a mirrored component turns it round.
+  // The winding order seen from outside is the same in both frames; a mirrored scale reverses it.
   const bool bMirrored = Scale.X * Scale.Y * Scale.Z < 0.0;
   for (int32 i = 0; i + 2 < Indices.Num(); i += 3) {
     const uint32 A = Welded[Indices[i]], B = Welded[Indices[i + 1]], C = Welded[Indices[i + 2]];

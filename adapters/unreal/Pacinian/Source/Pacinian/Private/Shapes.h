@@ -10,20 +10,20 @@ class UStaticMeshComponent;
 
 namespace Haptic {
 
-/** The static mesh component that one is attached to, or else the actor's first that has a mesh; or null. */
+/** Returns the static mesh component that this one is attached to, otherwise the actor's first with a mesh; or null. */
 const UStaticMeshComponent* MeshNear(const USceneComponent& Component);
 
-/** The component with simple collision that one is attached to, or else the actor's first; or null. */
+/** Returns the component with simple collision that this one is attached to, otherwise the actor's first; or null. */
 const UPrimitiveComponent* ColliderNear(const USceneComponent& Component);
 
-/** A mesh in metres and the world's axes. False, with the problem. */
+/** Converts a mesh to metres and the world's axes. Returns false and the problem on failure. */
 bool ToWire(const UStaticMesh* Mesh, const FVector& Scale, pacinian::wire::Mesh& Made, FString& Problem);
 
-/** The spheres, boxes and capsules of a component's simple collision, and of all that are attached below it, in its frame.
- * Those below another haptic volume are that one's. False, with the problem. */
+/** Converts the spheres, boxes and capsules of the simple collision of a component, and of all components attached
+ * below it, in its frame. Skips those of another haptic volume. Returns false and the problem on failure. */
 bool ToWire(const UPrimitiveComponent* Collider, pacinian::wire::Solid& Made, FString& Problem);
 
-/** A number that is another if one of these is another; not if the whole moves. */
+/** Returns a number that changes if one of these colliders changes, but not if the whole moves. */
 uint64 Fingerprint(const UPrimitiveComponent* Collider);
 
 }  // namespace Haptic

@@ -2,12 +2,12 @@
 
 #include "Core.h"
 
-/** From the level, left-handed and in centimetres, to the array's frame, right-handed and in metres, and back. */
+/** Converts between the level (left-handed, centimetres) and the array's frame (right-handed, metres). */
 struct FHapticSpace {
   FHapticSpace() = default;
   explicit FHapticSpace(const FTransform& Origin) : World(Metres(Origin)), Array(pacinian::inverse(World)) {}
 
-  /** A component's pose; its scale is not looked at. */
+  /** Returns a component's pose, without its scale. */
   pacinian::Rigid Into(const FTransform& Given) const { return Array * Metres(Given); }
 
   pacinian::Vec3 Into(const FVector& Given) const {

@@ -18,7 +18,8 @@ namespace {
 
 std::unique_ptr<pacinian::ServerProcess> Started;
 
-/// The standalone server in the plugin's folder, which is packaged with the game; without it, what the settings name.
+/// Returns the standalone server in the plugin's folder, which is packaged with the game; otherwise the program in the
+/// settings.
 FString Program() {
 #if PLATFORM_WINDOWS
   const TCHAR* Inside = TEXT("Server/pacinian/pacinian.exe");

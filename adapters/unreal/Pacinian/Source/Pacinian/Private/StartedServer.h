@@ -4,16 +4,16 @@
 
 namespace Haptic {
 
-/** The server that this program has started, if it has: one for all levels. */
+/** Starts a server as a child process, one for all levels. Returns false and the problem on failure. */
 bool StartServer(const FString& ConnectionFile, FString& Problem);
 
-/** Starts it again if it has ended and no other is connected. */
+/** Restarts the server if it has ended and no other is connected. */
 void TickServer(bool bConnected);
 
-/** Why it does not run; empty if it does, or none was started. */
+/** Returns why the server does not run; empty if it does, or if none was started. */
 FString ServerProblem();
 
-/** Ends it, and with it all sound. */
+/** Stops the server, and with it all sound. */
 void StopServer();
 
 }  // namespace Haptic

@@ -5,12 +5,11 @@
 
 #include "ArrayOriginComponent.generated.h"
 
-/**
- * Where the array stands in the tracked world: its middle, its normal along the component's Z.
+/** The pose of the array in the tracked world: its middle, with its normal along the component's Z.
  *
- * In VR attach it to what the player moves with, as the pawn's VR origin: the array stays in the room when the player
- * teleports. Its pose there is found by touching known points of the array, and kept between sessions.
- */
+ * In VR, attach the component to what moves with the player, such as the pawn's VR origin. The array then stays in
+ * the room when the player teleports. To find the pose, touch known points of the array; the pose is stored between
+ * sessions. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Array Origin"))
 class PACINIAN_API UArrayOriginComponent : public USceneComponent {
   GENERATED_BODY()
@@ -18,15 +17,15 @@ class PACINIAN_API UArrayOriginComponent : public USceneComponent {
  public:
   UArrayOriginComponent();
 
-  /** Points to touch, in the component's own frame [cm], 3 or more, not in a line. Empty: the array's corners. */
+  /** Points to touch, in the component's frame [cm]: at least 3, not on a line. Empty: the array's corners. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   TArray<FVector> KnownPoints;
 
-  /** By which the alignment is kept on this computer. */
+  /** Name under which the alignment is stored on this computer. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   FString CalibrationName = TEXT("default");
 
-  /** Takes over what was kept when play begins. */
+  /** Applies the stored pose when play begins. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bLoadOnStart = true;
 
@@ -34,47 +33,48 @@ class PACINIAN_API UArrayOriginComponent : public USceneComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bDrawArray = true;
 
-  /** Forgets what was touched, and begins anew. False: the points are not known, as no server is connected. */
+  /** Discards the touched points and starts again. Returns false if the points are unknown, because no server is connected. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool BeginAlignment();
 
-  /** The point of the array to be touched next, in the component's own frame [cm]. False: all have been. */
+  /** Gets the next point to touch, in the component's frame [cm]. Returns false if all points have been touched. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool GetNextPoint(FVector& Point) const;
 
-  /** The next point was touched there, in the level [cm]. */
+  /** Records where the user touched the next point: a position in the level [cm]. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void TouchPoint(const FVector& Position);
 
-  /** How many points have been touched. */
+  /** Returns the number of points that have been touched. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   int32 GetTouched() const;
 
-  /** Moves the component to where the array is. False, with the problem: fewer than 3 points, or all in a line. */
+  /** Moves the component to the touched points. Returns false and the problem if fewer than 3 points were touched,
+   * or if all lie on a line. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool FinishAlignment(FString& Problem);
 
-  /** Forgets what was touched. */
+  /** Discards the touched points. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void CancelAlignment();
 
-  /** Root mean square distance of touched from known points after the last alignment [cm]. */
+  /** Returns the root mean square distance between touched and known points after the last alignment [cm]. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetResidual() const;
 
-  /** The largest of these distances [cm]. */
+  /** Returns the largest of these distances [cm]. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetWorst() const;
 
-  /** Keeps the pose on this computer. */
+  /** Stores the pose on this computer. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool SaveCalibration();
 
-  /** Takes over the pose that was kept. False: there is none. */
+  /** Applies the stored pose. Returns false if there is none. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool LoadCalibration();
 
-  /** Removes what was kept; the pose stays. */
+  /** Deletes the stored pose. The component does not move. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void ForgetCalibration();
 
@@ -86,7 +86,7 @@ class PACINIAN_API UArrayOriginComponent : public USceneComponent {
   FTransform GetParent() const;
   FString GetSlot() const;
 
-  TArray<FVector> Points;   ///< to touch
-  TArray<FVector> Touched;  ///< in the frame of what this is attached to
+  TArray<FVector> Points;   ///< points to touch
+  TArray<FVector> Touched;  ///< in the frame of the attach parent
   double Residual = 0.0, Worst = 0.0;
 };

@@ -5,7 +5,7 @@
 
 #include "EmissionViewComponent.generated.h"
 
-/** Draws what the server says that it emits, not what the game asked for; not in shipping builds. */
+/** Draws what the server reports that it emits, which may differ from what the game requested; not in shipping builds. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Emission View"))
 class PACINIAN_API UEmissionViewComponent : public UActorComponent {
   GENERATED_BODY()
@@ -13,19 +13,19 @@ class PACINIAN_API UEmissionViewComponent : public UActorComponent {
  public:
   UEmissionViewComponent();
 
-  /** The points that are pressed on: blue is weak, red as strong as the strongest asked for. */
+  /** Draws the points under pressure: blue is weak, red is the strongest requested pressure. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bDrawSamples = true;
 
-  /** Which way their surface faces. */
+  /** Draws the normals of the surface at these points. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bDrawNormals = false;
 
-  /** The hands as they are rendered. */
+  /** Draws the hands as the server renders them. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   bool bDrawHands = true;
 
-  /** The points that are pressed on now, in the level [cm], and how hard [Pa]. */
+  /** Gets the points under pressure, in the level [cm], and their pressures [Pa]. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void GetSamples(TArray<FVector>& Positions, TArray<float>& Pressures) const;
 

@@ -9,7 +9,7 @@ class UArrayOriginComponent;
 class UEmissionViewComponent;
 class UHapticServerComponent;
 
-/** An array, ready to be dragged into a level: where it stands, the connection to its server, and what it emits. */
+/** An array to drag into a level: its pose, the connection to the server, and a view of what it emits. */
 UCLASS(meta = (DisplayName = "Haptic Array"))
 class PACINIAN_API AHapticArray : public AActor {
   GENERATED_BODY()

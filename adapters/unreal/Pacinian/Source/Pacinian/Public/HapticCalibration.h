@@ -5,17 +5,17 @@
 
 #include "HapticCalibration.generated.h"
 
-/** Where an array stands, as it is kept on this computer. */
+/** The pose of an array as stored on this computer. */
 UCLASS()
 class PACINIAN_API UHapticCalibration : public USaveGame {
   GENERATED_BODY()
 
  public:
-  /** In what the array's origin is attached to [cm]. */
+  /** The pose in the frame of the origin's attach parent [cm]. */
   UPROPERTY()
   FTransform Origin;
 
-  /** Of the alignment [cm]. */
+  /** Root mean square distance of the alignment [cm]. */
   UPROPERTY()
   double Residual = 0.0;
 

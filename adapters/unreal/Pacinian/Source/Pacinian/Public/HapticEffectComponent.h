@@ -14,7 +14,7 @@ struct FHapticFrame;
 
 DECLARE_DYNAMIC_MULTICAST_DELEGATE(FHapticFinished);
 
-/** What all haptic effects have: strength, envelope, duration, priority, and that they follow their component. */
+/** The common base of all haptic effects: strength, envelope, duration and priority. An effect follows its component. */
 UCLASS(Abstract, ClassGroup = (Haptics))
 class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   GENERATED_BODY()
@@ -22,82 +22,82 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
  public:
   UHapticEffectComponent();
 
-  /** By which the server knows it, at most 64 characters. Empty: made of the actor's and the component's name. */
+  /** Name on the server, at most 64 characters. Empty: derived from the names of the actor and the component. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics")
   FString EffectName;
 
-  /** Whether it has a radiation pressure or a force. */
+  /** Whether the effect has a radiation pressure or a force. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticStrength Strength = EHapticStrength::RadiationPressure;
 
-  /** How hard it presses where it is touched [Pa]. */
+  /** Pressure on touched skin [Pa]. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (ClampMin = "0", UIMax = "20", EditCondition = "Strength == EHapticStrength::RadiationPressure", EditConditionHides))
   float RadiationPressure = 8.0f;
 
-  /** How hard it presses altogether [N]. */
+  /** Force of the whole effect [N]. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (ClampMin = "0", ClampMax = "1000", EditCondition = "Strength == EHapticStrength::Force", EditConditionHides))
   float Force = 0.005f;
 
-  /** How strong it is over time. None: always the same. */
+  /** Strength over time. None: constant. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics")
   TObjectPtr<UHapticEnvelope> Envelope;
 
-  /** How its samples are presented in time. */
+  /** How the samples are presented in time. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   FHapticTechnique Technique;
 
-  /** For how long it can be felt once it plays [s]. 0: until Stop. */
+  /** The effect ends after this time [s]. 0: it plays until Stop. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", Units = "s"))
   float Duration = 0.0f;
 
-  /** Higher ones come first where the array cannot do all. */
+  /** Effects with a higher priority come first if the array cannot render all. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "-1000000", ClampMax = "1000000"))
   int32 Priority = 0;
 
-  /** How fast the pressure grows with depth [Pa/m]. 0: all of it is felt 2 mm deep. */
+  /** Pressure per metre of depth [Pa/m]. 0: full pressure at a depth of 2 mm. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay, meta = (ClampMin = "0"))
   float Stiffness = 0.0f;
 
-  /** How far outside of it it is felt already [cm]. */
+  /** Distance outside the shape from which it is felt [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay, meta = (ClampMin = "0", ClampMax = "1000", Units = "cm"))
   float Reach = 0.0f;
 
-  /** Tells the server how it moves, so that it is felt where it will be, not where it was. */
+  /** Sends the motion, so that the effect is felt where it will be instead of where it was. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay)
   bool bPredictMotion = true;
 
-  /** Its duration is over. */
+  /** The duration is over. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticFinished OnFinished;
 
-  /** A hand begins to feel it. */
+  /** A hand begins to feel the effect. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticTouched OnTouchBegan;
 
-  /** A hand feels it no more, as it was told last. */
+  /** A hand no longer feels the effect. The argument is the last report of the touch. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticTouched OnTouchEnded;
 
-  /** Can be felt from now on, for its duration. Activate does the same. */
+  /** Starts the effect, or restarts it. Activate does the same. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void Play();
 
-  /** Cannot be felt any more. Deactivate does the same. */
+  /** Stops the effect: it is no longer felt. Deactivate does the same. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void Stop();
 
   UFUNCTION(BlueprintPure, Category = "Haptics")
   bool IsPlaying() const;
 
-  /** Why it cannot be felt, and what to do. Empty if it can. */
+  /** Returns why the effect cannot be felt, and what to do; empty if it can. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetProblem() const;
 
-  /** The largest radiation pressure that is emitted for it now [Pa], as the server says; 0 if none is. */
+  /** Returns the largest radiation pressure emitted for the effect, as the server reports it [Pa]; 0 if there is none. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetEmitted() const;
 
-  /** What is felt of it, against what was asked, as the server says; not known of a point. */
+  /** Returns the achieved and the requested pressure of the effect, as the server reports them; unknown for a point. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FHapticRegionFelt GetRegionFelt() const;
 
@@ -107,7 +107,7 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetForce(float NewForce);
 
-  /** The radiation pressure, from 0 to 1: its share of the full one in Project Settings, Plugins, Pacinian. */
+  /** Sets the radiation pressure relative to the full pressure in Project Settings, Plugins, Pacinian: 0 to 1. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetRelativeStrength(float Share);
 
@@ -117,7 +117,7 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetEnvelope(UHapticEnvelope* NewEnvelope);
 
-  /** After other properties, or the shape, have been changed. */
+  /** Sends the effect again. Call it after changing other properties, or the shape. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void Refresh();
 
@@ -129,28 +129,28 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   virtual void PostEditChangeProperty(FPropertyChangedEvent& Event) override;
 #endif
 
-  /** Lines of what is felt, as pairs of places in the level, in true size; also where nothing plays. False, with the problem, if
-   * it has no shape. */
+  /** Gets the outline of the effect in its true size, as pairs of positions in the level, even if it does not play.
+   * Returns false and the problem if it has no shape. */
   bool GetOutline(TArray<FVector>& Lines, FString& Problem) const;
 
-  /** Whether the server knows it by that name. */
+  /** Returns whether the effect has this name on the server. */
   bool IsCalled(const FString& Wanted) const;
 
-  /** Tells the server of it. Called by the server component in each frame. */
+  /** Sends what has changed. The server component calls it each frame. */
   void Send(const FHapticFrame& Frame);
 
-  /** The server would not take an object, nor what came with it in one message: that one is not told again until it
-   * changes, all others are. Path: of the field that is wrong. Called by the server component. */
+  /** Handles an object that the server rejected, together with the rest of its message. That object is not sent
+   * again until it changes. All others are sent again. Path: of the wrong field. The server component calls it. */
   void Refuse(const FString& Path, const FString& Message);
 
  protected:
-  /** Its shape, as the server knows it. False, with the problem, if it has none. */
+  /** Writes the shape as the wire's object. Returns false and the problem if there is none. */
   virtual bool Describe(FHapticBody&, FString&) const PURE_VIRTUAL(UHapticEffectComponent::Describe, return false;);
 
-  /** A number that is another if its shape is, but for its scale. */
+  /** Returns a number that changes when the shape changes, except for its scale. */
   virtual uint64 GetShapeFingerprint() const { return 0; }
 
-  /** What its shape is part of and moves with. */
+  /** Returns the component that the shape belongs to and moves with. */
   virtual const USceneComponent* GetShapeOwner() const { return this; }
 
  private:
@@ -158,11 +158,11 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   void Remove();
 
   TSharedPtr<FHapticBody> Sent;
-  FString Complaint;        ///< why it cannot be felt
-  double Began = 0.0;       ///< of the world's time [s]
-  uint32 Session = 0;       ///< for which it was described; 0: it has to be
-  bool bShown = false;      ///< the server has it, since then
-  bool bReshaped = false;   ///< since then
-  bool bEnveloped = false;  ///< its envelope is another since then
-  bool bMoving = false;     ///< as the server was told
+  FString Complaint;        ///< why the effect cannot be felt
+  double Began = 0.0;       ///< by the world's time [s]
+  uint32 Session = 0;       ///< in which the shape was last sent; 0: it must be sent
+  bool bShown = false;      ///< the server has the effect
+  bool bReshaped = false;   ///< the shape has changed since
+  bool bEnveloped = false;  ///< the envelope has changed since
+  bool bMoving = false;     ///< whether the last sent motion was not zero
 };

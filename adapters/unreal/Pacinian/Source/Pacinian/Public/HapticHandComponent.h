@@ -9,21 +9,19 @@
 struct FHapticSpace;
 struct FHapticHand;
 
-/** Where a hand comes from. */
+/** The source of a hand's joints. */
 UENUM(BlueprintType)
 enum class EHapticHandSource : uint8 {
   /** The headset's hand tracking. */
   Tracker,
   /** The game calls Set Joints. */
   Game,
-  /** An open hand: its palm is where the actor is and faces down, its fingers point along X. */
+  /** An open hand: its palm is at the actor and faces down, its fingers point along X. */
   Open,
 };
 
-/**
- * A hand that feels the scene: 26 joints in OpenXR's order. Where a level has such components the scene is felt by hands
- * only; without any, objects are emitted whole.
- */
+/** A hand of 26 joints in OpenXR's order. As soon as a level has such a component, objects are felt only where hands
+ * touch them. In a level without hands, whole objects are emitted. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Hand"))
 class PACINIAN_API UHapticHandComponent : public UActorComponent {
   GENERATED_BODY()
@@ -35,36 +33,36 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticHandSource Source = EHapticHandSource::Tracker;
 
-  /** Tells the server how it moves, so that it feels where it will be, not where it was. */
+  /** Sends the motion, so that the hand feels where it will be instead of where it was. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay)
   bool bPredictMotion = true;
 
-  /** Where the 26 joints are, in the level [cm], in OpenXR's order: palm, wrist, thumb from the wrist on, index... */
+  /** Sets the positions of the 26 joints in the level [cm], in OpenXR's order: palm, wrist, thumb from its metacarpal on, index... */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetJoints(const TArray<FVector>& Positions);
 
-  /** How thick the 26 joints are [cm]. Empty: an adult's. */
+  /** Sets the radii of the 26 joints [cm]. Empty: an adult's. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetRadii(const TArray<float>& NewRadii);
 
-  /** In place of Set Joints and Set Radii: a hand as Ultraleap tells it, in the level [cm]. Bones: both ends (prev and next
-   * joint) of the metacarpal, proximal, intermediate and distal bone of the five digits from the thumb on: 40. Widths: of the
-   * 20 bones. Wrist: the arm's next joint. */
+  /** Sets the hand from Ultraleap's data, in the level [cm], instead of Set Joints and Set Radii. Bones: both ends
+   * (prev and next joint) of the metacarpal, proximal, intermediate and distal bone of each digit, from the thumb
+   * on: 40 positions. Widths: of the 20 bones. Wrist: the arm's next joint. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetLeap(const TArray<FVector>& Bones, const TArray<float>& Widths, const FVector& Wrist);
 
-  /** The tracker has lost the hand: it feels nothing. */
+  /** Reports that the tracker has lost the hand. It then feels nothing. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   void SetLost();
 
-  /** Whether its joints are known. */
+  /** Returns whether the joints are known. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   bool IsTracked() const;
 
   virtual void BeginPlay() override;
   virtual void EndPlay(const EEndPlayReason::Type Reason) override;
 
-  /** Its joints as of now. Called by the server component in each frame. */
+  /** Writes the present joints. The server component calls it each frame. */
   void Fill(FHapticHand& Hand, const FHapticSpace& Space);
 
  private:
@@ -73,6 +71,6 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
 
   TArray<FVector> Joints;
   TArray<float> Radii;
-  FVector Middle = FVector::ZeroVector;  ///< of the joints when they were told, in the array's frame [m]
-  double Time = -1.0;                    ///< of that, of the world [s]; negative: never
+  FVector Middle = FVector::ZeroVector;  ///< mean joint as last sent, in the array's frame [m]
+  double Time = -1.0;                    ///< world's time of that [s]; negative: never
 };

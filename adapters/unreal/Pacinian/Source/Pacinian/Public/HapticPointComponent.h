@@ -5,13 +5,13 @@
 
 #include "HapticPointComponent.generated.h"
 
-/** A point that presses: a focus. */
+/** A focus that presses on a point. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Point"))
 class PACINIAN_API UHapticPointComponent : public UHapticEffectComponent {
   GENERATED_BODY()
 
  public:
-  /** Of the disc that it presses on [cm]; a focus of 40 kHz is about 0.85 cm wide. */
+  /** Diameter of the disc under pressure [cm]; a focus at 40 kHz is about 0.85 cm wide. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.01", ClampMax = "100", Units = "cm"))
   float Diameter = 0.85f;
 

@@ -11,20 +11,20 @@ class UHapticHandComponent;
 class UHapticServerComponent;
 class UQuietZoneComponent;
 
-/** The haptic components of a world that play, in the order in which they began. */
+/** The active haptic components of a world, in the order in which they began. */
 UCLASS()
 class PACINIAN_API UHapticScene : public UWorldSubsystem {
   GENERATED_BODY()
 
  public:
-  /** That of an object's world; null if it has none. */
+  /** Returns the scene of an object's world; null if it has none. */
   static UHapticScene* Of(const UObject* Object);
 
-  /** The server component that is used, the first; or null. */
+  /** Returns the server component in use, which is the first; or null. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   UHapticServerComponent* GetServer() const;
 
-  /** Where the array stands: the first such component; or null, which means the world's origin. */
+  /** Returns the array origin in use, which is the first; null means the world's origin. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   UArrayOriginComponent* GetOrigin() const;
 

@@ -21,13 +21,11 @@ struct Refusal;
 }
 struct FHapticLink;
 
-/**
- * The connection to `pacinian serve`, which lets the level's haptic components be felt. Of several in a level the first is used;
- * the others wait, say so, and one takes over when it goes.
+/** The connection to `pacinian serve`, which makes the level's haptic components felt. If a level has several, the
+ * first is used. The others wait and say so; one takes over when the first is gone.
  *
- * It tells the server in each frame that the game is alive: a game that hangs, crashes or is paused in a debugger falls
- * silent. The game's thread never waits for the server; only the end of a connection may take up to half a second.
- */
+ * Each frame renews a lease at the server. A game that hangs, crashes or is paused in a debugger therefore falls
+ * silent. The component never blocks the game's thread, except for up to half a second at the end of a connection. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Server"))
 class PACINIAN_API UHapticServerComponent : public UActorComponent {
   GENERATED_BODY()
@@ -35,25 +33,25 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
  public:
   UHapticServerComponent();
 
-  /** The server's connection file, or its content, which begins with {, as on a headset. Empty: that of PACINIAN_CONNECTION, or
-   * where `pacinian serve` writes it. */
+  /** The path of the server's connection file, or its content (which begins with {), as on a headset. Empty: the
+   * path in PACINIAN_CONNECTION, or the place where `pacinian serve` writes the file. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   FString ConnectionFile;
 
-  /** Who this is, for people who look at the server. Empty: the project's name. */
+  /** Name of this client, shown to people. Empty: the project's name. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   FString ClientName;
 
-  /** Programs that give the same name share a scene, as a game and a hand tracker. Empty: a scene of its own. */
+  /** Clients with the same name share a scene, for example a game and a hand tracker. Empty: a scene of its own. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   FString SceneName;
 
-  /** From the game's last frame to silence [s]. 0: as long as the server allows, 0.25 s unless it is configured. */
+  /** Time from the game's last frame to silence [s]. 0: the longest that the server allows, 0.25 s by default. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection", meta = (ClampMin = "0", ClampMax = "10", Units = "s"))
   float Lease = 0.0f;
 
-  /** When play begins, starts the server unless one runs: the standalone one in the plugin's folder (Server/pacinian), or
-   * the one that Project Settings, Plugins, Pacinian names. It ends with the game. */
+  /** Starts a server when play begins, unless one runs: the standalone one in the plugin's folder (Server/pacinian),
+   * or the one in Project Settings, Plugins, Pacinian. It ends with the game. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bStartServer = false;
 
@@ -61,100 +59,101 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bConnectOnPlay = true;
 
-  /** Lets the scene be felt as soon as it is connected. */
+  /** Arms the output with the first connection, so that the scene is felt. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bArmOnConnect = true;
 
-  /** Lets it be felt again by itself after the connection was lost. After the game stood still it is, in any case. */
+  /** Arms again after the connection was lost. After a standstill of the game the scene is felt again in any case. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bArmAgainAfterLoss = false;
 
-  /** Arming takes the output from another program that has it, if the server allows that. */
+  /** Arming takes the output from another client that has it, if the server allows this. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics|Connection")
   bool bTakeOver = false;
 
-  /** A factor on everything that is felt, 0 to 1. */
+  /** Factor on all radiation pressures, 0 to 1. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (ClampMin = "0", ClampMax = "1"))
   float Intensity = 1.0f;
 
-  /** What computes the array's output. Empty: the server's. The list is that of the last server seen by this editor. */
+  /** The solver. Empty: the server's. The list is that of the last server that this editor connected to. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (GetOptions = "GetSolvers"))
   FString Solver;
 
-  /** The array: simulated, or a device. Empty: the server's. The list is that of the last server seen by this editor. */
+  /** The array: simulated, or a device. Empty: the server's. The list is that of the last server that this editor connected to. */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics", meta = (GetOptions = "GetBackends"))
   FString Backend;
 
-  /** A session has begun, the first or a new one. Components put their objects by themselves. */
+  /** A session has started. Components put their objects by themselves. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticConnected OnConnected;
 
-  /** The session is over: silence. It is tried to connect again. */
+  /** The session has ended, and with it the sound. The component reconnects by itself. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticLost OnLost;
 
-  /** Sound ended unasked. Code: "owner" (another program took over), "stopped" or "fault". */
+  /** The sound ended unasked. Code: "owner" (another client took over), "stopped" or "fault". */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticEnded OnEnded;
 
-  /** The server would not do something. Code as in docs/wire.md; Advice: what to do. */
+  /** The server refused a command. Code: see docs/wire.md; Advice: what to do. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticRefused OnRefused;
 
-  /** The server has said what it emits, up to once in a frame. */
+  /** The server has published a new state; at most once per frame. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticStateChanged OnStateChanged;
 
-  /** A hand begins to feel an effect. Effects have this event, too. */
+  /** A hand begins to feel an effect. Each effect has this event, too. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticTouched OnTouchBegan;
 
-  /** A hand feels an effect still, where and as strongly as told, 60 times a second. */
+  /** A hand still feels an effect: its position and strength, 60 times a second. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticTouched OnTouchMoved;
 
-  /** A hand feels an effect no more, as it was told last. */
+  /** A hand no longer feels an effect. The argument is the last report of the touch. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticTouched OnTouchEnded;
 
-  /** The game stood still for longer than its lease [s], and sounds again if nothing else ended the sound. Whole: the whole
-   * program did, as at a breakpoint; otherwise a frame was long, or the editor paused. */
+  /** The game continues after a standstill of more than its lease [s]. It sounds again, unless something else ended
+   * the sound. Whole: the whole program stood still, as at a breakpoint; otherwise a frame was long, or the editor
+   * was paused. */
   UPROPERTY(BlueprintAssignable, Category = "Haptics")
   FHapticStoodStill OnStoodStill;
 
-  /** Starts the server, as bStartServer does. False, with the problem. */
+  /** Starts a server like bStartServer does. Returns false and the problem on failure. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool StartServer(FString& Problem) const;
 
-  /** Ends the server that this program has started, if it has: silence. May take five seconds. */
+  /** Stops the server that this program has started, if any, and with it the sound. May take five seconds. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   static void StopServer();
 
-  /** Begins to connect, with the properties as they are now. */
+  /** Starts to connect, with the present properties. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Connect();
 
-  /** Ends the session: silence. May take up to half a second. */
+  /** Ends the session and the sound. May take half a second. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Disconnect();
 
-  /** A new session in place of the one there is. */
+  /** Replaces the session by a new one. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Reconnect();
 
-  /** Lets the scene be felt, as bTakeOver says. False: not connected. */
+  /** Arms the output, so that the scene is felt; see bTakeOver. Returns false without a session. */
   UFUNCTION(BlueprintCallable, Category = "Haptics")
   bool Arm();
 
-  /** Silence, softly; another program may have the output. */
+  /** Disarms: the sound fades, and the output is released. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Disarm();
 
-  /** Silence at once, whoever has the output, until Reset Output; also without a session. */
+  /** Silences the array at once, whoever owns the output, until Reset Output. Works even without a session. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void EmergencyStop();
 
-  /** After an emergency stop or a fault: the output may be armed again. */
+  /** Allows arming again after an emergency stop or a fault. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void ResetOutput();
 
@@ -170,41 +169,42 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UFUNCTION(BlueprintPure, Category = "Haptics")
   bool IsConnected() const;
 
-  /** Whether this game's scene may be felt now. */
+  /** Returns whether this game has armed the output. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   bool IsArmed() const;
 
   UFUNCTION(BlueprintPure, Category = "Haptics")
   EHapticStatus GetStatus() const;
 
-  /** Why it is not connected and what to do, or what the server last refused. Empty while all is well. */
+  /** Returns why there is no session and what to do, or the server's last refusal; empty if there is no problem. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetProblem() const;
 
-  /** Why nothing can be felt, and what to do, as the nearest object and its distance. Empty while something can. */
+  /** Returns why nothing can be felt, and what to do (for example, the nearest object and its distance); empty if something can. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetSilence() const;
 
-  /** The same for programs: a cause of docs/wire-messages.md, "not connected" or "not the owner". Empty if it sounds. */
+  /** Returns the cause of silence for programs, one of docs/wire-messages.md, "not connected" or "not the owner";
+   * empty if it sounds. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   FString GetSilenceCause() const;
 
-  /** Median round trip to the server [s]; 0 before the first. */
+  /** Returns the median round trip to the server [s]; 0 before the first. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetLatency() const;
 
-  /** From the game's last frame to silence, as agreed with the server [s]; 0 without a session. */
+  /** Returns the time from the game's last frame to silence, as granted by the server [s]; 0 without a session. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   float GetGrantedLease() const;
 
   UFUNCTION(BlueprintPure, Category = "Haptics")
   EHapticOutput GetOutput() const;
 
-  /** Solvers that the server has, after the empty choice. */
+  /** Returns the server's solvers, after the empty choice. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   TArray<FString> GetSolvers() const;
 
-  /** Backends that the server has, after the empty choice. */
+  /** Returns the server's backends, after the empty choice. */
   UFUNCTION(BlueprintPure, Category = "Haptics")
   TArray<FString> GetBackends() const;
 
@@ -216,10 +216,10 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   virtual void PostEditChangeProperty(FPropertyChangedEvent& Event) override;
 #endif
 
-  /** For C++: the engine-free client, for what is not here; null while it is not connected. */
+  /** For C++: returns the engine-independent client, for what this component does not offer; null while not connected. */
   pacinian::Client* GetClient() const;
 
-  /** For the other components: the connection, or null. */
+  /** For the other components: returns the connection, or null. */
   const TSharedPtr<FHapticLink>& GetLink() const { return Link; }
 
  private:
@@ -234,8 +234,8 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
 
   TSharedPtr<FHapticLink> Link;
   FDelegateHandle Exit;
-  FString Complaint;     ///< what the server last refused in this session
+  FString Complaint;     ///< the server's last refusal in this session
   bool bFirst = false;   ///< no session since Connect
-  bool bWaits = false;   ///< until the one that is used is gone
+  bool bWaits = false;   ///< until the component in use is gone
   bool bWanted = false;  ///< armed, and not disarmed since
 };

@@ -7,7 +7,7 @@
 
 class UStaticMesh;
 
-/** What a haptic surface is. */
+/** The shape of a haptic surface. */
 UENUM(BlueprintType)
 enum class EHapticSurface : uint8 {
   /** A static mesh, felt on its front faces. */
@@ -18,7 +18,7 @@ enum class EHapticSurface : uint8 {
   Disc,
 };
 
-/** A surface that presses evenly. */
+/** A surface with an even pressure. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Surface"))
 class PACINIAN_API UHapticSurfaceComponent : public UHapticEffectComponent {
   GENERATED_BODY()
@@ -27,19 +27,19 @@ class PACINIAN_API UHapticSurfaceComponent : public UHapticEffectComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticSurface Shape = EHapticSurface::Mesh;
 
-  /** None: that of the static mesh component that this one is attached to, or else of the actor's first. */
+  /** The mesh. None: that of the static mesh component that this one is attached to, otherwise of the actor's first. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (EditCondition = "Shape == EHapticSurface::Mesh", EditConditionHides))
   TObjectPtr<UStaticMesh> Mesh;
 
-  /** Along X and Y [cm]. */
+  /** Size along X and Y [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (EditCondition = "Shape == EHapticSurface::Rectangle", EditConditionHides))
   FVector2D Size = FVector2D(10.0, 10.0);
 
-  /** Of the disc [cm]. */
+  /** Radius of the disc [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.01", Units = "cm", EditCondition = "Shape == EHapticSurface::Disc", EditConditionHides))
   float Radius = 5.0f;
 
-  /** How far below it a hand still feels it [cm]. */
+  /** Depth below the surface up to which a hand feels it [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.01", Units = "cm"))
   float Thickness = 2.0f;
 

@@ -7,15 +7,15 @@
 /** How an effect's samples are presented in time. */
 UENUM(BlueprintType)
 enum class EHapticTechnique : uint8 {
-  /** As the server is set. */
+  /** The server's default. */
   Server,
-  /** All at once, always. */
+  /** All samples at the same time. */
   Simultaneous,
   /** Amplitude modulation. */
   AM,
-  /** A single focus runs along all of them. */
+  /** Spatiotemporal modulation: one focus visits all samples. */
   STM,
-  /** Every sample moves to and fro across its normal. */
+  /** Lateral modulation: every sample moves to and fro across its normal. */
   LM,
 };
 
@@ -27,23 +27,23 @@ struct PACINIAN_API FHapticTechnique {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticTechnique Kind = EHapticTechnique::Server;
 
-  /** Of AM, STM and LM [Hz]. */
+  /** AM, STM and LM: the frequency [Hz]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.1", ClampMax = "20000", Units = "Hz", EditCondition = "Kind >= EHapticTechnique::AM", EditConditionHides))
   float Frequency = 200.0f;
 
-  /** Of AM: 1 goes down to nothing. */
+  /** AM: the depth; 1 goes down to silence. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", ClampMax = "1", EditCondition = "Kind == EHapticTechnique::AM", EditConditionHides))
   float Depth = 1.0f;
 
-  /** Of STM: around all samples, not from one to the next. */
+  /** STM: the focus runs around all samples instead of from one to the next. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (EditCondition = "Kind == EHapticTechnique::STM", EditConditionHides))
   bool bOutline = false;
 
-  /** Of LM: to either side [cm]. */
+  /** LM: the amplitude to either side [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.01", ClampMax = "2", Units = "cm", EditCondition = "Kind == EHapticTechnique::LM", EditConditionHides))
   float Amplitude = 0.3f;
 
-  /** Of LM: from the array's X towards its Y, about the normal [deg]. */
+  /** LM: the direction, from the array's X towards its Y, about the normal [deg]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (EditCondition = "Kind == EHapticTechnique::LM", EditConditionHides))
   float Angle = 0.0f;
 };

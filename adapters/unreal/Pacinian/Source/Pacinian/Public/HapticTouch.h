@@ -9,23 +9,23 @@ USTRUCT(BlueprintType)
 struct PACINIAN_API FHapticTouch {
   GENERATED_BODY()
 
-  /** Name of the effect: its EffectName, or that of its actor and component. */
+  /** The name of the effect: its EffectName, or the name derived from its actor and component. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   FString Effect;
 
-  /** Which hand: "left" or "right", unless another program that shares the scene has named it. */
+  /** The hand: "left" or "right", unless another client that shares the scene has named it. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   FString Hand;
 
-  /** Middle of what is pressed on, in the level [cm]. */
+  /** The middle of the contact, in the level [cm]. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   FVector Position = FVector::ZeroVector;
 
-  /** Highest radiation pressure that is asked for, at full envelope [Pa]. */
+  /** The highest requested radiation pressure, at the full level of the envelope [Pa]. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Pressure = 0.0f;
 
-  /** That pressure over the effect's own, 0 to 1. */
+  /** The pressure relative to the effect's own, 0 to 1. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Strength = 0.0f;
 };

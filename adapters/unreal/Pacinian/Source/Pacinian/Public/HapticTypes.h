@@ -4,70 +4,71 @@
 
 #include "HapticTypes.generated.h"
 
-/** How the game stands with its haptic server. */
+/** The state of the connection to the server. */
 UENUM(BlueprintType)
 enum class EHapticStatus : uint8 {
-  /** Not connected, and not asked to be. */
+  /** Not connected, and not connecting. */
   Stopped,
-  /** No server yet, or none any more: it is tried again and again. */
+  /** No server is connected; the component tries again and again. */
   Connecting,
   Connected,
-  /** The server will not have us until something is changed: see Get Problem. */
+  /** The server rejects the client until something is changed: see Get Problem. */
   Refused,
 };
 
-/** What the array does, as the server says. */
+/** The state of the output, as the server reports it. */
 UENUM(BlueprintType)
 enum class EHapticOutput : uint8 {
-  /** No server has told. */
+  /** No server has reported it. */
   Unknown,
-  /** No client has armed the output, or there is nothing to feel. */
+  /** Silent: no client has armed the output, or there is nothing to feel. */
   Silent,
-  /** Something can be felt. */
+  /** Sounding: something can be felt. */
   Sounding,
-  /** The renderer is late: silent until it goes on. */
+  /** Silent until the renderer, which is late, continues. */
   Stale,
-  /** After an emergency stop, until Reset Output. */
+  /** Silent after an emergency stop, until Reset Output. */
   Stopped,
-  /** A plug-in or device failed, until Reset Output. */
+  /** Silent after a failure of a plug-in or device, until Reset Output. */
   Faulted,
 };
 
-/** What is given of an effect's strength. */
+/** The unit in which an effect's strength is given. */
 UENUM(BlueprintType)
 enum class EHapticStrength : uint8 {
-  /** Radiation pressure, everywhere the same. */
+  /** The same radiation pressure everywhere. */
   RadiationPressure,
-  /** A force, over the whole of it. */
+  /** A force over the whole effect. */
   Force,
 };
 
-/** Which hand. */
+/** The side of a hand. */
 UENUM(BlueprintType)
 enum class EHapticSide : uint8 { Left, Right };
 
-/** What is felt of a surface or volume, against what was asked: between its samples, over the last second or so. */
+/** The achieved pressure of a surface or volume, compared with the requested one, between its samples and over about
+ * the last second. */
 USTRUCT(BlueprintType)
 struct PACINIAN_API FHapticRegionFelt {
   GENERATED_BODY()
 
-  /** Whether the server tells. Not of a point, nor in silence: then all numbers are 0. */
+  /** Whether the server reports the numbers. It does not for a point, nor in silence: then all numbers are 0. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   bool bKnown = false;
 
-  /** Force over what was asked; 1 if right. */
+  /** Achieved force divided by the requested one; 1 is ideal. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Force = 0.0f;
 
-  /** Root mean square of the error of radiation pressure, over that of what was asked; 0 if right. */
+  /** Root mean square error of the radiation pressure, relative to that of the requested one; 0 is ideal. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Rms = 0.0f;
 
-  /** Share that is pressed with less than half of what was asked; 0 if right. */
+  /** The fraction of the region with less than half of the requested pressure; 0 is ideal. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Holes = 0.0f;
 
-  /** Highest radiation pressure 3 to 5 mm beside it, over the mean asked. */
+  /** The highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Spill = 0.0f;
 };

@@ -7,7 +7,7 @@
 
 class UStaticMesh;
 
-/** What a haptic volume is. */
+/** The shape of a haptic volume. */
 UENUM(BlueprintType)
 enum class EHapticVolume : uint8 {
   /** Spheres, boxes and capsules: the simple collision of a component. */
@@ -16,31 +16,31 @@ enum class EHapticVolume : uint8 {
   Mesh,
 };
 
-/** Where a haptic volume is felt. */
+/** The part of a volume that is felt. */
 UENUM(BlueprintType)
 enum class EHapticFelt : uint8 {
-  /** On its outside, and a bit below. */
+  /** The outside, and a shallow depth below. */
   Shell,
-  /** Everywhere inside, too. */
+  /** The whole interior, too. */
   Interior,
 };
 
-/** A volume that presses evenly. */
+/** A volume with an even pressure. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Volume"))
 class PACINIAN_API UHapticVolumeComponent : public UHapticEffectComponent {
   GENERATED_BODY()
 
  public:
-  /** Colliders are those of the component that this one is attached to, or else of the actor's first that has some, and of
-   * all that are attached below that one. A change of them is noticed. */
+  /** The shape. Colliders: those of the component that this one is attached to, otherwise of the actor's first that
+   * has some, and of all components attached below that one. Changes of the colliders are sent. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticVolume Shape = EHapticVolume::Colliders;
 
-  /** None: that of the static mesh component that this one is attached to, or else of the actor's first. */
+  /** The mesh. None: that of the static mesh component that this one is attached to, otherwise of the actor's first. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (EditCondition = "Shape == EHapticVolume::Mesh", EditConditionHides))
   TObjectPtr<UStaticMesh> Mesh;
 
-  /** How far inside a hand still feels it [cm]. */
+  /** Depth inside the volume up to which a hand feels it [cm]. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.01", Units = "cm"))
   float Thickness = 2.0f;
 

@@ -13,12 +13,12 @@ class PACINIAN_API UPacinianSettings : public UDeveloperSettings {
  public:
   UPacinianSettings();
 
-  /** The program that is the server: its path, or its name if the system finds it. Not used if the plugin's folder
-   * contains a standalone server, Server/pacinian. */
+  /** The server program: its path, or its name if the system finds it. Ignored if the plugin's folder contains a
+   * standalone server, Server/pacinian. */
   UPROPERTY(Config, EditAnywhere, Category = "Server")
   FString ServerCommand = TEXT("pacinian");
 
-  /** What `serve` is told, a word each, as `--backend` and `simulated`, or the path of a configuration. */
+  /** Arguments of `serve`, one word each, such as `--backend` and `simulated`, or the path of a configuration. */
   UPROPERTY(Config, EditAnywhere, Category = "Server")
   TArray<FString> ServerArguments;
 
@@ -26,11 +26,11 @@ class PACINIAN_API UPacinianSettings : public UDeveloperSettings {
   UPROPERTY(Config, EditAnywhere, Category = "Effects", meta = (ClampMin = "0.001"))
   float FullPressure = 20.0f;
 
-  /** Solvers to choose from; those of the last server that was connected. */
+  /** The solvers of the last connected server. */
   UPROPERTY(Transient)
   TArray<FString> Solvers;
 
-  /** Backends to choose from; those of the last server that was connected. */
+  /** The backends of the last connected server. */
   UPROPERTY(Transient)
   TArray<FString> Backends;
 

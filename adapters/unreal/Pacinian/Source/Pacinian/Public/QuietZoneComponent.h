@@ -5,17 +5,17 @@
 
 #include "QuietZoneComponent.generated.h"
 
-/** A ball that is to stay quiet, as about a head: attach it to the camera. At most 16 count. */
+/** A sphere that stays quiet, for example around a head: attach it to the camera. At most 16 zones count. */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Quiet Zone"))
 class PACINIAN_API UQuietZoneComponent : public USceneComponent {
   GENERATED_BODY()
 
  public:
-  /** Of the ball [cm]. 0: a point. */
+  /** Radius of the sphere [cm]. 0: a point. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", ClampMax = "100", Units = "cm"))
   float Radius = 10.0f;
 
-  /** The most sound pressure in it [Pa]; 20 Pa are 120 dB. */
+  /** Highest sound pressure inside [Pa]; 20 Pa are 120 dB. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0"))
   float Pressure = 20.0f;
 

@@ -4,10 +4,8 @@
 #include "Misc/Paths.h"
 #include "Modules/ModuleManager.h"
 
-/**
- * The core knows nothing of the engine; this makes a module of it. With it the core's memory comes from the engine's
- * allocator, as that of the modules which hand strings and arrays to it.
- */
+/** Makes an engine module of the core, which does not depend on the engine. The core then uses the engine's
+ * allocator, like the modules that exchange strings and arrays with it. */
 class FPacinianCoreModule : public IModuleInterface {
  public:
   virtual void StartupModule() override {

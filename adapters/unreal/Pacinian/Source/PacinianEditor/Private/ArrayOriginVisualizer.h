@@ -3,7 +3,7 @@
 #include "ComponentVisualizer.h"
 #include "CoreMinimal.h"
 
-/** Shows where an array origin that is selected stands, and which points of it are to be touched. */
+/** Shows the pose of a selected array origin, and the points to touch. */
 class FArrayOriginVisualizer : public FComponentVisualizer {
  public:
   virtual void DrawVisualization(const UActorComponent* Component, const FSceneView* View,

@@ -3,7 +3,7 @@
 #include "ComponentVisualizer.h"
 #include "CoreMinimal.h"
 
-/** Shows an effect that is selected as it will be felt, in its true size. */
+/** Shows a selected effect as it will be felt, in its true size. */
 class FHapticEffectVisualizer : public FComponentVisualizer {
  public:
   virtual void DrawVisualization(const UActorComponent* Component, const FSceneView* View,

@@ -5,7 +5,7 @@
 
 class UHapticServerComponent;
 
-/** What a haptic server component is doing, above its properties. */
+/** Shows the state of a haptic server component above its properties. */
 class FHapticServerDetails : public IDetailCustomization {
  public:
   static TSharedRef<IDetailCustomization> Make() { return MakeShared<FHapticServerDetails>(); }

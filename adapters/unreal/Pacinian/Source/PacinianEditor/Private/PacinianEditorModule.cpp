@@ -16,7 +16,7 @@
 
 #define LOCTEXT_NAMESPACE "Pacinian"
 
-/** Details, visualizer, and the entries of the Tools menu. */
+/** Registers the details panel, the visualizers and the entries of the Tools menu. */
 class FPacinianEditorModule : public IModuleInterface {
  public:
   virtual void StartupModule() override {
@@ -57,13 +57,13 @@ class FPacinianEditorModule : public IModuleInterface {
     FToolMenuSection& Section = UToolMenus::Get()->ExtendMenu(TEXT("LevelEditor.MainMenu.Tools"))
                                     ->AddSection(TEXT("Pacinian"), LOCTEXT("Menu", "Haptics"));
     Section.AddMenuEntry(TEXT("PacinianStart"), LOCTEXT("Start", "Start Haptic Server"),
-                         LOCTEXT("StartTip", "Starts the server in the plugin's folder, or the one that the project's settings name, unless one runs."), FSlateIcon(),
+                         LOCTEXT("StartTip", "Starts the server in the plugin's folder, or the one in the project's settings, unless one runs."), FSlateIcon(),
                          FUIAction(FExecuteAction::CreateStatic(&FPacinianEditorModule::Start)));
     Section.AddMenuEntry(TEXT("PacinianEnd"), LOCTEXT("End", "End Haptic Server"),
-                         LOCTEXT("EndTip", "Ends the server that was started here: silence."), FSlateIcon(),
+                         LOCTEXT("EndTip", "Stops the server that was started here, and with it all sound."), FSlateIcon(),
                          FUIAction(FExecuteAction::CreateStatic(&UHapticServerComponent::StopServer)));
     Section.AddMenuEntry(TEXT("PacinianStop"), LOCTEXT("Stop", "Emergency Stop"),
-                         LOCTEXT("StopTip", "Silence at once, whatever plays, until the output is reset."), FSlateIcon(),
+                         LOCTEXT("StopTip", "Silences the array at once, until the output is reset."), FSlateIcon(),
                          FUIAction(FExecuteAction::CreateStatic(&FPacinianEditorModule::EmergencyStop)));
   }
 
@@ -74,7 +74,7 @@ class FPacinianEditorModule : public IModuleInterface {
     FMessageDialog::Open(EAppMsgType::Ok, FText::FromString(Problem));
   }
 
-  /// To the servers of all levels that are open; without one, to the usual.
+  /// Stops the servers of all open levels; without any, the server at the default connection.
   static void EmergencyStop() {
     bool bFound = false;
     for (TObjectIterator<UHapticServerComponent> It; It; ++It, bFound = true) It->EmergencyStop();

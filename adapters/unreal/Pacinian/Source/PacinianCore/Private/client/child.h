@@ -6,11 +6,11 @@
 
 namespace pacinian::client {
 
-/// A program that this one has started. Its standard input is a pipe, which the system closes when this program ends.
+/// A child process. Its standard input is a pipe, which the system closes when this program ends.
 class Child {
  public:
-  /// command: the program, then its arguments. log: a file for its standard error; none if empty. Null, with the problem,
-  /// if it cannot be started.
+  /// Starts a process. command: the program, then its arguments. log: a file for its standard error; none if empty.
+  /// Returns null and the problem on failure.
   static std::unique_ptr<Child> start(const std::vector<std::string>& command, const std::string& log,
                                       std::string& problem);
   ~Child();
@@ -18,7 +18,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   bool runs();
-  /// That it ended with; less than 0: of the signal that has killed it, or unknown.
+  /// Returns the exit code; less than 0: the signal that killed the process, or unknown.
   int code() const { return code_; }
   void close_input();
   void kill();

@@ -21,7 +21,7 @@ namespace {
 constexpr char nothing[] = "/dev/null";
 constexpr int unknown = -1;
 
-/// Not inherited by programs that this one starts: as long as anybody has the end for writing, the pipe is open.
+/// Opens a pipe that child processes do not inherit: it stays open as long as any process has its end for writing.
 bool open_pipe(int (&ends)[2]) {
   if (::pipe(ends) != 0) return false;
   for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC);
@@ -59,7 +59,7 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
   ::sigemptyset(&none);
   ::posix_spawnattr_setsigdefault(&attributes, &all);
   ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C in the game's terminal ends the game, which ends this
+  ::posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C in the terminal ends the game, and then the game ends the child
   ::posix_spawnattr_setflags(&attributes,
                              POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
   pid_t pid = 0;

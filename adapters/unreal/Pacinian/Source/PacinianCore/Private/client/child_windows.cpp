@@ -19,7 +19,7 @@ std::wstring widen(const std::string& text) {
   return wide;
 }
 
-/// A word of a command line, as CommandLineToArgvW takes it apart: backslashes count only before quotes.
+/// Quotes a word for CommandLineToArgvW, where backslashes count only before quotes.
 std::wstring quote(const std::wstring& word) {
   std::wstring quoted = L"\"";
   std::size_t slashes = 0;
@@ -63,7 +63,7 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
   HANDLE errors = log.empty() ? output : open_inheritable(widen(log), GENERIC_WRITE, CREATE_ALWAYS);
   HANDLE passed[] = {read, output, errors};
   const SIZE_T count = log.empty() ? 2 : 3;
-  // Only these are inherited, whatever else the game has opened.
+  // The child inherits only these handles, whatever else the game has opened.
   SIZE_T size = 0;
   ::InitializeProcThreadAttributeList(nullptr, 1, 0, &size);
   std::vector<unsigned char> room(size);

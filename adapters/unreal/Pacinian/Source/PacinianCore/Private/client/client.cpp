@@ -39,10 +39,11 @@ double steady_clock() {
 
 template <class Act>
 bool Client::Impl::tell(Act act) {
-  return is_games_thread("a call") && worker && worker->mailbox().tell(session, act);
+  return is_games_thread("a call") && worker && worker->mailbox().change_outgoing(session, act);
 }
 
-/// Whether a call comes from the thread that ticked last, or none has; if not, that is told, once.
+/// Returns whether the call comes from the thread that ticked last, or no thread has ticked. Reports the first wrong
+/// call.
 bool Client::Impl::is_games_thread(const char* call) {
   const std::thread::id game = thread.load();
   if (game == std::thread::id() || game == std::this_thread::get_id()) return true;
@@ -61,8 +62,8 @@ bool Client::Impl::ask(Request request) {
   return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
 }
 
-/// Refuses aloud what is lost without a session: once, until the next. Not what is sent in each frame.
-bool Client::Impl::told(const char* what, bool done) {
+/// Reports the first command without a session as a refusal. Does not report commands that are sent every frame.
+bool Client::Impl::report_no_session(const char* what, bool done) {
   if (done || !is_games_thread(what) || std::exchange(told_no_session, true)) return done;
   const std::string start = worker ? "" : "call start, and ";
   refusals.push_back({"session", std::string("`") + what + "` was asked for, but there is no session", "",
@@ -76,7 +77,7 @@ bool Client::put(std::string_view name, wire::Object object) {
     in_->refusals.push_back(std::move(why));
     return false;
   }
-  return in_->told("put", in_->command([&](Outbox& box, Stamp stamp) {
+  return in_->report_no_session("put", in_->command([&](Outbox& box, Stamp stamp) {
     box.put(name, std::move(object), stamp);
   }));
 }
@@ -99,15 +100,15 @@ bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Mot
 }
 
 bool Client::remove(std::string_view name) {
-  return in_->told("remove", in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); }));
+  return in_->report_no_session("remove", in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); }));
 }
 
 bool Client::clear() {
-  return in_->told("clear", in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); }));
+  return in_->report_no_session("clear", in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); }));
 }
 
 bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
-  return in_->told("envelope", in_->command([&](Outbox& box, Stamp stamp) {
+  return in_->report_no_session("envelope", in_->command([&](Outbox& box, Stamp stamp) {
     box.envelope(name, envelope, stamp);
   }));
 }
@@ -120,27 +121,27 @@ bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<doub
 }
 
 bool Client::quiet(const std::vector<wire::Zone>& zones) {
-  return in_->told("quiet", in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); }));
+  return in_->report_no_session("quiet", in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); }));
 }
 
 bool Client::arm(bool take, bool resume) {
-  return in_->told("arm", in_->ask({Request::Kind::arm, take, resume}));
+  return in_->report_no_session("arm", in_->ask({Request::Kind::arm, take, resume}));
 }
 
-bool Client::disarm() { return in_->told("disarm", in_->ask({Request::Kind::disarm})); }
+bool Client::disarm() { return in_->report_no_session("disarm", in_->ask({Request::Kind::disarm})); }
 
-bool Client::reset() { return in_->told("reset", in_->ask({Request::Kind::reset})); }
+bool Client::reset() { return in_->report_no_session("reset", in_->ask({Request::Kind::reset})); }
 
 bool Client::select(wire::Select choice) {
-  return in_->told("select", in_->ask({Request::Kind::select, false, false, std::move(choice)}));
+  return in_->report_no_session("select", in_->ask({Request::Kind::select, false, false, std::move(choice)}));
 }
 
-bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallback told) {
+bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallback callback) {
   Request request{Request::Kind::field};
   for (const auto& point : points)
     for (const float value : point) wire::append(request.field.points, value);
-  request.told = std::move(told);
-  return in_->told("field", in_->ask(std::move(request)));
+  request.callback = std::move(callback);
+  return in_->report_no_session("field", in_->ask(std::move(request)));
 }
 
 }  // namespace pacinian

@@ -23,7 +23,7 @@ struct Client::Impl {
   template <class Act>
   bool command(Act act);
   bool ask(client::Request request);
-  bool told(const char* what, bool done);
+  bool report_no_session(const char* what, bool done);
   bool is_games_thread(const char* call);
   void dispatch(client::Event& event, const Events& on);
   void stopped(const std::string& problem);
@@ -33,18 +33,18 @@ struct Client::Impl {
   std::vector<client::Event> events;
   wire::State state;
   client::Touches touches;
-  std::vector<Refusal> refusals;  ///< the client's own
+  std::vector<Refusal> refusals;  ///< from the client itself
   bool has_state = false, ticks = false, told_no_session = false;
-  std::uint64_t session = 0;  ///< that the game knows of; 0: none
-  int closed = 0;             ///< how often it was
+  std::uint64_t session = 0;  ///< that the game knows; 0: none
+  int closed = 0;             ///< how often the client was closed
 
-  std::mutex lock;  ///< of what stops from other threads need
+  std::mutex lock;  ///< protects what stops from other threads use
   std::unique_ptr<client::Worker> worker;
   std::string stop_problem;
-  std::string wrong_call;  ///< that came from another thread than the game's
+  std::string wrong_call;  ///< from another thread than the game's
   bool told_thread = false;
-  std::atomic<std::thread::id> thread{std::thread::id()};  ///< that ticked last
-  client::EmergencyStop emergency_stop;  ///< destroyed first: it uses the others
+  std::atomic<std::thread::id> thread{std::thread::id()};  ///< the thread that ticked last
+  client::EmergencyStop emergency_stop;  ///< destroyed first, because it uses the others
 };
 
 }  // namespace pacinian

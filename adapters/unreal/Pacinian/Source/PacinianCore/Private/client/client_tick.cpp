@@ -49,19 +49,19 @@ void Client::Impl::stopped(const std::string& problem) {
 
 void Client::tick() {
   Impl& in = *in_;
-  if (in.ticks) return;  // called by one of the events
+  if (in.ticks) return;  // called by an event handler
   in.ticks = true;
   in.thread = std::this_thread::get_id();
   const int closed = in.closed;
   bool newer = false;
   std::string problem, wrong;
   if (in.worker) {
-    const auto pause = in.worker->mailbox().tick(in.options.clock());
+    const auto pause = in.worker->mailbox().record_tick(in.options.clock());
     if (in.view.armed && pause.game > in.view.lease && on.stood_still)
       on.stood_still({pause.game, pause.worker > 0.75 * pause.game});
   }
   if (in.worker) {
-    newer = in.worker->mailbox().collect(in.view, in.events, in.state);
+    newer = in.worker->mailbox().take_updates(in.view, in.events, in.state);
   }
   {
     const std::lock_guard<std::mutex> guard(in.lock);
@@ -79,14 +79,14 @@ void Client::tick() {
   in.events.clear();
   in.has_state = (in.has_state || newer) && in.closed == closed;
   if (newer && in.has_state) {
-    in.touches.follow(in.state.scene == in.view.scene ? &in.state : nullptr, on);
+    in.touches.report_changes(in.state.scene == in.view.scene ? &in.state : nullptr, on);
     if (in.has_state && in.closed == closed && on.state_changed) on.state_changed(in.state);
   }
   in.ticks = false;
 }
 
 void Client::Impl::dispatch(Event& event, const Events& on) {
-  const Refusal& told = event.refusal;
+  const Refusal& refusal = event.refusal;
   switch (event.kind) {
     case Event::Kind::connected:
       session = event.session;
@@ -96,21 +96,21 @@ void Client::Impl::dispatch(Event& event, const Events& on) {
     case Event::Kind::lost:
       session = 0;
       has_state = false;
-      touches.follow(nullptr, on);
-      if (on.lost) on.lost(told.message);
+      touches.report_changes(nullptr, on);
+      if (on.lost) on.lost(refusal.message);
       break;
     case Event::Kind::ended:
-      if (on.ended) on.ended(told);
+      if (on.ended) on.ended(refusal);
       break;
     case Event::Kind::refused:
-      if (on.refused) on.refused(told);
+      if (on.refused) on.refused(refusal);
       break;
     case Event::Kind::field: {
       std::vector<std::complex<float>> pressures(event.pressures.size() / 8);
       for (std::size_t i = 0; i < pressures.size(); ++i)
         pressures[i] = {wire::float_at(event.pressures, 2 * i),
                         wire::float_at(event.pressures, 2 * i + 1)};
-      if (event.told) event.told(pressures);
+      if (event.callback) event.callback(pressures);
       break;
     }
   }

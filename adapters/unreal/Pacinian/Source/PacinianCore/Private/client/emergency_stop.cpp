@@ -13,8 +13,8 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr double attempt_pause = 0.05;        // [s] between two attempts, and two looks at whether to hurry
-constexpr double max_hurried_attempt = 0.25;  // [s] that one may still take then
+constexpr double attempt_pause = 0.05;        // [s] between two attempts, and between two checks whether to hurry
+constexpr double max_hurried_attempt = 0.25;  // [s] that an attempt may still take then
 
 }  // namespace
 

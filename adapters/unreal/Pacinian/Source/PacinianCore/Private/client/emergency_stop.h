@@ -12,22 +12,22 @@
 
 namespace pacinian::client {
 
-/// Sends emergency stops on connections of their own, which need no session and no worker, in a thread of its own:
-/// again and again, until the server has confirmed it or the time is over.
+/// Sends emergency stops in a thread and through a connection of its own, without a session or worker. Repeats the
+/// attempt until the server has confirmed the stop, or the time is over.
 class EmergencyStop {
  public:
-  /// done: called by that thread with what went wrong, or "".
+  /// done: called by that thread with the reason for a failure, or with "".
   EmergencyStop(const Options& options, std::function<void(const std::string&)> done)
       : options_(options), done_(std::move(done)) {}
   ~EmergencyStop();
 
-  /// Silence at once. From any thread; does not wait.
+  /// Silences the array at once. May be called from any thread; does not block.
   void stop();
 
-  /// How to connect where the connection file cannot be read any more.
+  /// Stores a connection for the case that the connection file can no longer be read.
   void remember(const ConnectionFile& connection);
 
-  /// Whether one is on its way.
+  /// Returns whether a stop is not yet confirmed.
   bool busy() const { return busy_.load(); }
 
  private:

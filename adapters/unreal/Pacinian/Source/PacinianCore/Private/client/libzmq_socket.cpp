@@ -9,7 +9,7 @@ namespace pacinian::client {
 
 namespace {
 
-/// libzmq may be built with OpenPGM, which must not be begun by one thread while another ends it.
+/// libzmq may be built with OpenPGM, which one thread must not start while another ends it.
 std::mutex& coming_and_going() {
   static std::mutex lock;
   return lock;

@@ -11,7 +11,7 @@
 
 namespace pacinian::client {
 
-/// A ZeroMQ context: all its sockets must be closed before it.
+/// A ZeroMQ context. Close all its sockets before it.
 class Context {
  public:
   Context();
@@ -24,7 +24,7 @@ class Context {
   void* context_;
 };
 
-/// A message that was received; its memory is the library's.
+/// A received message, in the library's memory.
 class Message {
  public:
   Message() { zmq_msg_init(&message_); }
@@ -39,7 +39,7 @@ class Message {
   zmq_msg_t message_;
 };
 
-/// A ZeroMQ socket, which is closed at once: what was not sent is not sent any more. Belongs to one thread.
+/// A ZeroMQ socket. Closing it drops messages that were not sent. Belongs to one thread.
 class Socket {
  public:
   Socket() = default;
@@ -54,10 +54,10 @@ class Socket {
   bool set(int option, std::string_view value);
   bool connect(const std::string& at) { return zmq_connect(socket_, at.c_str()) == 0; }
 
-  /// False if there was no room.
+  /// Sends a message. Returns false if there is no room.
   bool send(const std::uint8_t* data, std::size_t size);
 
-  /// The last part of the next message. False if there is none.
+  /// Receives the last part of the next message. Returns false if there is none.
   bool receive(wire::Bytes& into);
 
  private:

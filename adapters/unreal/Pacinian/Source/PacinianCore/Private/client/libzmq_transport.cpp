@@ -25,10 +25,10 @@ struct Option {
 };
 
 constexpr Option options_of_all[] = {
-    {ZMQ_SNDHWM, 16}, {ZMQ_HANDSHAKE_IVL, 2000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], as all below
+    {ZMQ_SNDHWM, 16}, {ZMQ_HANDSHAKE_IVL, 2000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], like all below
 };
 constexpr Option options_of_dealers[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
-// No limit on what waits: libzmq 4.3 ends the process if a heartbeat is due at one.
+// No receive limit: at a limit, libzmq 4.3 aborts the process if a heartbeat is due.
 constexpr Option options_of_heartbeats[] = {
     {ZMQ_HEARTBEAT_IVL, 50}, {ZMQ_HEARTBEAT_TTL, 1500}, {ZMQ_HEARTBEAT_TIMEOUT, 1500}, {ZMQ_RCVHWM, 0},
 };
@@ -45,7 +45,7 @@ bool set_keys(Socket& socket, const ConnectionFile& given) {
          socket.set(ZMQ_CURVE_SECRETKEY, given.secret_key);
 }
 
-/// A socket, and whether it was full since the last wait. Of a DEALER the monitor tells how its connection ended.
+/// A socket, and whether it was full since the last wait. A monitor reports how a DEALER's connection ended.
 struct Line {
   ~Line() {
     if (socket.get()) zmq_socket_monitor(socket.get(), nullptr, 0);
@@ -108,7 +108,7 @@ class LibzmqTransport final : public Transport {
     zmq_setsockopt(line.socket.get(), ZMQ_MAXMSGSIZE, &max_size, sizeof max_size);
     if (is_state) line.socket.set(ZMQ_SUBSCRIBE, wire::State::tag);
     if (!is_state) set_all(line.socket, options_of_dealers);
-    // Elsewhere heartbeats would wait behind what is not read.
+    // On other sockets, heartbeats would wait behind unread messages.
     if (channel == Channel::control) set_all(line.socket, options_of_heartbeats);
     if (!is_state && !watch_end(line, channel)) return false;
     if (!set_keys(line.socket, connection)) {

@@ -6,7 +6,7 @@
 
 namespace pacinian::client {
 
-/// By libzmq, for a server on another machine, whose connection file has CURVE keys. It is there where
+/// Connects with libzmq to a server on another machine, whose connection file has CURVE keys. Available if
 /// PACINIAN_LIBZMQ is defined.
 std::unique_ptr<Transport> connect_by_libzmq(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss);
 

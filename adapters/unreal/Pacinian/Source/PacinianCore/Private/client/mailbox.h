@@ -14,8 +14,8 @@
 
 namespace pacinian::client {
 
-/// What the game's thread and the worker leave for each other. The lock is never held while anything is waited for,
-/// sent, read or written.
+/// Passes messages between the game's thread and the worker. The lock is never held during a wait, or during input or
+/// output.
 class Mailbox {
  public:
   /// Ends the worker's wait.
@@ -23,9 +23,9 @@ class Mailbox {
 
   // The game's side.
 
-  /// Does something with what is to be sent, if `session` is still the one there is.
+  /// Calls `act` with what is to be sent, if `session` is still the present one.
   template <class Act>
-  bool tell(std::uint64_t session, Act act) {
+  bool change_outgoing(std::uint64_t session, Act act) {
     {
       const std::lock_guard<std::mutex> guard(lock_);
       if (session == 0 || session != session_) return false;
@@ -35,20 +35,20 @@ class Mailbox {
     return true;
   }
 
-  /// How long the game has not ticked, and the longest of that time in which the worker did not run [s].
+  /// How long the game has not ticked, and the longest time within it in which the worker did not run [s].
   struct Pause {
     double game, worker;
   };
 
-  /// The game is alive at `time` [s].
-  Pause tick(double time) {
+  /// Records a tick of the game at `time` [s].
+  Pause record_tick(double time) {
     const double before = ticked_.exchange(time), longest = longest_step_.exchange(0.0);
     if (wants_tick_.exchange(false)) wake.set();
     return {time - before, std::max(longest, time - stepped_.load())};
   }
 
-  /// Takes what has been told since. True if there is a newer state.
-  bool collect(SessionStatus& view, std::vector<Event>& events, wire::State& state) {
+  /// Takes the status, events and state since the last call. Returns whether there is a newer state.
+  bool take_updates(SessionStatus& view, std::vector<Event>& events, wire::State& state) {
     const std::lock_guard<std::mutex> guard(lock_);
     std::swap(events, events_);
     if (std::exchange(viewed_, false)) view = status_;
@@ -59,18 +59,18 @@ class Mailbox {
 
   // The worker's side.
 
-  double ticked() const { return ticked_.load(); }
+  double last_tick() const { return ticked_.load(); }
 
-  /// The worker runs at `time` [s].
-  void step(double time) {
+  /// Records a step of the worker at `time` [s].
+  void record_step(double time) {
     const double since = time - stepped_.exchange(time);
     if (since > longest_step_.load()) longest_step_.store(since);
   }
 
-  void want_tick() { wants_tick_.store(true); }
+  void request_tick() { wants_tick_.store(true); }
 
-  /// Adds what is to be sent to `box` and `requests`.
-  void take(Outbox*& box, std::vector<Request>& requests) {
+  /// Moves what is to be sent to `box` and `requests`.
+  void take_outgoing(Outbox*& box, std::vector<Request>& requests) {
     const std::lock_guard<std::mutex> guard(lock_);
     if (box->empty())
       std::swap(box, filling_);
@@ -80,19 +80,19 @@ class Mailbox {
     requests_.clear();
   }
 
-  /// From now on what is told is for that session; 0: for none.
-  void begin(std::uint64_t session) {
+  /// Starts a session, to which commands and requests from now on belong; 0: none.
+  void start_session(std::uint64_t session) {
     const std::lock_guard<std::mutex> guard(lock_);
     session_ = session;
     filling_->forget();
     for (Request& request : requests_)
-      if (request.told) events_.push_back({Event::Kind::field, {}, 0, std::move(request.told), {}});
+      if (request.callback) events_.push_back({Event::Kind::field, {}, 0, std::move(request.callback), {}});
     requests_.clear();
     fresh_ = false;
   }
 
-  /// Adds events, in place of those that the game has not taken if there are too many.
-  void report(std::vector<Event>& events, bool forget_ended) {
+  /// Adds events. If there are too many, the oldest that the game has not taken are dropped.
+  void add_events(std::vector<Event>& events, bool forget_ended) {
     const std::lock_guard<std::mutex> guard(lock_);
     for (std::size_t i = events_.size(); forget_ended && i-- > 0;)
       if (events_[i].kind == Event::Kind::ended)
@@ -104,20 +104,20 @@ class Mailbox {
     events.clear();
   }
 
-  void show(const SessionStatus& view) {
+  void set_status(const SessionStatus& view) {
     const std::lock_guard<std::mutex> guard(lock_);
     status_ = view;
     viewed_ = true;
   }
 
   /// Swaps in a newer state.
-  void publish(wire::State& state) {
+  void publish_state(wire::State& state) {
     const std::lock_guard<std::mutex> guard(lock_);
     std::swap(state, state_);
     fresh_ = true;
   }
 
-  Outbox* first() { return &boxes_[1]; }
+  Outbox* first_outbox() { return &boxes_[1]; }
 
  private:
   static constexpr std::size_t most = 200;  ///< events

@@ -9,17 +9,17 @@
 
 namespace pacinian::client {
 
-/// Where messages go. Each is false if there is no room.
+/// Sends messages to the sockets. The methods return false if there is no room.
 class MessageSink {
  public:
-  virtual bool control(const wire::Writer& message) = 0;
-  virtual bool command(const wire::Writer& message) = 0;
+  virtual bool send_control(const wire::Writer& message) = 0;
+  virtual bool send_command(const wire::Writer& message) = 0;
 
  protected:
   ~MessageSink() = default;
 };
 
-/// When something was asked for, and for how long it is wanted [s]. waits: it has not been sent yet.
+/// When a command was written, and its time to live [s]. waits: whether it is still to be sent.
 struct Stamp {
   double time = 0.0, ttl = 0.0;
   bool waits = false;
@@ -32,7 +32,7 @@ struct CommandSender {
   std::int64_t& sequence;
   wire::Writer& writer;
 
-  /// False if there is no room.
+  /// Sends a command. Returns false if there is no room.
   template <class Command>
   bool send(Command& command, const Stamp& stamp) {
     command.session = session;
@@ -41,7 +41,7 @@ struct CommandSender {
     command.ttl = stamp.ttl;
     writer.clear();
     writer.put(command);
-    return outlet.command(writer);
+    return outlet.send_command(writer);
   }
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::ptrdiff_t longest = 64;  // characters of a name
 
-/// Characters of UTF-8, as the wire counts them: all bytes but those that go on.
+/// Returns the number of code points in UTF-8: of all bytes except continuation bytes.
 std::ptrdiff_t characters(std::string_view text) {
   return std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
 }

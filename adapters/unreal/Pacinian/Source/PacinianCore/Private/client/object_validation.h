@@ -11,8 +11,8 @@ namespace pacinian::client {
 
 inline constexpr std::size_t largest = wire::MAX_COMMAND_BYTES - 1024;  ///< [bytes] of one object: the rest is for other fields
 
-/// Whether the server would refuse an object, and why: one bad object would take others of its message with it. Limits of the
-/// server's own settings are not known here.
+/// Returns whether the server would reject an object, and why: it rejects a whole message because of one wrong object.
+/// Does not know the limits in the server's own settings.
 bool refuse(std::string_view name, const wire::Object& object, Refusal& why);
 
 }  // namespace pacinian::client

@@ -15,7 +15,7 @@ namespace pacinian::client {
 using Place = std::array<float, 7>;  ///< x, y, z [m], quaternion x, y, z, w
 using Speed = std::array<float, 6>;  ///< [m/s], [rad/s]
 
-/// What waits to be told of one object: that it is there or gone, then where, then how strong.
+/// The waiting commands about one object: put or remove, then move, then envelope.
 struct Waiting {
   Stamp put, removed, moved, enveloped;
   bool listed = false;
@@ -26,9 +26,11 @@ struct Waiting {
   wire::Envelope envelope;
 };
 
-/// What is to be sent: of each object only the newest, for as long as it may live. Pure: it is told the time.
+/// The commands that wait to be sent. A newer command drops waiting ones that it replaces: of each kind for one object
+/// only the newest waits, and `put` and `remove` replace all kinds. A command is also dropped when its time to live is
+/// over. Does not read a clock: times are arguments.
 ///
-/// Memory of names that come again is kept, so that moving what is there allocates nothing.
+/// Keeps the memory of names, so that moving an existing object allocates nothing.
 class Outbox {
  public:
   void put(std::string_view name, wire::Object object, Stamp stamp);
@@ -40,11 +42,11 @@ class Outbox {
   void clear(Stamp stamp);
 
   bool empty() const;
-  /// Nothing waits any more.
+  /// Drops all commands.
   void forget();
-  /// What is newer goes over into this one, and out of that.
+  /// Moves the newer commands of another outbox into this one.
   void take(Outbox& newer);
-  /// Sends what is not too old, until there is no room. True if nothing is left.
+  /// Sends the commands whose time to live is not over, until there is no room. Returns whether none is left.
   bool flush(double now, CommandSender& courier);
 
  private:
@@ -62,7 +64,7 @@ class Outbox {
   bool send_rest(CommandSender& courier);
 
   Entries entries_;
-  std::vector<Entry*> listed_, batch_;  ///< that wait; that go into one message
+  std::vector<Entry*> listed_, batch_;  ///< waiting; for one message
   Stamp clear_, hands_, quiet_, stamp_;
   wire::Hands hands_message_;
   wire::Quiet quiet_message_;

@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t most = wire::MAX_OBJECTS;  // in one message
 constexpr std::size_t full = 900'000;     // [bytes] of objects in one message
-constexpr std::size_t kept = 1024;        // names that are remembered: more than a server takes
-constexpr double moment = 0.01;           // [s] within which what was asked for is of one time
+constexpr std::size_t kept = 1024;        // names kept in memory: more than a server accepts
+constexpr double moment = 0.01;           // [s] commands written within it are sent together, with one time
 
 std::size_t measure(const wire::Object& object) {
   wire::Writer writer;
@@ -20,7 +20,7 @@ std::size_t measure(const wire::Object& object) {
 
 }  // namespace
 
-/// Fills `batch_` with what was asked for at about one time, the oldest first. False if there is nothing.
+/// Fills `batch_` with commands that were written at about one time, the oldest first. Returns false if there are none.
 bool Outbox::gather(Stamp Waiting::*kind) {
   const Stamp* oldest = nullptr;
   for (const Entry* entry : listed_) {

@@ -4,13 +4,13 @@
 
 namespace pacinian::client {
 
-void ReconnectBackoff::succeeded() {
+void ReconnectBackoff::record_success() {
   status_ = Status::connected;
   problem_.clear();
   pause_ = shortest;
 }
 
-void ReconnectBackoff::failed(const ConnectionFailure& loss, double now, double most) {
+void ReconnectBackoff::record_failure(const ConnectionFailure& loss, double now, double most) {
   if (loss.why != problem_) pause_ = shortest;  // something has changed
   status_ = loss.refused ? Status::refused : Status::connecting;
   problem_ = loss.why;

@@ -7,22 +7,22 @@
 
 namespace pacinian::client {
 
-/// When to connect, and what people are told until it is done: pure, with the time given [s].
+/// Decides when to connect, and what to report until then. Does not read a clock: times are arguments [s].
 class ReconnectBackoff {
  public:
-  static constexpr double shortest = 0.1, longest = 2.0;  ///< [s] between two
-  static constexpr double unasked = 0.5;  ///< [s] at most, if no server was asked: a look at a file costs little
+  static constexpr double shortest = 0.1, longest = 2.0;  ///< [s] pauses
+  static constexpr double unasked = 0.5;  ///< [s] longest pause if no server was asked, because reading a file costs little
 
   Status status() const { return status_; }
   const std::string& problem() const { return problem_; }
 
-  /// When the next one is to begin.
+  /// Returns when the next attempt is due.
   double due() const { return due_; }
 
-  void succeeded();
+  void record_success();
 
-  /// One failed, or a session was lost. most: the longest pause before the next [s].
-  void failed(const ConnectionFailure& loss, double now, double most = longest);
+  /// Records that an attempt failed, or that a session was lost. most: the longest pause before the next attempt [s].
+  void record_failure(const ConnectionFailure& loss, double now, double most = longest);
 
  private:
   Status status_ = Status::connecting;

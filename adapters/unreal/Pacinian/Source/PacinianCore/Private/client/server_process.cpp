@@ -15,13 +15,13 @@ namespace pacinian {
 namespace {
 
 constexpr double first_pause = 2.0, longest_pause = 30.0;  // [s] between two starts
-constexpr double well = 10.0;                 // [s] after which the next pause is the first again
-constexpr std::chrono::milliseconds look{10};  // between two looks whether it has ended
-constexpr std::streamoff tail = 2000;         // of a log [bytes]
+constexpr double well = 10.0;                 // [s] of running, after which the first pause applies again
+constexpr std::chrono::milliseconds look{10};  // between two checks whether the server has ended
+constexpr std::streamoff tail = 2000;         // [bytes] of a log
 constexpr char advice[] = "install Pacinian, or give the program's full path";
-constexpr int killed = -9;                    // code of a child that SIGKILL has ended
+constexpr int killed = -9;                    // exit code of a child that SIGKILL ended
 
-/// The last line of a log; empty if there is none.
+/// Returns the last line of a log; empty if there is none.
 std::string last_line(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(0, std::ios::end);
@@ -50,7 +50,7 @@ struct ServerProcess::Impl {
     return child != nullptr;
   }
 
-  /// Until the next start there is to be a pause, longer each time.
+  /// Schedules the next start, after a longer pause each time.
   void rest(double now) {
     due = now + pause;
     pause = std::min(2.0 * pause, longest_pause);

@@ -9,7 +9,7 @@ namespace pacinian::client {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double quiet = 2.0;  // [s] without a sign of life: four times as long as between two
+constexpr double quiet = 2.0;  // [s] without a sign of life: four times the usual interval
 
 ConnectionFailure hangs(const char* what, double seconds) {
   char text[100];
@@ -19,11 +19,11 @@ ConnectionFailure hangs(const char* what, double seconds) {
 
 }  // namespace
 
-std::int64_t ServerSession::number() { return ids_ = ids_ % 0xFFFFFFFF + 1; }
+std::int64_t ServerSession::next_id() { return ids_ = ids_ % 0xFFFFFFFF + 1; }
 
 template <class Message>
-ServerSession::Ask& ServerSession::add(Ask::Kind kind, Message& message, double now, double timeout) {
-  message.id = number();
+ServerSession::Ask& ServerSession::queue_message(Ask::Kind kind, Message& message, double now, double timeout) {
+  message.id = next_id();
   asks_.push_back({kind, Request::Kind::arm, Message::tag.data(), message.id, timeout, now + timeout,
                    {}, false, {}});
   asks_.back().message.put(message);
@@ -35,37 +35,37 @@ void ServerSession::begin(double now) {
   phase_ = Phase::greeting;
   sequence_ = 0;
   lost_ = unreadable_ = false;
-  renewed_ = ticked_;  // only what ticks from now on counts
+  renewed_ = ticked_;  // only later ticks count
   heard_ = now;
-  timing = Timing();
+  server_clock = ServerClock();
   sent_.fill({});
-  add(Ask::Kind::hello, hello_, now, timeout_);
+  queue_message(Ask::Kind::hello, hello_, now, timeout_);
 }
 
 void ServerSession::end() {
   for (Ask& ask : asks_)
-    if (ask.told) events.push_back({Event::Kind::field, {}, 0, std::move(ask.told), {}});
+    if (ask.callback) events.push_back({Event::Kind::field, {}, 0, std::move(ask.callback), {}});
   asks_.clear();
   abilities.reset();
   armed = owner = false;
   phase_ = Phase::none;
 }
 
-void ServerSession::lose(ConnectionFailure loss) {
+void ServerSession::set_lost(ConnectionFailure loss) {
   if (lost_) return;
   lost_ = true;
   loss_ = std::move(loss);
   if (connected()) {
     loss_.why += "; nothing of this session goes on";
-    tell(Event::Kind::lost, {"", loss_.why, "", ""});
+    add_event(Event::Kind::lost, {"", loss_.why, "", ""});
   }
   end();
 }
 
-void ServerSession::ask(Request request, double now) {
+void ServerSession::add_request(Request request, double now) {
   const auto send = [&](auto message, double timeout) {
     message.session = welcome.session;
-    add(Ask::Kind::request, message, now, timeout);
+    queue_message(Ask::Kind::request, message, now, timeout);
   };
   wire::Arm arm;
   arm.take = request.take;
@@ -87,27 +87,27 @@ void ServerSession::ask(Request request, double now) {
       request.field.session = welcome.session;
       request.field.sequence = ++sequence_;
       request.field.time = now;
-      add(Ask::Kind::field, request.field, now, timeout_).told = std::move(request.told);
+      queue_message(Ask::Kind::field, request.field, now, timeout_).callback = std::move(request.callback);
       break;
   }
   asks_.back().of = request.kind;
 }
 
-void ServerSession::inquire(double now) {
+void ServerSession::request_capabilities(double now) {
   phase_ = Phase::asking;
   wire::Capabilities message;
   message.session = welcome.session;
-  add(Ask::Kind::capabilities, message, now, timeout_);
+  queue_message(Ask::Kind::capabilities, message, now, timeout_);
 }
 
-void ServerSession::speak(double now, MessageSink& outlet) {
+void ServerSession::send_requests(double now, MessageSink& outlet) {
   bool held = false;
   for (Ask& ask : asks_) {
     const bool command = ask.kind == Ask::Kind::field;
     held = held || (holds_ && ask.of == Request::Kind::reset);
     if (held && !command) ask.deadline = now + ask.timeout;
     if (ask.sent || (held && !command)) continue;
-    ask.sent = command ? outlet.command(ask.message) : outlet.control(ask.message);
+    ask.sent = command ? outlet.send_command(ask.message) : outlet.send_control(ask.message);
     if (!ask.sent && !command) return;
     if (ask.kind == Ask::Kind::hello) sent_[0] = {ask.id, now};
   }
@@ -120,38 +120,38 @@ bool ServerSession::wants_tick(double now) const { return renewal_due(now) && ti
 
 void ServerSession::renew(double now, MessageSink& outlet) {
   renew_.session = welcome.session;
-  renew_.id = number();
+  renew_.id = next_id();
   renew_.sequence = ++sequence_;
-  renew_.time = ticked_;  // from when the lease counts
+  renew_.time = ticked_;  // the lease counts from this time
   writer_.clear();
   writer_.put(renew_);
   due_ = now + share * welcome.lease;
-  if (!outlet.control(writer_)) return;
+  if (!outlet.send_control(writer_)) return;
   sent_[static_cast<std::size_t>(renew_.id) % sent_.size()] = {renew_.id, now};
   renewed_ = ticked_;
 }
 
-bool ServerSession::flush(Outbox& outbox, double now, MessageSink& outlet) {
+bool ServerSession::send_commands(Outbox& outbox, double now, MessageSink& outlet) {
   if (!connected()) return true;
   CommandSender courier{outlet, welcome.session, sequence_, writer_};
   const bool all = outbox.flush(now, courier);
   return all;
 }
 
-void ServerSession::bye(MessageSink& outlet) {
+void ServerSession::say_goodbye(MessageSink& outlet) {
   if (!connected()) return;
   wire::Bye message;
   message.session = welcome.session;
   end();
-  outlet.control(add(Ask::Kind::request, message, 0.0, never).message);
+  outlet.send_control(queue_message(Ask::Kind::request, message, 0.0, never).message);
   phase_ = Phase::leaving;
 }
 
-void ServerSession::pass_time(double now) {
+void ServerSession::check_timeouts(double now) {
   for (const Ask& ask : asks_)
-    if (now >= ask.deadline) return lose(hangs(ask.name, ask.timeout));
+    if (now >= ask.deadline) return set_lost(hangs(ask.name, ask.timeout));
   if (connected() && now >= heard_ + std::max(timeout_, quiet))
-    lose(hangs(wire::Renew::tag.data(), std::max(timeout_, quiet)));
+    set_lost(hangs(wire::Renew::tag.data(), std::max(timeout_, quiet)));
 }
 
 double ServerSession::due(double now) const {

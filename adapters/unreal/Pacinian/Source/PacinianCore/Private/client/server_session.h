@@ -11,59 +11,61 @@
 #include "outbox.h"
 #include "pacinian/wire/codec.h"
 #include "pacinian/wire/writer.h"
-#include "timing.h"
+#include "server_clock.h"
 #include "worker_messages.h"
 
 namespace pacinian::client {
 
-/// One session after another, from hello to bye: what is lost with one is not taken up again by the next.
+/// Runs one session after another, from hello to bye; nothing of a lost session continues in the next.
 ///
-/// Pure: it is told what has come and the time [s], and says what is to be sent and what has happened.
+/// Does no input or output and does not read a clock: received bytes and times [s] are arguments. Messages go to a
+/// sink, and events to `events`.
 class ServerSession {
  public:
-  static constexpr double share = 0.1;    ///< of the lease between two renewals
-  static constexpr double change = 12.0;  ///< [s] that another solver or backend may take to be ready
+  static constexpr double share = 0.1;    ///< fraction of the lease between two renewals
+  static constexpr double change = 12.0;  ///< [s] longest time to open a solver or backend
 
-  /// timeout: of an answer [s].
+  /// timeout: for an answer [s].
   ServerSession(wire::Hello hello, double timeout) : hello_(std::move(hello)), timeout_(timeout) {}
 
   void begin(double now);
   void end();
   bool leaving() const { return phase_ == Phase::leaving; }
   bool connected() const { return phase_ == Phase::connected; }
-  /// Whether the server has said welcome.
+  /// Returns whether the server has answered hello with welcome.
   bool begun() const { return phase_ != Phase::none && phase_ != Phase::greeting; }
 
-  void ask(Request request, double now);
-  /// The game's last tick. Only after another one is the lease renewed again.
-  void tick(double time) { ticked_ = time; }
-  double ticked() const { return ticked_; }
-  /// Whether a renewal is due that a tick would let go.
+  void add_request(Request request, double now);
+  /// Records the game's last tick. Each renewal of the lease needs a new tick.
+  void record_tick(double time) { ticked_ = time; }
+  double last_tick() const { return ticked_; }
+  /// Returns whether a renewal is due that only waits for a tick.
   bool wants_tick(double now) const;
-  /// Resets wait while an emergency stop is on its own way.
+  /// Delays resets while an emergency stop is not confirmed.
   void hold_resets(bool hold) { holds_ = hold; }
 
-  void speak(double now, MessageSink& outlet);
-  /// Sends what waits; true if nothing is left.
-  bool flush(Outbox& outbox, double now, MessageSink& outlet);
-  void bye(MessageSink& outlet);
-  /// A message or state that cannot be read: told once in a session.
-  void unreadable(const std::string& problem);
-  void hear(const std::uint8_t* data, std::size_t size, double now);
-  void pass_time(double now);
-  /// When `speak` or `pass_time` is to be called at the latest.
+  void send_requests(double now, MessageSink& outlet);
+  /// Sends waiting commands. Returns whether none is left.
+  bool send_commands(Outbox& outbox, double now, MessageSink& outlet);
+  void say_goodbye(MessageSink& outlet);
+  /// Reports a message or state that cannot be decoded; once per session.
+  void report_unreadable(const std::string& problem);
+  void handle_message(const std::uint8_t* data, std::size_t size, double now);
+  void check_timeouts(double now);
+  /// Returns when `send_requests` or `check_timeouts` must be called at the latest.
   double due(double now) const;
 
-  /// Why it is over; null while it is not.
+  /// Returns why the session is over; null while it is not.
   const ConnectionFailure* loss() const { return lost_ ? &loss_ : nullptr; }
-  void lose(ConnectionFailure loss);
-  /// To be taken away. forget_ended: ends that were not told yet are of before `arm`.
+  void set_lost(ConnectionFailure loss);
+  /// The caller takes the events. forget_ended: `ended` events that were not taken are older than `arm`, and are
+  /// dropped.
   std::vector<Event> events;
   bool forget_ended = false;
   bool armed = false, owner = false;
   wire::Welcome welcome;
   std::shared_ptr<const wire::Abilities> abilities;
-  Timing timing;
+  ServerClock server_clock;
 
  private:
   enum class Phase : std::uint8_t { none, greeting, asking, connected, leaving };
@@ -76,25 +78,25 @@ class ServerSession {
     double timeout, deadline;
     wire::Writer message;
     bool sent;
-    FieldCallback told;
+    FieldCallback callback;
   };
   struct Sent {
     std::int64_t id = 0;
     double at = 0.0;
   };
   template <class Message>
-  Ask& add(Ask::Kind kind, Message& message, double now, double timeout);
-  std::int64_t number();
+  Ask& queue_message(Ask::Kind kind, Message& message, double now, double timeout);
+  std::int64_t next_id();
   bool renewal_due(double now) const;
   void renew(double now, MessageSink& outlet);
-  void answer(wire::AnyReply& reply, double now);
-  void answered(Ask& ask, wire::AnyReply& reply, double now);
-  void greeted(double now);
-  void inquire(double now);
-  void refuse(const Refusal& refusal);
-  void error(const wire::Error& error, const Ask* ask);
-  void renewed(const wire::Renewed& reply, double now);
-  void tell(Event::Kind kind, Refusal refusal);
+  void handle_reply(wire::AnyReply& reply, double now);
+  void complete_request(Ask& ask, wire::AnyReply& reply, double now);
+  void handle_welcome(double now);
+  void request_capabilities(double now);
+  void reject(const Refusal& refusal);
+  void handle_error(const wire::Error& error, const Ask* ask);
+  void handle_renewal(const wire::Renewed& reply, double now);
+  void add_event(Event::Kind kind, Refusal refusal);
 
   wire::Hello hello_;
   const double timeout_;

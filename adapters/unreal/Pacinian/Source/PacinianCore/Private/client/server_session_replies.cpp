@@ -9,9 +9,9 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr std::size_t most_events = 100;  // that wait for the game
+constexpr std::size_t most_events = 100;  // waiting for the game
 
-/// The `id` of a message that cannot be read; 0 if it has none.
+/// Returns the `id` of a message that cannot be decoded; 0 if it has none.
 std::int64_t id_of(const std::uint8_t* data, std::size_t size) {
   wire::Reader reader(data, size);
   std::uint32_t left = 0;
@@ -59,58 +59,58 @@ Refusal refusal_of(const wire::Error& error) {
 
 }  // namespace
 
-void ServerSession::hear(const std::uint8_t* data, std::size_t size, double now) {
+void ServerSession::handle_message(const std::uint8_t* data, std::size_t size, double now) {
   heard_ = now;
   wire::WireError wrong;
-  if (wire::decode_reply(data, size, reply_, wrong)) return answer(reply_, now);
-  unreadable(wrong.problem);
+  if (wire::decode_reply(data, size, reply_, wrong)) return handle_reply(reply_, now);
+  report_unreadable(wrong.problem);
   const std::int64_t id = id_of(data, size);
   const auto asked = std::find_if(asks_.begin(), asks_.end(),
                                   [id](const Ask& ask) { return id != 0 && ask.id == id; });
   if (asked == asks_.end()) return;
   if (asked->kind == Ask::Kind::request || asked->kind == Ask::Kind::field) {
-    if (asked->told) events.push_back({Event::Kind::field, {}, 0, std::move(asked->told), {}});
+    if (asked->callback) events.push_back({Event::Kind::field, {}, 0, std::move(asked->callback), {}});
     asks_.erase(asked);
   } else {
-    lose({"the server's answer cannot be read: update the older of game and server", true});
+    set_lost({"the server's answer cannot be read: update the older of game and server", true});
   }
 }
 
-void ServerSession::unreadable(const std::string& problem) {
+void ServerSession::report_unreadable(const std::string& problem) {
   if (std::exchange(unreadable_, true)) return;
   const std::string message = "what the server says cannot be read: " + problem;
-  tell(Event::Kind::refused, {"malformed", message, "", "update the older of game and server"});
+  add_event(Event::Kind::refused, {"malformed", message, "", "update the older of game and server"});
 }
 
-void ServerSession::tell(Event::Kind kind, Refusal refusal) {
+void ServerSession::add_event(Event::Kind kind, Refusal refusal) {
   if (events.size() >= most_events) events.erase(events.begin());
   events.push_back({kind, std::move(refusal), 0, {}, {}});
 }
 
-void ServerSession::answer(wire::AnyReply& reply, double now) {
-  if (const auto* renewal = std::get_if<wire::Renewed>(&reply)) return renewed(*renewal, now);
+void ServerSession::handle_reply(wire::AnyReply& reply, double now) {
+  if (const auto* renewal = std::get_if<wire::Renewed>(&reply)) return handle_renewal(*renewal, now);
   const std::int64_t id = id_of(reply);
   const auto asked = std::find_if(asks_.begin(), asks_.end(),
                                   [id](const Ask& ask) { return id != 0 && ask.id == id; });
   if (asked == asks_.end()) {
-    if (const auto* problem = std::get_if<wire::Error>(&reply)) error(*problem, nullptr);
+    if (const auto* problem = std::get_if<wire::Error>(&reply)) handle_error(*problem, nullptr);
     return;
   }
   Ask ask = std::move(*asked);
   asks_.erase(asked);
-  answered(ask, reply, now);
+  complete_request(ask, reply, now);
 }
 
-void ServerSession::answered(Ask& ask, wire::AnyReply& reply, double now) {
+void ServerSession::complete_request(Ask& ask, wire::AnyReply& reply, double now) {
   if (phase_ == Phase::leaving) return end();
-  if (const auto* problem = std::get_if<wire::Error>(&reply)) return error(*problem, &ask);
+  if (const auto* problem = std::get_if<wire::Error>(&reply)) return handle_error(*problem, &ask);
   bool good = false;
   if (ask.kind == Ask::Kind::hello) {
     auto* found = std::get_if<wire::Welcome>(&reply);
     if ((good = found != nullptr)) {
       welcome = *found;
-      timing.clocked(sent_[0].at, now, welcome.time);
-      greeted(now);
+      server_clock.add_mark(sent_[0].at, now, welcome.time);
+      handle_welcome(now);
     }
   } else if (ask.kind == Ask::Kind::capabilities) {
     auto* found = std::get_if<wire::Abilities>(&reply);
@@ -118,51 +118,51 @@ void ServerSession::answered(Ask& ask, wire::AnyReply& reply, double now) {
       abilities = std::make_shared<const wire::Abilities>(std::move(*found));
       phase_ = Phase::connected;
       due_ = now;
-      tell(Event::Kind::connected, {});
+      add_event(Event::Kind::connected, {});
     }
   } else if (ask.kind == Ask::Kind::field) {
     auto* found = std::get_if<wire::Pressures>(&reply);
     if ((good = found != nullptr))
-      events.push_back({Event::Kind::field, {}, 0, std::move(ask.told), std::move(found->pressures)});
+      events.push_back({Event::Kind::field, {}, 0, std::move(ask.callback), std::move(found->pressures)});
   } else if ((good = std::holds_alternative<wire::Ok>(reply))) {
     if (ask.of == Request::Kind::arm) armed = owner = forget_ended = true;
     if (ask.of == Request::Kind::disarm) armed = owner = false;
   }
-  if (!good) lose({std::string("`") + ask.name + "` was answered by something else", false});
+  if (!good) set_lost({std::string("`") + ask.name + "` was answered by something else", false});
 }
 
-void ServerSession::greeted(double now) {
-  if (welcome.protocol[0] != wire::MAJOR) return refuse(version_refusal(welcome.protocol[0]));
-  inquire(now);
+void ServerSession::handle_welcome(double now) {
+  if (welcome.protocol[0] != wire::MAJOR) return reject(version_refusal(welcome.protocol[0]));
+  request_capabilities(now);
 }
 
-/// The server will not have us: told once, though it is tried again.
-void ServerSession::refuse(const Refusal& refusal) {
+/// Ends the session because the server rejects the client. Reports each reason once, although the client tries again.
+void ServerSession::reject(const Refusal& refusal) {
   const std::string why = refusal.message + (refusal.advice.empty() ? "" : ": " + refusal.advice);
-  if (!loss_.refused || loss_.why != why) tell(Event::Kind::refused, refusal);
-  lose({why, true});
+  if (!loss_.refused || loss_.why != why) add_event(Event::Kind::refused, refusal);
+  set_lost({why, true});
 }
 
-void ServerSession::error(const wire::Error& error, const Ask* ask) {
+void ServerSession::handle_error(const wire::Error& error, const Ask* ask) {
   const Refusal refusal = refusal_of(error);
-  if (ask && ask->told) events.push_back({Event::Kind::field, {}, 0, ask->told, {}});
-  if (ask && ask->kind == Ask::Kind::hello) return refuse(refusal);
-  if (error.code == wire::Code::session) return lose({refusal.message, false});
+  if (ask && ask->callback) events.push_back({Event::Kind::field, {}, 0, ask->callback, {}});
+  if (ask && ask->kind == Ask::Kind::hello) return reject(refusal);
+  if (error.code == wire::Code::session) return set_lost({refusal.message, false});
   if (!ask && error.id == 0 && ends_sound(error.code)) {
     armed = false;
-    return tell(Event::Kind::ended, refusal);
+    return add_event(Event::Kind::ended, refusal);
   }
-  tell(Event::Kind::refused, refusal);
+  add_event(Event::Kind::refused, refusal);
 }
 
-void ServerSession::renewed(const wire::Renewed& reply, double now) {
+void ServerSession::handle_renewal(const wire::Renewed& reply, double now) {
   if (!connected()) return;
   armed = reply.armed;
   owner = reply.owner;
   const Sent& sent = sent_[static_cast<std::size_t>(reply.id) % sent_.size()];
   if (reply.id == 0 || sent.id != reply.id) return;
-  timing.answered(sent.at, now);
-  timing.clocked(sent.at, now, reply.server_time);
+  server_clock.add_trip(sent.at, now);
+  server_clock.add_mark(sent.at, now, reply.server_time);
 }
 
 }  // namespace pacinian::client

@@ -23,7 +23,7 @@ zmtp::Settings make_settings(Channel channel, const std::string& token) {
   made.login = {user, token};
   made.topic = wire::State::tag;
   made.max_message = static_cast<std::size_t>(wire::MAX_REPLY_BYTES);
-  // Elsewhere heartbeats would wait behind what is not read.
+  // On other sockets, heartbeats would wait behind unread messages.
   if (channel == Channel::control) made.ping_interval = ping_interval;
   return made;
 }
@@ -39,7 +39,7 @@ class TokenTransport final : public Transport {
     for (std::size_t i = 0; i < (to_all ? sockets_.size() : 1); ++i) {
       const Channel channel = channels[i];
       const auto at = zmtp::read_endpoint(connection.at(channel));
-      if (!at || !at->is_loopback()) {  // a token goes in clear text
+      if (!at || !at->is_loopback()) {  // a token is sent in clear text
         loss = {"cannot connect to " + connection.at(channel) +
                     ": with a token it must be tcp://ADDRESS:PORT of this machine",
                 true};

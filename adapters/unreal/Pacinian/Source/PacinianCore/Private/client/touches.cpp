@@ -18,7 +18,7 @@ auto find(Touches& touches, const wire::TouchState& wanted) {
 
 }  // namespace
 
-void Touches::follow(const wire::State* state, const Events& on) {
+void Touches::report_changes(const wire::State* state, const Events& on) {
   static const Several none;
   const Several& touches = state ? state->touches : none;
   const int cleared = cleared_;

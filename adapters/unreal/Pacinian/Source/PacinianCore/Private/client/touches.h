@@ -7,12 +7,12 @@
 
 namespace pacinian::client {
 
-/// The touches of the newest state, compared with those before: a state that was lost loses no end. Nothing is
-/// allocated for those that go on.
+/// Compares the touches of the newest state with those before, so that a lost state loses no end of a touch. Allocates
+/// nothing for touches that continue.
 class Touches {
  public:
-  /// Tells what has ended, begun and moved, until `clear` is called. state: null if nothing is touched any more.
-  void follow(const wire::State* state, const Events& on);
+  /// Reports touches that ended, began or moved, until `clear` is called. state: null if all touches end.
+  void report_changes(const wire::State* state, const Events& on);
 
   void clear();
 
@@ -20,7 +20,7 @@ class Touches {
 
  private:
   std::vector<wire::TouchState> now_;
-  int cleared_ = 0;  ///< how often
+  int cleared_ = 0;  ///< number of calls of `clear`
 };
 
 }  // namespace pacinian::client

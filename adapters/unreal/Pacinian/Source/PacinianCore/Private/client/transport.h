@@ -11,33 +11,33 @@
 
 namespace pacinian::client {
 
-/// A connection's first end, and where that was.
+/// How a connection ended first, and on which socket.
 struct End {
   Ending how = Ending::none;
   Channel where = Channel::control;
 };
 
-/// Carries whole messages to and from one server. It belongs to one thread, and nothing but `wait` waits. Once `control`
-/// or `command` has ended it does not come back by itself, and it takes a message only while it stands: so nothing old
-/// can reach a server that was started anew. When it is destroyed, what was not sent is not sent any more.
+/// Carries whole messages to and from one server. Belongs to one thread, and only `wait` blocks. A connection of
+/// `control` or `command` that has ended does not come back, and it accepts messages only while it is connected.
+/// Therefore no old message reaches a restarted server. The destructor drops messages that were not sent.
 class Transport {
  public:
   virtual ~Transport() = default;
 
-  /// False if there is no room. The next wait ends when there is.
+  /// Sends a message. Returns false if there is no room; the next wait then ends when there is.
   virtual bool send(Channel channel, const std::uint8_t* data, std::size_t size) = 0;
 
-  /// The last part of the next message; false if there is none.
+  /// Receives the last part of the next message. Returns false if there is none.
   virtual bool receive(Channel channel, wire::Bytes& into) = 0;
 
   virtual End ended() = 0;
 
-  /// Waits until something has come, the wake event is set, or so long [s].
+  /// Waits for a message, for the wake event, or for this time [s] at most.
   virtual void wait(double seconds, const WakeEvent* wake) = 0;
 };
 
-/// Begins to connect, to all channels or to `control` alone: with a token by the system's sockets, with CURVE keys by
-/// libzmq. Null, with the reason, if it cannot.
+/// Starts to connect, to all channels or only to `control`: with a token by the system's sockets, with CURVE keys by
+/// libzmq. Returns null and the reason on failure.
 std::unique_ptr<Transport> connect(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss);
 
 }  // namespace pacinian::client

@@ -14,13 +14,13 @@ class WakeEvent {
 
   void set();
 
-  /// Forgets that it was set.
+  /// Resets the event.
   void clear();
 
-  /// Waits until it is set, or so long [s].
+  /// Waits until the event is set, or for this time [s] at most.
   void wait(double seconds) const;
 
-  /// What has something to read while it is set.
+  /// Returns a handle that is readable while the event is set.
   zmtp::native::Handle handle() const { return inside_; }
 
  private:

@@ -9,7 +9,7 @@ namespace pacinian::client {
 
 namespace {
 
-constexpr std::size_t max_rings = 256;  // that are forgotten at once
+constexpr std::size_t max_rings = 256;  // that one read clears
 
 void set_up(int end) {
   ::fcntl(end, F_SETFL, ::fcntl(end, F_GETFL) | O_NONBLOCK);
@@ -18,7 +18,7 @@ void set_up(int end) {
 
 }  // namespace
 
-/// By a pipe. Without one, as a process has only so many files, waits end when their time is over.
+/// Uses a pipe. If there is none, because a process may have only so many files, waits end when their time is over.
 WakeEvent::WakeEvent() {
   int ends[2];
   if (::pipe(ends) != 0) return;
@@ -36,7 +36,7 @@ WakeEvent::~WakeEvent() {
 
 void WakeEvent::set() {
   const char ring = 0;
-  [[maybe_unused]] const ssize_t written = ::write(outside_, &ring, 1);  // a full pipe rings already
+  [[maybe_unused]] const ssize_t written = ::write(outside_, &ring, 1);  // a full pipe is readable already
 }
 
 void WakeEvent::clear() {

@@ -11,7 +11,7 @@ namespace pacinian::client {
 
 namespace {
 
-/// A UDP socket of this machine that is connected to itself, and hears nobody else; `no_handle` if there can be none.
+/// Opens a local UDP socket that is connected to itself and receives from no other; `no_handle` on failure.
 zmtp::native::Handle open_echo() {
   const SOCKET made = ::socket(AF_INET, SOCK_DGRAM, IPPROTO_UDP);
   if (made == INVALID_SOCKET) return zmtp::native::no_handle;
@@ -30,7 +30,7 @@ zmtp::native::Handle open_echo() {
 
 }  // namespace
 
-/// Winsock's select waits for sockets alone. Without one, waits end when their time is over.
+/// Uses a socket, because Winsock's select waits only for sockets. If there is none, waits end when their time is over.
 WakeEvent::WakeEvent() {
   WSADATA winsock;
   if (::WSAStartup(MAKEWORD(2, 2), &winsock) != 0) return;

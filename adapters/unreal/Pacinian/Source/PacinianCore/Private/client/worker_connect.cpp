@@ -9,7 +9,7 @@ constexpr double max_farewell = 0.2;  // [s] that a bye may take
 
 }  // namespace
 
-wire::Hello Worker::introduce(const Options& options) {
+wire::Hello Worker::make_hello(const Options& options) {
   wire::Hello hello;
   hello.protocol = {wire::MAJOR, wire::MINOR};
   hello.client = options.name;
@@ -25,22 +25,22 @@ void Worker::connect(double now) {
   if (connection_.read(options_.connection_path, loss.why)) transport_ = client::connect(connection_, true, loss);
   if (transport_) return session_.begin(now);
   disconnect();
-  backoff_.failed(loss, options_.clock(), ReconnectBackoff::unasked);
+  backoff_.record_failure(loss, options_.clock(), ReconnectBackoff::unasked);
 }
 
 void Worker::disconnect() {
   transport_.reset();
-  outbox_->forget();  // nothing old reaches the next server
+  outbox_->forget();  // no old command reaches the next server
 }
 
-void Worker::leave() {
+void Worker::say_goodbye() {
   if (!transport_) return;
-  session_.bye(*this);
+  session_.say_goodbye(*this);
   const double end = options_.clock() + max_farewell;
   double left = max_farewell;
   while (session_.leaving() && !session_.loss() && left > 0.0) {
     transport_->wait(left, nullptr);
-    hear();
+    receive_messages();
     left = end - options_.clock();
   }
   disconnect();

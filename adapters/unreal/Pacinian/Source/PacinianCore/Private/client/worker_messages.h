@@ -12,17 +12,17 @@
 
 namespace pacinian::client {
 
-/// Something that happened, on its way to the game's thread.
+/// An event for the game's thread.
 struct Event {
   enum class Kind : std::uint8_t { connected, lost, ended, refused, field };
   Kind kind = Kind::connected;
-  Refusal refusal;            ///< of `lost` only the message
-  std::uint64_t session = 0;  ///< that has begun
-  FieldCallback told = {};
+  Refusal refusal;            ///< for `lost` only the message
+  std::uint64_t session = 0;  ///< the session that has begun
+  FieldCallback callback = {};
   wire::Bytes pressures = {};
 };
 
-/// How a session stands.
+/// The status of a session.
 struct SessionStatus {
   Status status = Status::stopped;
   bool armed = false, owner = false;
@@ -32,14 +32,14 @@ struct SessionStatus {
   std::shared_ptr<const wire::Abilities> abilities;
 };
 
-/// A request of the game's.
+/// A request of the game.
 struct Request {
   enum class Kind : std::uint8_t { arm, disarm, reset, select, field };
   Kind kind = Kind::arm;
   bool take = false, resume = false;
   wire::Select choice = {};
   wire::Field field = {};
-  FieldCallback told = {};
+  FieldCallback callback = {};
 };
 
 }  // namespace pacinian::client

@@ -9,8 +9,8 @@ namespace pacinian {
 
 namespace {
 
-constexpr double least_spread = 1e-3;  // [m] of points that are more than one
-constexpr double least_gap = 1e-3;     // of the largest eigenvalue: 40 times longer than wide
+constexpr double least_spread = 1e-3;  // [m] smallest spread of distinct points
+constexpr double least_gap = 1e-3;     // relative to the largest eigenvalue: points 40 times longer than wide
 
 Vec3 mean(const std::vector<Vec3>& points) {
   Vec3 sum;
@@ -18,7 +18,7 @@ Vec3 mean(const std::vector<Vec3>& points) {
   return (1.0 / static_cast<double>(points.size())) * sum;
 }
 
-/// Horn's matrix: its eigenvector of the largest eigenvalue is the rotation w, x, y, z.
+/// Returns Horn's matrix: its eigenvector of the largest eigenvalue is the rotation w, x, y, z.
 Matrix4 horn(const std::vector<Vec3>& from, Vec3 middle, const std::vector<Vec3>& to, Vec3 centre) {
   Matrix4 n{};
   for (std::size_t i = 0; i < from.size(); ++i) {

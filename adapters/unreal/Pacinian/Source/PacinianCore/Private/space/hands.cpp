@@ -8,10 +8,10 @@ namespace pacinian {
 
 namespace {
 
-constexpr std::size_t palm = 0, wrist = 1, thumb = 2, middle = 11;  // joints; of digits the first
+constexpr std::size_t palm = 0, wrist = 1, thumb = 2, middle = 11;  // joints; of digits the first one
 constexpr double millimetre = 1e-3, degree = 0.017453292519943295;
 
-/// Of a right hand that lies flat: x to the little finger, y to the fingertips, z out of its back [mm].
+/// A right hand that lies flat: x to the little finger, y to the fingertips, z out of its back [mm].
 constexpr Vec3 thumbs[] = {{-22, -44, -6}, {-52, -14, -14}, {-74, 8, -17}, {-88, 25, -18}};
 constexpr struct {
   Vec3 base, knuckle;

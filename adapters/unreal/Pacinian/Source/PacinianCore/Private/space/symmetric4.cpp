@@ -9,7 +9,7 @@ namespace {
 
 constexpr int sweeps = 30;
 
-/// Both rows p and q, or with `columns` both columns, turned.
+/// Rotates the rows p and q, or the columns p and q.
 void turn(Matrix4& m, std::size_t p, std::size_t q, double c, double s, bool columns) {
   for (std::size_t k = 0; k < 4; ++k) {
     double& a = columns ? m[k][p] : m[p][k];

@@ -16,7 +16,7 @@ constexpr Kind kinds[] = {  // of the first bytes 0xC0 to 0xDF
     Kind::extension, Kind::text,      Kind::text,      Kind::text,       // d8
     Kind::array,     Kind::array,     Kind::map,       Kind::map};       // dc
 
-constexpr std::uint8_t widths[] = {  // [bytes] of the number behind these
+constexpr std::uint8_t widths[] = {  // [bytes] of the number after these
     0, 0, 0, 0, 1, 2, 4, 1, 2, 4, 4, 8, 1, 2, 4, 8, 1, 2, 4, 8, 0, 0, 0, 0, 0, 1, 2, 4, 2, 4, 2, 4};
 
 double real_of(std::uint64_t bits, int width) {
@@ -31,7 +31,7 @@ double real_of(std::uint64_t bits, int width) {
   return static_cast<double>(value);
 }
 
-/// A two's complement number of so many bytes in 64 bits.
+/// Extends a two's complement number of `width` bytes to 64 bits.
 std::uint64_t widened(std::uint64_t bits, int width) {
   const int unused = 64 - 8 * width;
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(bits << unused) >> unused);

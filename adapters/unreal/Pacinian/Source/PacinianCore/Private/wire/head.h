@@ -7,29 +7,29 @@
 
 namespace pacinian::wire {
 
-/// What a MessagePack value starts with, and its body where it has one that is no further value.
+/// The head of a MessagePack value, and its body if that is not further values.
 struct Reader::Head {
   Kind kind = Kind::none;
   bool boolean = false;
-  bool huge = false;           ///< a whole number above 63 bits: `bits` has it
+  bool huge = false;           ///< an integer above 63 bits, which is in `bits`
   std::int8_t extension = 0;   ///< type of an extension
   std::uint32_t size = 0;      ///< items, pairs, or bytes of the body
-  std::uint64_t bits = 0;      ///< a whole number, two's complement
+  std::uint64_t bits = 0;      ///< an integer in two's complement
   double real = 0.0;
   const std::uint8_t* body = nullptr;
 
-  /// Reads it from the bytes up to `end`, and sets `next` behind it. False if it is cut short.
+  /// Reads a head from the bytes before `end`, and advances `next`. Returns false if the bytes are truncated.
   bool read(const std::uint8_t*& next, const std::uint8_t* end);
 
-  /// Finds the body, if there is to be one, and sets `next` behind it. False if it is cut short.
+  /// Finds the body, if there is one, and advances `next`. Returns false if the bytes are truncated.
   bool find_body(const std::uint8_t*& next, const std::uint8_t* end);
 
   std::int64_t integer() const { return static_cast<std::int64_t>(bits); }
-  double number() const;  ///< real or whole
-  std::uint64_t children() const;  ///< values that follow and belong to it
+  double number() const;  ///< floating-point or integer
+  std::uint64_t children() const;  ///< number of values that follow and belong to it
 };
 
-/// The kind of value that a first byte starts; none for the byte that is never used.
+/// Returns the kind of value that a first byte starts; none for the byte that is never used.
 Kind kind_of(std::uint8_t first);
 
 }  // namespace pacinian::wire

@@ -6,7 +6,7 @@
 
 namespace pacinian::wire {
 
-/// Tokens of JSON (RFC 8259), read from the left. Each function is false where the text is something else.
+/// Reads tokens of JSON (RFC 8259) one by one. The methods return false if another token comes next.
 class JsonScanner {
  public:
   explicit JsonScanner(std::string_view text) : text_(text) {}

@@ -11,13 +11,13 @@ namespace {
 
 constexpr const char* cut_short = "is cut short";
 constexpr const char* no_utf8 = "has text that is not UTF-8";
-constexpr const char* names[] = {"never used",  // as problems call them
+constexpr const char* names[] = {"never used",  // in the texts of problems
                                  "nil", "bool", "int", "float", "text", "bin", "array", "map",
                                  "extension"};
 
 const char* name_of(Kind kind) { return names[static_cast<std::size_t>(kind)]; }
 
-/// A number as text, without the rests that doubles have.
+/// Formats a number without trailing zeros.
 std::string told(double value) {
   std::string text = std::to_string(value);
   while (text.back() == '0') text.pop_back();

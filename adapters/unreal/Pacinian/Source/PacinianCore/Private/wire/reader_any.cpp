@@ -25,7 +25,7 @@ bool Reader::get(Anything& out) {
   }
 }
 
-/// A value with all that it holds, each part in its usual form.
+/// Copies a value with all that it contains, each part in its shortest form.
 bool Reader::copy(Bytes& out) {
   Writer writer;
   std::uint64_t left = 1;

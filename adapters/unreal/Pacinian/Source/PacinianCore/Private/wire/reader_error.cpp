@@ -4,7 +4,7 @@ namespace pacinian::wire {
 
 namespace {
 
-constexpr std::size_t longest_path = 200;  // [bytes] that are told
+constexpr std::size_t longest_path = 200;  // [bytes] in a message
 
 }  // namespace
 

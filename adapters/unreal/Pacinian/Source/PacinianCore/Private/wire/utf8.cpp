@@ -4,9 +4,9 @@ namespace pacinian::wire {
 
 namespace {
 
-constexpr std::uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};  // code that needs so many bytes
+constexpr std::uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};  // the smallest code point that needs so many bytes
 
-/// Bytes of a character that starts so; 0 if none does.
+/// Returns the number of bytes of a character with this first byte; 0 if there is none.
 int width(unsigned char first) {
   if (first < 0x80) return 1;
   if (first < 0xC0) return 0;

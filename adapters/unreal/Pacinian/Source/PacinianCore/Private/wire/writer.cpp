@@ -10,14 +10,15 @@ namespace {
 template <class T>
 constexpr std::uint64_t most = std::numeric_limits<T>::max();
 
-/// A byte, and `size` bytes of a number behind it, the most significant first.
+/// Appends a byte, then `size` bytes of a number, the most significant first.
 void append(Bytes& to, int first, std::uint64_t number, int size) {
   to.push_back(static_cast<std::uint8_t>(first));
   for (int shift = 8 * (size - 1); shift >= 0; shift -= 8)
     to.push_back(static_cast<std::uint8_t>(number >> shift));
 }
 
-/// A number in as few bytes as it needs. `first`: the byte before one byte; those before 2, 4 and 8 follow it.
+/// Appends an unsigned number in as few bytes as possible. first: the byte before one byte; those before 2, 4 and 8
+/// follow it.
 void append_shortest(Bytes& to, int first, std::uint64_t number) {
   if (number <= most<std::uint8_t>)
     append(to, first, number, 1);
@@ -29,7 +30,7 @@ void append_shortest(Bytes& to, int first, std::uint64_t number) {
     append(to, first + 3, number, 8);
 }
 
-/// The head of a map or an array: `small` with the count in it where it has less than 16.
+/// Appends the head of a map or array. small: contains the count if it is less than 16.
 void append_head(Bytes& to, int small, int medium, std::size_t count) {
   if (count < 16)
     append(to, small | static_cast<int>(count), 0, 0);
@@ -61,7 +62,7 @@ void Writer::bin(const std::uint8_t* data, std::size_t size) {
 }
 
 void Writer::extension(std::int8_t type, const std::uint8_t* data, std::size_t size) {
-  int fixed = 0xD4;  // of 1, 2, 4, 8 or 16 bytes
+  int fixed = 0xD4;  // for 1, 2, 4, 8 or 16 bytes
   for (std::size_t length = 1; length < size && length < 16; length *= 2) ++fixed;
   if (size == std::size_t{1} << (fixed - 0xD4))
     bytes_.push_back(static_cast<std::uint8_t>(fixed));

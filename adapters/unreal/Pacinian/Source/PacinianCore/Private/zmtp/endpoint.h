@@ -8,17 +8,18 @@
 
 namespace pacinian::zmtp {
 
-/// An address of IPv4 or IPv6, and a port.
+/// An IPv4 or IPv6 address, and a port.
 struct Endpoint {
   bool is_v6 = false;
-  std::array<std::uint8_t, 16> address{};  ///< in the network's order; of IPv4 the first four
+  std::array<std::uint8_t, 16> address{};  ///< in network order; IPv4: the first four
   std::uint16_t port = 0;
 
-  /// Whether it is on this machine.
+  /// Returns whether the address is on this machine.
   bool is_loopback() const;
 };
 
-/// Reads `tcp://ADDRESS:PORT`, where the address is an IP address or `localhost`; nothing if it is none.
+/// Parses `tcp://ADDRESS:PORT`, where ADDRESS is an IP address or `localhost`; returns nothing if the text is anything
+/// else.
 std::optional<Endpoint> read_endpoint(std::string_view text);
 
 }  // namespace pacinian::zmtp

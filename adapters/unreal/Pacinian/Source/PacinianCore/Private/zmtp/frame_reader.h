@@ -8,11 +8,11 @@
 
 namespace pacinian::zmtp {
 
-/// Cuts the bytes of a peer into frames (RFC 37, "Framing"). It checks the size that a frame announces as soon as the
-/// head is there. Its memory grows with the bytes that have come, never with the size that is announced.
+/// Splits the bytes of a peer into frames (RFC 37, "Framing"). Checks a frame's size as soon as its head has arrived.
+/// Memory grows with the received bytes, not with the announced size.
 class FrameReader {
  public:
-  /// The largest bodies that it accepts, of a part of a message and of a command [bytes].
+  /// max_message, max_command: the largest accepted bodies of a part of a message and of a command [bytes].
   FrameReader(std::size_t max_message, std::size_t max_command)
       : max_message_(max_message), max_command_(max_command) {}
 
@@ -21,39 +21,39 @@ class FrameReader {
     std::size_t size;
   };
 
-  /// Where new bytes are to be put. The size is 0 if a whole frame waits to be read.
+  /// Returns where to put new bytes. The size is 0 if a whole frame waits to be read.
   Room reserve();
 
-  /// So many bytes were put where `reserve` said.
+  /// Adds bytes that were put where `reserve` said.
   void add(std::size_t count);
 
-  /// Bytes that were added and not read yet.
+  /// Returns the number of bytes that were added and not read.
   std::size_t waiting() const { return end_ - start_; }
 
-  /// A byte that was added and not read yet.
+  /// Returns a byte that was added and not read.
   std::uint8_t peek(std::size_t index) const { return data_[start_ + index]; }
 
-  /// Skips bytes that were looked at.
+  /// Skips bytes that were peeked at.
   void skip(std::size_t count) { start_ += count; }
 
-  /// Reads the next frame. False if it has not come whole, or there is a problem.
+  /// Reads the next frame. Returns false if it has not arrived completely, or if there is a problem.
   bool read() { return is_unread_ = read_frame(); }
 
-  /// The frame's body, which is there until `reserve` is called.
+  /// Returns the frame's body, valid until `reserve` is called.
   std::string_view body() const { return body_; }
 
-  /// Whether another part of the same message follows.
+  /// Returns whether another part of the same message follows.
   bool has_more() const { return has_more_; }
 
   bool is_command() const { return is_command_; }
 
-  /// Why the bytes are no frames; "" while they are.
+  /// Returns why the bytes are not frames; "" if they are.
   const std::string& problem() const { return problem_; }
 
-  /// Whether bytes have come since it was known that no whole frame is there.
+  /// Returns whether bytes have arrived since the last attempt to read a frame failed.
   bool is_unread() const { return is_unread_; }
 
-  /// The buffer's memory [bytes].
+  /// Returns the size of the buffer [bytes].
   std::size_t capacity() const { return data_.size(); }
 
  private:

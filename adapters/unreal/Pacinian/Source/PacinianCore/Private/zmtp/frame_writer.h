@@ -7,26 +7,26 @@
 
 namespace pacinian::zmtp {
 
-/// Frames that wait to be sent, as bytes (RFC 37, "Framing").
+/// The encoded frames that wait to be sent (RFC 37, "Framing").
 class FrameWriter {
  public:
-  /// The bytes that wait.
+  /// Returns the waiting bytes.
   const std::uint8_t* data() const { return data_.data() + start_; }
   std::size_t size() const { return data_.size() - start_; }
 
-  /// Frames that wait, also if some of their bytes are sent.
+  /// Returns the number of waiting frames, including a frame that is partly sent.
   std::size_t frames() const { return ends_.size(); }
 
-  /// So many of the bytes are sent.
+  /// Removes bytes that were sent.
   void mark_sent(std::size_t count);
 
-  /// Bytes that are no frame.
+  /// Writes bytes that are not a frame.
   void write_raw(std::string_view bytes) { put(bytes); }
 
-  /// A message of one part.
+  /// Writes a message of one part.
   void write_message(std::string_view body);
 
-  /// A command: its name, then its data (RFC 37, "Formal Grammar").
+  /// Writes a command: its name, then its data (RFC 37, "Formal Grammar").
   void write_command(std::string_view name, std::string_view data);
 
  private:

@@ -53,7 +53,7 @@ bool Handshake::read_greeting(FrameReader& input, FrameWriter& output) {
   return true;
 }
 
-/// Each byte is checked as soon as it has come, so that what is no ZMTP ends at once.
+/// Checks each byte as soon as it has arrived, so that a peer without ZMTP is rejected at once.
 void Handshake::check_greeting(const FrameReader& input, std::size_t count) {
   if ((count > 0 && input.peek(0) != signature_first) ||
       (count > signature_end && (input.peek(signature_end) & 1) == 0))
@@ -93,13 +93,13 @@ void Handshake::read_command(const FrameReader& input, FrameWriter& output) {
   }
 }
 
-/// libzmq's reason is the status that the server's authenticator gave (RFC 27): 300, 400 or 500.
+/// Reads the reason of an ERROR. libzmq gives the status of the server's authenticator (RFC 27): 300, 400 or 500.
 void Handshake::read_error(command::Data reason) {
   is_denied_ = reason == "300" || reason == "400" || reason == "500";
   problem_ = "the peer refuses: " + command::make_printable(reason.value_or("an error that cannot be read"));
 }
 
-/// Which types may speak with each other: RFC 37, "The Socket-Type Property".
+/// Checks that the two socket types are compatible (RFC 37, "The Socket-Type Property").
 void Handshake::check_type(command::Data type) {
   const bool fits = settings_.kind == Kind::sub ? type == "PUB" || type == "XPUB"
                                                 : type == "ROUTER" || type == "DEALER" || type == "REP";

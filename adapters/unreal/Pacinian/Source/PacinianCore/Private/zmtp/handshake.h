@@ -11,8 +11,8 @@
 
 namespace pacinian::zmtp {
 
-/// The client's side of a greeting and of the mechanisms NULL and PLAIN, until the peer is ready (RFC 37, "Formal
-/// Grammar", "The NULL Security Mechanism"; RFC 24, "Implementation"). It refuses a peer older than ZMTP 3.0.
+/// The client's side of the greeting and of the mechanisms NULL and PLAIN, until the peer is ready (RFC 37, "Formal
+/// Grammar", "The NULL Security Mechanism"; RFC 24, "Implementation"). Rejects peers older than ZMTP 3.0.
 class Handshake {
  public:
   explicit Handshake(const Settings& settings);
@@ -20,19 +20,19 @@ class Handshake {
   /// Writes the greeting.
   void begin(FrameWriter& output) const;
 
-  /// Goes on with what has come. False if it could not.
+  /// Handles received bytes. Returns whether the handshake advanced.
   bool advance(FrameReader& input, FrameWriter& output);
 
-  /// Whether the peer is ready.
+  /// Returns whether the peer is ready.
   bool is_done() const { return step_ == Step::done; }
 
-  /// Why there will be no connection; "" while there may be.
+  /// Returns why there will be no connection; "" if there may be.
   const std::string& problem() const { return problem_; }
 
-  /// Whether the problem is that the peer does not accept the name and password.
+  /// Returns whether the peer rejected the name and password.
   bool is_denied() const { return is_denied_; }
 
-  /// The lower part of the peer's version, which is 3.0 or newer.
+  /// Returns the minor number of the peer's version, which is 3.0 or newer.
   std::uint8_t minor() const { return minor_; }
 
  private:

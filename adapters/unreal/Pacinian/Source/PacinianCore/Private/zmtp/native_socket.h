@@ -8,7 +8,7 @@
 
 #include "endpoint.h"
 
-/// TCP as the system has it, with sockets that never wait: in native_socket_posix.cpp and native_socket_windows.cpp.
+/// The system's TCP, with non-blocking sockets; see native_socket_posix.cpp and native_socket_windows.cpp.
 namespace pacinian::zmtp::native {
 
 #ifdef _WIN32
@@ -18,31 +18,31 @@ using Handle = int;
 #endif
 constexpr Handle no_handle = static_cast<Handle>(-1);
 
-/// Reads an IP address; false if it is none.
+/// Parses an IP address. Returns false if the text is anything else.
 bool read_address(const std::string& text, bool is_v6, std::array<std::uint8_t, 16>& address);
 
-/// Begins to connect; `no_handle` if that is impossible.
+/// Starts to connect. Returns `no_handle` on failure.
 Handle connect(const Endpoint& to);
 
-/// Whether a socket that could be waited for to the end of its connecting is connected.
+/// Returns whether a socket whose attempt to connect has finished is connected.
 bool is_connected(Handle socket);
 
 void close(Handle socket);
 
-/// Bytes that were read or sent. 0: none now. Nothing: none ever again.
+/// The number of bytes read or sent. 0: none at present. Nothing: the connection has ended.
 using Moved = std::optional<std::size_t>;
 
 Moved receive(Handle socket, std::uint8_t* into, std::size_t size);
 Moved send(Handle socket, const std::uint8_t* data, std::size_t size);
 
-/// What is waited for of a socket. is_ready: whether it has come.
+/// The events of a socket to wait for. is_ready: whether one occurred.
 struct Watch {
-  Handle handle = no_handle;  ///< `no_handle`: nothing
+  Handle handle = no_handle;  ///< `no_handle`: no socket
   bool reads = false, writes = false;
   bool is_ready = false;
 };
 
-/// Waits until one of some sockets is ready, or so long [s].
+/// Waits until one of the sockets is ready, or for this time [s] at most.
 void wait(Watch* watches, std::size_t count, double seconds);
 
 }  // namespace pacinian::zmtp::native

@@ -23,9 +23,9 @@ constexpr std::size_t max_watches = 8;
 constexpr double max_seconds = 3600.0;  // of one wait
 
 #ifdef MSG_NOSIGNAL
-constexpr int no_signal = MSG_NOSIGNAL;  // a peer that has closed it must not end the process
+constexpr int no_signal = MSG_NOSIGNAL;  // otherwise a closed connection would end the process
 #else
-constexpr int no_signal = 0;  // on macOS SO_NOSIGPIPE does that
+constexpr int no_signal = 0;  // on macOS, SO_NOSIGPIPE does that
 #endif
 
 bool set_up(Handle socket) {
@@ -39,7 +39,7 @@ bool set_up(Handle socket) {
          ::fcntl(socket, F_SETFD, FD_CLOEXEC) == 0;
 }
 
-/// The system's form of an address; its size.
+/// Writes an address in the system's form. Returns its size.
 socklen_t write(const Endpoint& to, sockaddr_storage& storage) {
   storage = {};
   if (to.is_v6) {

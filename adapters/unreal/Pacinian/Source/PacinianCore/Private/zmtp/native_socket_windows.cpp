@@ -16,9 +16,9 @@ namespace pacinian::zmtp::native {
 namespace {
 
 constexpr double max_seconds = 3600.0;      // of one wait
-constexpr std::size_t max_bytes = 1 << 20;  // [bytes] that are moved at once
+constexpr std::size_t max_bytes = 1 << 20;  // in one call
 
-/// Winsock, from its first use to the end of the process.
+/// Initialises Winsock at its first use, until the end of the process.
 struct Winsock {
   Winsock() { is_there = ::WSAStartup(MAKEWORD(2, 2), &data) == 0; }
   ~Winsock() {
@@ -41,7 +41,7 @@ bool set_up(Handle socket) {
   return ::ioctlsocket(socket, FIONBIO, &is_nonblocking) == 0;
 }
 
-/// The system's form of an address; its size.
+/// Writes an address in the system's form. Returns its size.
 int write(const Endpoint& to, sockaddr_storage& storage) {
   storage = {};
   if (to.is_v6) {
@@ -101,8 +101,8 @@ Moved send(Handle socket, const std::uint8_t* data, std::size_t size) {
   return count(::send(socket, reinterpret_cast<const char*>(data), static_cast<int>(std::min(size, max_bytes)), 0));
 }
 
-/// By select, as WSAPoll before Windows 10 2004 does not tell of a connection that failed. A set of Windows' holds 64
-/// sockets, whatever their numbers.
+/// Uses select, because WSAPoll before Windows 10 2004 does not report failed connections. A set holds 64 sockets,
+/// whatever their numbers.
 void wait(Watch* watches, std::size_t count, double seconds) {
   fd_set reads, writes, fails;
   FD_ZERO(&reads);
@@ -119,7 +119,7 @@ void wait(Watch* watches, std::size_t count, double seconds) {
   const double milliseconds = std::ceil(1e3 * std::max(0.0, std::min(seconds, max_seconds)));
   const long whole = static_cast<long>(milliseconds);
   timeval limit = {whole / 1000, whole % 1000 * 1000};
-  if (!has_some) return ::Sleep(static_cast<DWORD>(whole));  // select refuses empty sets
+  if (!has_some) return ::Sleep(static_cast<DWORD>(whole));  // select rejects empty sets
   const int ready = ::select(0, &reads, &writes, &fails, &limit);
   for (std::size_t i = 0; i < count; ++i) {
     const Handle handle = watches[i].handle;

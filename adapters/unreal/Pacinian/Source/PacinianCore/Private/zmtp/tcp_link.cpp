@@ -4,7 +4,7 @@ namespace pacinian::zmtp {
 
 namespace {
 
-constexpr int max_reads = 16;  // at once, of a peer that sends without an end
+constexpr int max_reads = 16;  // for a peer that sends without end
 
 }  // namespace
 

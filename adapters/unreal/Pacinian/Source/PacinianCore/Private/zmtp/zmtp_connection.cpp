@@ -9,7 +9,7 @@ namespace pacinian::zmtp {
 
 namespace {
 
-constexpr std::size_t max_waiting_frames = 64;  // to be sent, before heartbeats are not answered any more
+constexpr std::size_t max_waiting_frames = 64;  // beyond which heartbeats are not answered
 constexpr std::size_t ttl_bytes = 2, max_context_bytes = 16;  // of a heartbeat
 constexpr double ttl_unit = 0.1;                              // [s]
 
@@ -40,7 +40,7 @@ void ZmtpConnection::note_arrival(double now) {
   unanswered_ = peer_deadline_ = never;
 }
 
-/// Reads a frame. What the peer says after a heartbeat fulfils its time to live, also if both have come together.
+/// Reads a frame. Any frame after a heartbeat ends that heartbeat's time to live, even if both arrived together.
 bool ZmtpConnection::read_frame() {
   if (!is_established_ || is_cut_off_ || !input_.read()) return false;
   peer_deadline_ = never;
@@ -57,7 +57,7 @@ void ZmtpConnection::advance() {
   if (is_established_ && settings_.kind == Kind::sub) subscribe();
 }
 
-/// By a command (RFC 37, "The Publish-Subscribe Pattern"), or to a peer of ZMTP 3.0 by a message (RFC 23, the same).
+/// Uses a command (RFC 37, "The Publish-Subscribe Pattern"), or for a peer of ZMTP 3.0 a message (RFC 23, the same).
 void ZmtpConnection::subscribe() {
   if (handshake_.minor() >= 1)
     output_.write_command(command::subscribe, settings_.topic);
@@ -98,7 +98,7 @@ void ZmtpConnection::check_time(double now) {
   if (sends_pings() && now - pinged_ >= settings_.ping_interval) {
     pinged_ = now;
     unanswered_ = std::min(unanswered_, now);
-    if (output_.size() == 0) output_.write_command(command::ping, ping_);  // else it would be one more that waits
+    if (output_.size() == 0) output_.write_command(command::ping, ping_);  // otherwise heartbeats would pile up
   }
   if (now - unanswered_ > settings_.ping_timeout || now > peer_deadline_)
     end(Ending::gone, "the peer is silent");

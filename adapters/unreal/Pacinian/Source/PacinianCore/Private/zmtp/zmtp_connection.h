@@ -14,56 +14,57 @@
 
 namespace pacinian::zmtp {
 
-/// What is said on one connection, from the greeting to its end: handshake, messages, a subscription, heartbeats (RFC
-/// 37). It is pure: bytes and times [s] are given, and it never waits. A time is to be taken before the bytes are read
-/// that go with it, so that a program that stood still does not take that for the peer's silence.
+/// The protocol of one connection, from the greeting to its end: handshake, messages, a subscription, heartbeats (RFC
+/// 37). Never blocks, and does no input or output: bytes and times [s] are arguments. Take a time before reading the
+/// bytes that belong to it. Otherwise a program that stood still takes its own pause for silence of the peer.
 class ZmtpConnection {
  public:
-  /// Begins with the greeting. settings: must outlive it.
+  /// Starts with the greeting. settings: must outlive the connection.
   ZmtpConnection(const Settings& settings, double now);
 
-  /// Where the peer's bytes go.
+  /// Returns where to put the peer's bytes.
   FrameReader& input() { return input_; }
 
-  /// What is to be sent to the peer.
+  /// Returns the bytes to be sent to the peer.
   FrameWriter& output() { return output_; }
 
-  /// Whether messages can be sent.
+  /// Returns whether messages can be sent.
   bool is_established() const { return is_established_; }
 
-  /// How it has ended; it is to be closed then.
+  /// Returns how the connection has ended; close it then.
   Ending ending() const { return ending_; }
 
-  /// Why it has ended, for people; "" if the peer has closed it, or it has not ended.
+  /// Returns why the connection has ended, for people; "" if the peer has closed it, or if it has not ended.
   const std::string& problem() const { return problem_; }
 
-  /// Whether a message can be sent now. Once it was full there is room again when half of the frames are sent, so that
-  /// what a peer does not read stays where newer messages can take its place.
+  /// Returns whether a message can be sent now. Once the queue was full, there is room again when half of its frames
+  /// are sent. Messages for a peer that does not read therefore stay where newer ones can replace them.
   bool has_room() const {
     const std::size_t limit = is_full_ ? settings_.max_frames / 2 + 1 : settings_.max_frames;
     return is_established_ && ending_ == Ending::none && output_.frames() < limit;
   }
 
-  /// Bytes were added to `input`, which were there at that time.
+  /// Records that bytes were added to `input` which had arrived at that time.
   void note_arrival(double now);
 
-  /// The peer has closed the connection.
+  /// Records that the peer has closed the connection.
   void note_closed() { end(is_established_ ? Ending::gone : Ending::foreign, ""); }
 
-  /// Goes on with the handshake; to be called when bytes have come.
+  /// Continues the handshake; call it when bytes have arrived.
   void advance();
 
-  /// Reads the last part of the next message, also after the peer has closed the connection; false if none has come
-  /// whole. Parts before it are not kept.
+  /// Reads the last part of the next message, even after the peer has closed the connection; drops the parts before it.
+  /// Returns false if no message is complete.
   bool read(std::vector<std::uint8_t>& into);
 
-  /// Takes a message of one part; false if there is no room for it.
+  /// Takes a message of one part. Returns false if there is no room.
   bool send(std::string_view body);
 
-  /// Sends a heartbeat that is due, and ends what was silent for too long (RFC 37, "Connection Heartbeating").
+  /// Sends a heartbeat that is due, and ends a connection that was silent for too long (RFC 37, "Connection
+  /// Heartbeating").
   void check_time(double now);
 
-  /// When `check_time` is to be called at the latest.
+  /// Returns when `check_time` must be called at the latest.
   double due() const;
 
  private:
@@ -84,11 +85,11 @@ class ZmtpConnection {
   const std::string ping_;  // its data
   const double begun_;
   double heard_, pinged_;
-  double unanswered_ = never;     // the first of our heartbeats since the peer was heard
-  double peer_deadline_ = never;  // by the peer's last heartbeat, if nothing has come since
+  double unanswered_ = never;     // the first heartbeat sent since the peer was heard
+  double peer_deadline_ = never;  // from the peer's last heartbeat, if nothing has arrived since
   bool is_established_ = false, is_in_message_ = false, is_wanted_ = false;
-  bool is_full_ = false;     // as of the last message that was sent
-  bool is_cut_off_ = false;  // what comes after a fatal command is not read
+  bool is_full_ = false;     // as of the last message sent
+  bool is_cut_off_ = false;  // bytes after a fatal command are not read
   Ending ending_ = Ending::none;
   std::string problem_;
 };

@@ -7,7 +7,7 @@ namespace pacinian::zmtp {
 namespace {
 
 constexpr double first_pause = 0.1, longest_pause = 2.0;  // [s] before it connects again
-constexpr int max_rounds = 16;                            // of a peer that sends without an end, for one message
+constexpr int max_rounds = 16;                            // for one message, of a peer that sends without end
 
 }  // namespace
 
@@ -58,7 +58,7 @@ native::Watch ZmtpSocket::watch() const {
 double ZmtpSocket::due() const {
   if (is_over()) return reconnects_ ? next_attempt_ : never;
   if (!connection_) return begun_ + settings_.connect_timeout;
-  // What was read from TCP already is not waited for.
+  // Bytes already read from TCP do not end a wait.
   const bool has_unread = connection_->is_established() && connection_->input().is_unread();
   return has_unread ? -never : connection_->due();
 }
@@ -76,7 +76,7 @@ bool ZmtpSocket::read_bytes(double now) {
   return has_some;
 }
 
-/// now: before the last bytes were read.
+/// now: the time before the last bytes were read.
 void ZmtpSocket::go_on(double now) {
   connection_->advance();
   connection_->check_time(now);

@@ -12,37 +12,37 @@
 
 namespace pacinian::zmtp {
 
-/// A DEALER or SUB socket with one peer, to which it connects. It belongs to one thread and never waits: `work` is to be
-/// called when what `watch` says has come, and when it is `due`.
+/// A DEALER or SUB socket that connects to one peer. Belongs to one thread and never blocks. Call `work` when an event
+/// of `watch` occurs, and when it is `due`.
 class ZmtpSocket {
  public:
   using Clock = double (*)();  // [s]
 
-  /// Begins to connect. reconnects: again and again; else its end is its end.
+  /// Starts to connect. reconnects: whether it connects again after each end.
   ZmtpSocket(Settings settings, const Endpoint& at, bool reconnects, Clock clock);
 
-  /// How it has ended; never if it reconnects.
+  /// Returns how the connection has ended; `none` if the socket reconnects.
   Ending ended() const { return reconnects_ ? Ending::none : current(); }
 
-  /// Why it has ended, for people; "" if the peer has just closed it.
+  /// Returns why the connection has ended, for people; "" if the peer closed it.
   std::string problem() const { return connection_ ? connection_->problem() : ""; }
 
-  /// Whether a message can be sent now.
+  /// Returns whether a message can be sent now.
   bool has_room() const { return connection_ && connection_->has_room(); }
 
-  /// Does what is due: connects, shakes hands, sends what waits, and heartbeats.
+  /// Connects, shakes hands, and sends waiting messages and heartbeats, as far as they are due.
   void work();
 
-  /// Takes a message; false if there is no room for it.
+  /// Takes a message. Returns false if there is no room.
   bool send(std::string_view body);
 
-  /// The last part of the next message; false if there is none.
+  /// Receives the last part of the next message. Returns false if there is none.
   bool receive(std::vector<std::uint8_t>& into);
 
-  /// What is to be waited for.
+  /// Returns the events to wait for.
   native::Watch watch() const;
 
-  /// When `work` is to be called at the latest, by the clock.
+  /// Returns when `work` must be called at the latest, by the clock.
   double due() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Marks what other modules may call. The engine's build defines it; elsewhere it is nothing.
+/// Marks what other modules may call. The engine's build defines it; elsewhere it is empty.
 #ifndef PACINIANCORE_API
 #define PACINIANCORE_API
 #endif

@@ -8,17 +8,17 @@
 
 namespace pacinian {
 
-/// The server, if this program is to start it: `pacinian serve`, as installed or as a standalone folder.
+/// Starts the server as a child process: `pacinian serve`, as installed or as a standalone folder.
 ///
-/// It ends with this program, however that ends. If another server has written the connection file, none is started as
-/// long as the client can connect to that one. Belongs to one thread; only `stop` waits.
+/// The server ends with this program, even after a crash. If another server has written the connection file, none is
+/// started while the client can connect to that server. Belongs to one thread; only `stop` blocks.
 class ServerProcess {
  public:
   struct Options {
     std::string program = "pacinian";  ///< its path, or its name if the system finds it
-    std::vector<std::string> arguments;  ///< more than `serve`, such as the path of a configuration
-    std::string connection_path;  ///< unless given, that of PACINIAN_CONNECTION, or where the server writes it
-    std::string log;              ///< a file for what the server says; none unless given
+    std::vector<std::string> arguments;  ///< more arguments of `serve`, such as the path of a configuration
+    std::string connection_path;  ///< by default, the path in PACINIAN_CONNECTION, or the place where the server writes it
+    std::string log;              ///< a file for the server's output; by default, none
   };
 
   PACINIANCORE_API explicit ServerProcess(Options options);
@@ -26,17 +26,18 @@ class ServerProcess {
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
 
-  /// Starts it, unless another server runs. False if it cannot be started: see `problem`.
+  /// Starts the server, unless another one runs. Returns false on failure; see `problem`.
   PACINIANCORE_API bool start();
-  /// Once in each of the game's frames: starts it again, after 2 s at first and 30 s at most, if it has ended and the
-  /// client is not connected to another one.
+  /// Restarts the server if it has ended and the client is not connected to another one, after a pause of 2 s at first
+  /// and of 30 s at most; call it once per frame.
   PACINIANCORE_API void tick(bool connected);
-  /// Ends it, and with it all sound, if this program has started it. Takes at most so long [s], and then kills it.
+  /// Stops the server, and with it all sound, if this program has started it. Waits this time at most [s], then kills
+  /// it.
   PACINIANCORE_API void stop(double patience = 5.0);
 
-  /// Whether it was started here, and has not ended.
+  /// Returns whether the server was started here, and has not ended.
   PACINIANCORE_API bool runs() const;
-  /// Why it does not run; empty if it does, or the client is connected to another one.
+  /// Returns why the server does not run; empty if it does, or if the client is connected to another one.
   PACINIANCORE_API const std::string& problem() const;
 
  private:

@@ -11,22 +11,22 @@
 
 namespace pacinian {
 
-/// How a client stands with its server.
+/// The state of a client's connection.
 enum class Status : std::uint8_t {
   stopped,     ///< not started, or closed
-  connecting,  ///< no server yet, or none any more: it is tried again and again
+  connecting,  ///< no server is connected; the client tries again and again
   connected,
-  refused,  ///< the server will not have us until something is changed: see `Client::problem`
+  refused,  ///< the server rejects the client until something is changed: see `Client::problem`
 };
 
-/// What the server, or the client itself, would not do.
+/// A command or request that the server, or the client itself, refused.
 struct Refusal {
-  std::string code;     ///< as in the wire's table of errors
+  std::string code;     ///< from the wire's table of errors
   std::string message;  ///< for people
-  std::string path;     ///< of the field that is wrong, as `$.objects[...].shape`
+  std::string path;     ///< of the wrong field, such as `$.objects[...].shape`
   std::string advice;   ///< what to do
 
-  PACINIANCORE_API std::string text() const;  ///< in one line, for people, without what is empty
+  PACINIANCORE_API std::string text() const;  ///< in one line, without what is empty
 };
 
 /// Round trips of the last renewals [s]; 0 before the first.
@@ -34,35 +34,35 @@ struct Trips {
   double median = 0.0, p99 = 0.0, longest = 0.0;
 };
 
-/// The game did not tick for longer than its lease while it was armed, and goes on now.
+/// A standstill that is over: the game did not tick for longer than its lease while it was armed.
 struct Standstill {
-  double seconds = 0.0;  ///< from one tick to the next [s]
-  /// Whether the client's own thread stood still, too, as at a breakpoint or if the computer slept. If not, only the
-  /// game's thread did: a long frame, or a pause of the editor.
+  double seconds = 0.0;  ///< time between the two ticks [s]
+  /// Whether the whole program stood still, including the client's thread, as at a breakpoint or while the computer
+  /// slept. If false, only the game's thread stood still, as in a long frame or a pause of the editor.
   bool whole = false;
 
-  PACINIANCORE_API std::string text() const;  ///< in one line, for people
+  PACINIANCORE_API std::string text() const;  ///< a description in one line
 };
 
-/// Complex sound pressure at each point [Pa]; empty if it was refused or the connection lost.
+/// Receives the complex sound pressure at each point [Pa]; empty if there is no answer.
 using FieldCallback = std::function<void(const std::vector<std::complex<float>>&)>;
 
-/// What a game may listen to; all are called by `Client::tick`, on its thread.
+/// Event handlers. `Client::tick` calls them, on its thread.
 struct Events {
-  /// A session has begun, the first or a new one: nothing is there, so put the objects, and arm if it is wanted.
+  /// A session has started, with an empty scene. Put the objects, and arm.
   std::function<void()> connected;
-  /// The session is over, and with it all objects.
+  /// The session has ended, and with it all objects.
   std::function<void(const std::string& why)> lost;
-  /// The sound ended unasked: its code is "owner", "stopped" or "fault"; without `resume` "expired", too.
+  /// The output ended unasked. The code is "owner", "stopped" or "fault"; without `resume` also "expired".
   std::function<void(const Refusal&)> ended;
   std::function<void(const Refusal&)> refused;
-  /// There is a newer state.
+  /// A newer state has arrived.
   std::function<void(const wire::State&)> state_changed;
-  /// A hand begins to feel an object of this client's scene, feels it still, or no more; then as it was told last.
-  /// Touches come with the states, 60 times a second.
+  /// A hand begins to feel an object of this client's scene, still feels it, or no longer feels it; then with the last
+  /// report. Touches arrive with the states, 60 times a second.
   std::function<void(const wire::TouchState&)> touch_began, touch_moved, touch_ended;
-  /// The game stood still. It sounds again by itself if it was armed with `resume`, still owns the output, and nothing
-  /// else has ended the sound.
+  /// The game stood still. The output sounds again by itself if the client armed it with `resume` and still owns it,
+  /// and if nothing else has ended the sound.
   std::function<void(const Standstill&)> stood_still;
 };
 

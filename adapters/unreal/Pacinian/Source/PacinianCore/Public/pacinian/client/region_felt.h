@@ -9,20 +9,21 @@
 
 namespace pacinian {
 
-/// What is felt of an object's surface or volume, against what was asked: between its samples, over the last second or
-/// so. All numbers are NaN where the server does not tell: of points and paths, and in silence.
+/// The achieved pressure of an object's surface or volume, compared with the requested one, between its samples and
+/// over about the last second. All numbers are NaN if the server does not report them: for points and paths, and in
+/// silence.
 struct RegionFelt {
   static constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
-  float force = unknown;  ///< over what was asked; 1 if right
-  float rms = unknown;    ///< root mean square of the error of radiation pressure, over that of what was asked
-  float holes = unknown;  ///< share of the region that is pressed with less than half of what was asked
-  float spill = unknown;  ///< highest radiation pressure 3 to 5 mm beside the region, over the mean asked
+  float force = unknown;  ///< achieved force divided by the requested one; 1 is ideal
+  float rms = unknown;    ///< error of the radiation pressure, relative to the requested one
+  float holes = unknown;  ///< fraction of the region with less than half of the requested pressure
+  float spill = unknown;  ///< highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one
 
-  /// Whether the server tells.
+  /// Returns whether the server reports the numbers.
   bool known() const { return !std::isnan(force); }
 
-  /// Of the object of that name, in a state; nothing is allocated. state: may be null.
+  /// Returns the numbers of the object with this name. Allocates nothing. state: may be null.
   PACINIANCORE_API static RegionFelt of(const wire::State* state, std::string_view name);
 };
 

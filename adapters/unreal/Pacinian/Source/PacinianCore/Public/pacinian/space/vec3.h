@@ -4,7 +4,7 @@
 
 namespace pacinian {
 
-/// Three numbers along x, y and z: a place, a direction, a velocity.
+/// Three numbers along x, y and z: a position, direction or velocity.
 struct Vec3 {
   double x = 0.0, y = 0.0, z = 0.0;
 };
@@ -15,7 +15,7 @@ constexpr Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z};
 
 constexpr double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// The vector product, in a right-handed frame.
+/// Returns the vector product, in a right-handed frame.
 constexpr Vec3 cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

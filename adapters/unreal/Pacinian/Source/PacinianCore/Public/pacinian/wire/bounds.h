@@ -5,7 +5,7 @@
 
 namespace pacinian::wire {
 
-/// What a number must be in; open: without `low` itself. NaN is in none but the default.
+/// The allowed values of a number. open: excludes `low` itself. Only the default allows NaN.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -20,7 +20,7 @@ struct Range {
   }
 };
 
-/// How long something must be.
+/// The allowed lengths.
 struct Lengths {
   std::size_t least = 0;
   std::size_t most = std::numeric_limits<std::size_t>::max();

@@ -19,14 +19,14 @@ inline void append(Bytes& to, float value) {
     to.push_back(static_cast<std::uint8_t>(bits >> shift));
 }
 
-/// The i-th uint32 of bulk numbers; there must be one.
+/// Returns the i-th uint32 of bulk numbers, which must exist.
 inline std::uint32_t uint32_at(const Bytes& from, std::size_t i) {
   std::uint32_t bits = 0;
   for (std::size_t k = 4; k > 0; --k) bits = bits << 8 | from[4 * i + k - 1];
   return bits;
 }
 
-/// The i-th float32 of bulk numbers; there must be one.
+/// Returns the i-th float32 of bulk numbers, which must exist.
 inline float float_at(const Bytes& from, std::size_t i) {
   const std::uint32_t bits = uint32_at(from, i);
   float value = 0.0F;
@@ -34,19 +34,20 @@ inline float float_at(const Bytes& from, std::size_t i) {
   return value;
 }
 
-// What fields must be, as in pacinian/wire/bulk.py; false, with the field and the reason in `in`, where they are not.
+// Rules of fields, as in pacinian/wire/bulk.py. The functions return false if a rule is broken, and report field and
+// reason to `in`.
 
-/// Rows of `width` float32; as many as one of `counts`, if any are given.
+/// Checks for rows of `width` float32. counts: the allowed numbers of rows; empty: any.
 bool rows(Reader& in, const char* name, const Bytes& data, std::size_t width,
           std::initializer_list<std::size_t> counts);
 
-/// All float32 from `low` to `high`, without NaN.
+/// Checks that all float32 are from `low` to `high`, without NaN.
 bool within(Reader& in, const char* name, const Bytes& data, double low, double high);
 
-/// Rows of three uint32 that count the (V, 3) float32 of `into`.
+/// Checks for rows of three uint32 that are indices of the (V, 3) float32 of `into`.
 bool in_bounds(Reader& in, const char* name, const Bytes& data, const Bytes& into);
 
-/// As many float32 as `grid` says.
+/// Checks that the number of float32 is that of `grid`.
 template <std::size_t N>
 bool fills(Reader& in, const char* name, const Bytes& data,
            const std::array<std::int64_t, N>& grid) {

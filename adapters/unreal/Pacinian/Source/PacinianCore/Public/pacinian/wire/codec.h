@@ -10,14 +10,14 @@
 
 namespace pacinian::wire {
 
-// Bytes to messages. False, with the reason in `error`, if they are none; `out` is then valid, but means nothing.
-// A message of the same kind that is in `out` already lends its memory.
+// Decode messages. On failure they return false and the reason in `error`; `out` is then valid, but meaningless. If
+// `out` already holds a message of the same kind, its memory is reused.
 
-/// A message of the server.
+/// Decodes a reply of the server.
 PACINIANCORE_API bool decode_reply(const std::uint8_t* data, std::size_t size, AnyReply& out,
                                    WireError& error);
 
-/// What the server publishes, without its topic.
+/// Decodes a published message, without its topic.
 PACINIANCORE_API bool decode_state(const std::uint8_t* data, std::size_t size, AnyState& out,
                                    WireError& error);
 

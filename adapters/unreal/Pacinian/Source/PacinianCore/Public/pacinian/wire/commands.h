@@ -149,7 +149,7 @@ struct Show : Command {
 
 using AnyCommand = std::variant<Put, Move, Remove, Clear, Envelopes, Hands, Quiet, Field, Show>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API void write(Writer& out, const Put& message);
 PACINIANCORE_API void write(Writer& out, const Move& message);
 PACINIANCORE_API void write(Writer& out, const Remove& message);

@@ -133,7 +133,7 @@ struct Bye : Request {
 using AnyControl = std::variant<Hello, Renew, Arm, Disarm, Stop, Reset, Select, Capabilities,
     Status, Bye>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API void write(Writer& out, const Hello& message);
 PACINIANCORE_API void write(Writer& out, const Renew& message);
 PACINIANCORE_API void write(Writer& out, const Arm& message);

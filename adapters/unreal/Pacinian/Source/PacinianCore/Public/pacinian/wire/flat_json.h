@@ -13,19 +13,19 @@
 
 namespace pacinian::wire {
 
-/// A JSON object whose strings and whole numbers are wanted, as a connection file; the rest is skipped.
+/// The strings and integers of a JSON object, such as a connection file. Other values are skipped.
 class FlatJson {
  public:
   static constexpr std::size_t longest = 1 << 16;  ///< [bytes]
-  static constexpr int deepest = 16;               ///< of what is skipped
+  static constexpr int deepest = 16;               ///< nesting of skipped values
 
-  /// Reads all of `text`. False, with the reason in `problem`, if it is no JSON object.
+  /// Parses all of `text`. Returns false and the reason in `problem` if it is not a JSON object.
   PACINIANCORE_API bool parse(std::string_view text, std::string& problem);
 
-  /// The string of that name; null if there is none.
+  /// Returns the string with this name; null if there is none.
   PACINIANCORE_API const std::string* text(std::string_view name) const;
 
-  /// The whole number of that name, if there is one.
+  /// Returns the integer with this name, if there is one.
   PACINIANCORE_API std::optional<std::int64_t> integer(std::string_view name) const;
 
  private:

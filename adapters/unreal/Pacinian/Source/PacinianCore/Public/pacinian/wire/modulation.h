@@ -166,7 +166,7 @@ struct LM {
 
 using Technique = std::variant<Simultaneous, AM, STM, LM>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Constant& message);
 PACINIANCORE_API void write(Writer& out, const Constant& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Sine& message);

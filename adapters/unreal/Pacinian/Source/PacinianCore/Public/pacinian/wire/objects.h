@@ -141,7 +141,7 @@ struct Volume : Felt {
 
 using Object = std::variant<Point, Path, Particles, Surface, Volume>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Material& message);
 PACINIANCORE_API void write(Writer& out, const Material& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Motion& message);

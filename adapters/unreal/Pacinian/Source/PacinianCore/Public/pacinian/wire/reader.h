@@ -18,18 +18,18 @@ enum class Kind : std::uint8_t {
   none, nil, boolean, integer, real, text, bin, array, map, extension
 };
 
-/// MessagePack from bytes that may be anything. Each function is false where they are not what it
-/// reads. Whole numbers are of 64 bits, signed.
+/// Reads MessagePack from any bytes. Each method returns false if something else comes next. Integers are signed and
+/// have 64 bits.
 class Reader {
  public:
-  static constexpr std::size_t most_entries = 1024;  ///< of a map without a bound of its own
+  static constexpr std::size_t most_entries = 1024;  ///< of a map without a limit of its own
 
   Reader(const std::uint8_t* data, std::size_t size) : next_(data), end_(data + size) {}
 
-  PACINIANCORE_API Kind next() const;  ///< what comes; none at the end
-  PACINIANCORE_API bool done();        ///< whether nothing is left
+  PACINIANCORE_API Kind next() const;  ///< the kind of the next value; none at the end
+  PACINIANCORE_API bool done();        ///< whether all bytes have been read
 
-  PACINIANCORE_API bool nil();  ///< takes a nil if it is next, else nothing
+  PACINIANCORE_API bool nil();  ///< consumes a nil if it comes next
   PACINIANCORE_API bool get(bool& out);
   PACINIANCORE_API bool get(double& out, Range range = {});
   PACINIANCORE_API bool get(std::int64_t& out,
@@ -38,23 +38,24 @@ class Reader {
   PACINIANCORE_API bool get(std::string& out, Lengths characters = {});
   PACINIANCORE_API bool get(Bytes& out, Lengths lengths = {});
   PACINIANCORE_API bool get(Anything& out);
-  PACINIANCORE_API bool word(std::string_view& out);  ///< text, where it is
+  PACINIANCORE_API bool word(std::string_view& out);  ///< a text, without a copy
   PACINIANCORE_API bool array(std::uint32_t& count, Lengths lengths = {});
   PACINIANCORE_API bool map(std::uint32_t& count, Lengths lengths = {});
-  PACINIANCORE_API bool key(std::string_view& out);  ///< of a message's field
-  PACINIANCORE_API bool skip();                      ///< anything, however deep
+  PACINIANCORE_API bool key(std::string_view& out);  ///< the name of a message's field
+  PACINIANCORE_API bool skip();                      ///< any value of any depth
 
-  /// Opens a map that has a `type`; `left`: of its keys, after `tag` if that came first.
+  /// Opens a map that has a `type`, and gives it as `tag`. left: the number of keys to read: without `type` if it comes
+  /// first, otherwise all.
   PACINIANCORE_API bool open(std::string_view& tag, std::uint32_t& left);
   PACINIANCORE_API bool same(std::string_view tag);
 
-  // What is wrong, and where; all are false, so that they can be returned.
-  PACINIANCORE_API bool wrong(std::string problem);      ///< the value that was read last
-  PACINIANCORE_API bool broken(const char* problem);     ///< the bytes as a whole
-  PACINIANCORE_API bool missing(std::string_view name);  ///< a field
-  PACINIANCORE_API bool at(std::string_view name);       ///< it was in this field
-  PACINIANCORE_API bool at(std::uint32_t index);         ///< it was in this item
-  PACINIANCORE_API bool at_entry();                      ///< it was in some entry of a map
+  // Report an error. All return false, so that their results can be returned.
+  PACINIANCORE_API bool wrong(std::string problem);      ///< in the last value read
+  PACINIANCORE_API bool broken(const char* problem);     ///< in the bytes as a whole
+  PACINIANCORE_API bool missing(std::string_view name);  ///< a missing field
+  PACINIANCORE_API bool at(std::string_view name);       ///< adds the field to the error's path
+  PACINIANCORE_API bool at(std::uint32_t index);         ///< adds the item to the error's path
+  PACINIANCORE_API bool at_entry();                      ///< adds an entry of a map to the error's path
   PACINIANCORE_API WireError error() const;
 
   template <class T, std::size_t N, class Get>
@@ -78,7 +79,7 @@ class Reader {
     return true;
   }
 
-  /// A map of names; of one that comes twice the last value counts.
+  /// Reads a map with names as keys; if a name is repeated, the last value counts.
   template <class T, class Get>
   bool entries(Map<T>& out, Lengths characters, Lengths lengths, Get get_item) {
     std::uint32_t count = 0;
@@ -111,14 +112,14 @@ class Reader {
     return get_value(*out);
   }
 
-  /// A part of a message that has no `type`.
+  /// Reads a part of a message that has no `type`.
   template <class T>
   bool part(T& out) {
     std::uint32_t left = 0;
     return map(left) && read(*this, left, out);
   }
 
-  /// One of a few words.
+  /// Reads one of a few words.
   template <class T>
   bool choice(T& out) {
     std::string_view found;
@@ -134,7 +135,7 @@ class Reader {
     return wrong("is none of the words that there are");
   }
 
-  /// A message by its `type`, or a word where the variant has such.
+  /// Reads a message by its `type`, or a word if the variant has words.
   template <class... T>
   bool one_of(std::variant<T...>& out) {
     bool known = false, good = false;

@@ -190,7 +190,7 @@ struct Shown : Reply {
   Map<Object> objects;
 };
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Welcome& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Ok& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Error& message);

@@ -210,7 +210,7 @@ struct Difference {
 using Solid = std::variant<Sphere, Box, Capsule, Mesh, Voxels, Placed, Union, Intersection,
     Difference>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Line& message);
 PACINIANCORE_API void write(Writer& out, const Line& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, Circle& message);

@@ -123,7 +123,7 @@ struct State {
   std::int64_t frames = 0;
   /// longest time between two frames while armed [s]
   double longest_gap = 0.0;
-  /// number of skipped samples by reason
+  /// counts of work that was left out, by reason
   Map<std::int64_t> skipped;
   /// texts of the last faults, newest last
   std::vector<std::string> faults;
@@ -182,7 +182,7 @@ struct FrameState {
 
 using AnyState = std::variant<State, FrameState>;
 
-// Of what a client hears and of what it sends: see Reader and Writer.
+// Functions for messages that a client sends or receives; see Reader and Writer.
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, ClientState& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, TouchState& message);
 PACINIANCORE_API bool read(Reader& in, std::uint32_t left, State& message);

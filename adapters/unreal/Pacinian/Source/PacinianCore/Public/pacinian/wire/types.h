@@ -11,22 +11,22 @@ namespace pacinian::wire {
 /// Bulk numbers: little-endian float32 or uint32, unless a field says otherwise.
 using Bytes = std::vector<std::uint8_t>;
 
-/// A map of names, in its order.
+/// A map with names as keys, in order.
 template <class T>
 using Map = std::vector<std::pair<std::string, T>>;
 
-/// An array, map, `bin` or extension that is kept as it came: MessagePack in its usual form.
+/// An array, map, `bin` or extension as encoded MessagePack, in its shortest form.
 struct Raw {
   Bytes bytes;
 };
 
-/// A setting.
+/// The value of a setting.
 using Scalar = std::variant<bool, std::int64_t, double, std::string>;
 
-/// Anything that MessagePack has.
+/// Any value of MessagePack.
 using Anything = std::variant<std::monostate, bool, std::int64_t, double, std::string, Raw>;
 
-/// Why bytes are no message. path: of what is wrong, as `$.objects[...].shape.radius`.
+/// Why bytes are not a message. path: of the wrong field, such as `$.objects[...].shape.radius`.
 struct WireError {
   std::string problem;
   std::string path;

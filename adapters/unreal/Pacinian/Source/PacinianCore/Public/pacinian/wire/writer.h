@@ -11,10 +11,10 @@
 
 namespace pacinian::wire {
 
-/// MessagePack into a buffer that is used again: everything in its shortest form, floats in 64 bits.
+/// Writes MessagePack, in the shortest forms and with 64-bit floats, into a buffer that is reused.
 class Writer {
  public:
-  /// Forgets what was written; keeps the memory.
+  /// Removes all bytes; keeps the memory.
   void clear() { bytes_.clear(); }
   const std::uint8_t* data() const { return bytes_.data(); }
   std::size_t size() const { return bytes_.size(); }
@@ -67,7 +67,7 @@ class Writer {
     (put_if(std::get_if<T>(&value)), ...);
   }
 
-  /// A message, or the word that stands for one of a few.
+  /// Writes a message, or a word.
   template <class T>
   void put(const T& value) {
     if constexpr (std::is_enum_v<T>)

@@ -1,46 +1,41 @@
 using System;
-using System.Diagnostics;
 
 namespace Pacinian
 {
-    /// <summary>Round trips of late [s]: median, 99 % and the longest; 0 before the first.</summary>
+    /// <summary>Round trips of the last renewals [s]: median, 99 % quantile and longest; 0 before the first.</summary>
     public struct Trips
     {
         public double Median, P99, Longest;
     }
 
-    /// <summary>The last round trips, and how the server's clock lies to ours. Pure: times are given.</summary>
-    internal sealed class Timing
+    /// <summary>Estimates the offset of the server's clock, and the round trips. Does not read a clock: times are arguments.</summary>
+    internal sealed class ServerClock
     {
         private const int Kept = 1000; // round trips
-        private const int Marks = 64; // looks at the server's clock
+        private const int Marks = 64; // readings of the server's clock
 
         private readonly Sorted _trips = new Sorted(Kept);
         private readonly double[] _durations = new double[Marks];
         private readonly double[] _offsets = new double[Marks];
         private int _markCount;
 
-        /// <summary>This computer's steady clock [s].</summary>
-        public static double Now()
-        {
-            return Stopwatch.GetTimestamp() / (double)Stopwatch.Frequency;
-        }
-
-        /// <summary>A renewal was sent, and answered, at these times of our clock [s]; the server's was between.</summary>
-        public void Answered(double sent, double received, double server)
+        /// <summary>Records the round trip of a renewal. sent, received: times of the client's clock [s].</summary>
+        public void AddTrip(double sent, double received)
         {
             _trips.Add(received - sent);
-            Clocked(sent, received, server);
         }
 
-        /// <summary>Between these times of our clock the server's was that [s].</summary>
-        public void Clocked(double sent, double received, double server)
+        /// <summary>Records a reading of the server's clock, taken between these times of the client's clock [s].</summary>
+        public void AddMark(double sent, double received, double server)
         {
             _durations[_markCount % Marks] = received - sent;
             _offsets[_markCount++ % Marks] = server - (sent + received) / 2.0;
         }
 
-        /// <summary>Server's clock less ours [s], from the shortest trip of late: off by at most half of it.</summary>
+        /// <summary>
+        /// The server's clock minus the client's [s], from the shortest recent round trip: the error is at most half of
+        /// it.
+        /// </summary>
         public double Offset
         {
             get

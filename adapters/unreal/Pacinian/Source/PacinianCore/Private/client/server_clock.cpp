@@ -1,22 +1,22 @@
-#include "timing.h"
+#include "server_clock.h"
 
 #include <algorithm>
 
 namespace pacinian::client {
 
-void Timing::answered(double sent, double received) {
+void ServerClock::add_trip(double sent, double received) {
   trips_[answers_++ % trips_.size()] = received - sent;
   const std::size_t count = std::min(answers_, trips_.size()), last = count - 1;
   std::copy_n(trips_.begin(), count, ordered_.begin());
   std::sort(ordered_.begin(), ordered_.begin() + static_cast<std::ptrdiff_t>(count));
-  told_ = {ordered_[last / 2], ordered_[(99 * last + 50) / 100], ordered_[last]};
+  summary_ = {ordered_[last / 2], ordered_[(99 * last + 50) / 100], ordered_[last]};
 }
 
-void Timing::clocked(double sent, double received, double server) {
+void ServerClock::add_mark(double sent, double received, double server) {
   marks_[looks_++ % marks_.size()] = {received - sent, server - (sent + received) / 2.0};
 }
 
-double Timing::offset() const {
+double ServerClock::offset() const {
   const std::size_t count = std::min(looks_, marks_.size());
   const auto end = marks_.begin() + static_cast<std::ptrdiff_t>(count);
   const auto best = std::min_element(

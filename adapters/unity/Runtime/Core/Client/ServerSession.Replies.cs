@@ -3,16 +3,16 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>What the server says.</summary>
+    /// <summary>Receives the server's messages.</summary>
     internal sealed partial class ServerSession
     {
-        private const int Most = 1000; // messages that are read at once
+        private const int Most = 1000; // messages that are read in one step
 
         private double _greetedAt;
         private bool _unreadable;
 
-        /// <summary>Takes in what has come on a socket; whether there was something.</summary>
-        private bool Hear(Channel channel, double now)
+        /// <summary>Handles the messages of a socket. Returns whether there were any.</summary>
+        private bool ReceiveMessages(Channel channel, double now)
         {
             int heard = 0;
             for (; heard < Most && Over.Length == 0; heard++)
@@ -24,18 +24,18 @@ namespace Pacinian
                 }
                 if (Protocol.ReadReply(_buffers.Reader, _buffers.Data, 0, count, ref _buffers.Reply))
                 {
-                    Note(_buffers.Reply, now);
+                    Handle(_buffers.Reply, now);
                 }
                 else
                 {
-                    Misread();
+                    ReportUnreadable();
                 }
             }
             return heard > 0;
         }
 
-        /// <summary>The newest of the states that have come; those before are skipped.</summary>
-        private void Look()
+        /// <summary>Publishes the newest state that has arrived; skips the older ones.</summary>
+        private void ReceiveState()
         {
             int newest = -1;
             for (int i = 0; i < Most; i++)
@@ -55,43 +55,43 @@ namespace Pacinian
             IState state = _shared.Inbox.Back;
             if (Protocol.ReadState(_buffers.Reader, _buffers.Data, 0, newest, ref state) && state == _shared.Inbox.Back)
             {
-                _shared.Inbox.Publish();
+                _shared.Inbox.PublishState();
             }
             else
             {
-                Misread();
+                ReportUnreadable();
             }
         }
 
-        private void Note(IReply reply, double now)
+        private void Handle(IReply reply, double now)
         {
             if (reply is Renewed renewed)
             {
-                Note(renewed, now);
+                Handle(renewed, now);
             }
             else if (reply is Error error)
             {
-                Note(error);
+                Handle(error);
             }
             else if (reply is Ok ok)
             {
-                Note(ok);
+                Handle(ok);
             }
             else if (reply is Welcome welcome)
             {
-                Note(welcome, now);
+                Handle(welcome, now);
             }
             else if (reply is Abilities abilities)
             {
-                Note(abilities);
+                Handle(abilities);
             }
             else if (reply is Pressures pressures)
             {
-                Note(pressures);
+                Handle(pressures);
             }
         }
 
-        private void Note(Renewed renewed, double now)
+        private void Handle(Renewed renewed, double now)
         {
             _standing.Armed = renewed.Armed;
             _standing.Owner = renewed.Owner;
@@ -100,100 +100,101 @@ namespace Pacinian
                 double sent = _table.TakeRenewal(renewed.Id);
                 if (!double.IsNaN(sent))
                 {
-                    _timing.Answered(sent, now, renewed.ServerTime);
-                    _shared.Inbox.Time(_timing.Trips, _timing.Offset);
+                    _serverClock.AddTrip(sent, now);
+                    _serverClock.AddMark(sent, now, renewed.ServerTime);
+                    _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
                 }
             }
-            Stand();
+            PublishStatus();
         }
 
-        private void Note(Ok ok)
+        private void Handle(Ok ok)
         {
             PendingRequest request = _table.Take(ok.Id);
-            Left |= _leaving && request == null;
+            GoodbyeAnswered |= _leaving && request == null;
             if (request != null && (request.Arms || request.LetsGo))
             {
                 _standing.Armed = _standing.Owner = request.Arms;
-                Stand();
+                PublishStatus();
             }
         }
 
-        private void Note(Welcome welcome, double now)
+        private void Handle(Welcome welcome, double now)
         {
             if (welcome.Protocol.X != Protocol.Major)
             {
-                Lose(Problems.Version(welcome.Protocol.X), true);
+                SetLost(Problems.Version(welcome.Protocol.X), true);
                 return;
             }
             _session.Set(welcome.Session.Data, 0, welcome.Session.Count);
             _standing.Lease = welcome.Lease;
             _standing.Scene = welcome.Scene;
             _standing.Server = welcome.Server;
-            _timing.Clocked(_greetedAt, now, welcome.Time);
-            _shared.Inbox.Time(_timing.Trips, _timing.Offset);
+            _serverClock.AddMark(_greetedAt, now, welcome.Time);
+            _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
             Send(new Capabilities { Session = _session, Id = _table.NextId() });
         }
 
-        private void Note(Abilities abilities)
+        private void Handle(Abilities abilities)
         {
-            _buffers.Reply = null; // it is the game's from now on
+            _buffers.Reply = null; // the game uses it from now on
             _standing.Abilities = abilities;
             Begun = true;
-            _shared.Begin(_standing);
+            _shared.StartSession(_standing);
         }
 
-        private void Note(Pressures pressures)
+        private void Handle(Pressures pressures)
         {
             _buffers.Reply = null;
             PendingRequest request = _table.Take(pressures.Id);
             if (request != null)
             {
-                _shared.Inbox.Answer(request, pressures);
+                _shared.Inbox.AddAnswer(request, pressures);
             }
         }
 
-        private void Note(Error error)
+        private void Handle(Error error)
         {
             Refusal why = Problems.Of(error);
             if (!Begun)
             {
-                Lose(why.ToString(), true);
+                SetLost(why.ToString(), true);
             }
             else if (error.Code == Code.Session)
             {
-                Lose(why.Message, false);
+                SetLost(why.Message, false);
             }
             else if (error.Id == 0 && Problems.Ends(error.Code))
             {
                 _standing.Armed = false;
-                Stand();
-                _shared.Inbox.Tell(new Notice { What = Happening.Ended, Why = why });
+                PublishStatus();
+                _shared.Inbox.AddNotice(new Notice { What = Happening.Ended, Why = why });
             }
             else
             {
                 PendingRequest request = _table.Take(error.Id);
                 if (request != null)
                 {
-                    _shared.Inbox.Answer(request, null);
+                    _shared.Inbox.AddAnswer(request, null);
                 }
-                _shared.Inbox.Refuse(why);
+                _shared.Inbox.AddRefusal(why);
             }
         }
 
-        private void Misread()
+        private void ReportUnreadable()
         {
             if (!_unreadable)
             {
                 _unreadable = true;
-                _shared.Inbox.Refuse(Problems.Unreadable(_buffers.Reader.Problem, _buffers.Reader.Path));
+                _shared.Inbox.AddRefusal(Problems.Unreadable(_buffers.Reader.Problem, _buffers.Reader.Path));
             }
         }
 
-        private void Stand()
+        private void PublishStatus()
         {
             if (Begun)
             {
-                _shared.Inbox.Stand(_standing);
+                _shared.Inbox.SetStanding(_standing);
             }
         }
     }

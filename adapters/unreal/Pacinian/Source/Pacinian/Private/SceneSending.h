@@ -1,0 +1,15 @@
+#pragma once
+
+#include "Link.h"
+
+class UHapticScene;
+
+namespace Haptic {
+
+/** Sends all hands. Also sends an empty list if there was a hand in this session and none is left. */
+void SendHands(FHapticLink& Link, UHapticScene& Scene);
+
+/** Sends all quiet zones if they have changed. */
+void SendZones(FHapticLink& Link, UHapticScene& Scene);
+
+}  // namespace Haptic
