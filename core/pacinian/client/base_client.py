@@ -50,15 +50,15 @@ class BaseClient(Closing):
     @property
     def trips(self) -> Trips:
         """Round trips of the last blocking calls."""
-        return self._server_session.timing.trips
+        return self._server_session.server_clock.trips
 
     @property
     def errors(self) -> list[Refused]:
         """Errors of the calls that did not wait. Reading this clears them."""
         self._look()
-        told = list(self._server_session.errors)
+        errors = list(self._server_session.errors)
         self._server_session.errors.clear()
-        return told
+        return errors
 
     @property
     def connected(self) -> bool:

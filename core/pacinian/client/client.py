@@ -276,12 +276,14 @@ class Client(BaseClient):
         if state.output != "sounding":
             return {}
         figures = unpack(state.felt, 4).tolist()
-        told = {name: FeltRegion(*four) for name, four in zip(state.objects, figures, strict=False)}
-        return {name: felt for name, felt in told.items() if not math.isnan(felt.force)}
+        regions = {
+            name: FeltRegion(*four) for name, four in zip(state.objects, figures, strict=False)
+        }
+        return {name: felt for name, felt in regions.items() if not math.isnan(felt.force)}
 
     def age(self, state: State) -> float:
         """Return the age of a state [s], accurate to half of the shortest round trip of a connection or a renewal."""
-        return self._live(again=False).timing.age(state.time, self._clock())
+        return self._live(again=False).server_clock.age(state.time, self._clock())
 
     def _make_object(
         self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any

@@ -17,7 +17,7 @@ class Trips(NamedTuple):
     longest: float = 0.0
 
 
-class Timing:
+class ServerClock:
     """Keeps the last round trips and samples of the server's clock."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from pacinian.client.link import Link, connect, make_socket, milliseconds
 from pacinian.client.outbox import Outbox
-from pacinian.client.server_clock import Timing
+from pacinian.client.server_clock import ServerClock
 from pacinian.client.state_subscription import read_newest
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
@@ -56,7 +56,7 @@ class ServerSession:
         ids: itertools.count[int],
         **hello: Any,
     ) -> None:
-        self.clock, self.timeout, self.timing = clock, timeout, Timing()
+        self.clock, self.timeout, self.server_clock = clock, timeout, ServerClock()
         self.lost, self.armed, self.owner = "", False, False
         self._resumes = False  # the game's next renewal would let the output sound again
         self.errors, self.notices = (
@@ -95,7 +95,7 @@ class ServerSession:
             Welcome,
             self.timeout,
         )
-        self.timing.add_mark(sent, self.clock(), welcome.time)
+        self.server_clock.add_mark(sent, self.clock(), welcome.time)
         if (theirs := welcome.protocol[0]) != MAJOR:
             older = "server" if theirs < MAJOR else "client"
             problem = f"the server speaks protocol {theirs}, this client {MAJOR}"
@@ -188,7 +188,7 @@ class ServerSession:
             watched.register(link.monitor, zmq.POLLIN)
         while True:
             found = read_newest(
-                self._states, lambda state: self.timing.age(state.time, self.clock())
+                self._states, lambda state: self.server_clock.age(state.time, self.clock())
             )
             left = end - self.clock()
             if found or left <= 0.0:
@@ -228,7 +228,7 @@ class ServerSession:
         if found is None:
             self._go_on()
             self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
-        self.timing.add_trip(sent, self.clock())
+        self.server_clock.add_trip(sent, self.clock())
         if isinstance(found, Error):
             if found.code == "session":
                 self.lose(found.message)
@@ -298,7 +298,7 @@ class ServerSession:
         if isinstance(reply, Renewed):
             self.armed, self.owner = reply.armed, reply.owner
             if reply.id:
-                self.timing.add_mark(reply.time, self.clock(), reply.server_time)
+                self.server_clock.add_mark(reply.time, self.clock(), reply.server_time)
         elif isinstance(reply, Error):
             if reply.code == "session":
                 self.lose(reply.message)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.server_clock import Timing, Trips
+from pacinian.client.server_clock import ServerClock, Trips
 from pacinian.client.state_subscription import PASSES, read_newest
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.wire.binary_arrays import pack
@@ -126,21 +126,21 @@ def test_no_state_in_time_is_a_loss(client: pc.Client) -> None:
 def test_the_servers_clock_is_known_to_half_of_the_shortest_trip(
     offset: float, ways: list[tuple[float, float]]
 ) -> None:
-    timing, now = Timing(), 0.0
+    clock, now = ServerClock(), 0.0
     for there, back in ways:
-        timing.add_mark(now, now + there + back, now + there + offset)
+        clock.add_mark(now, now + there + back, now + there + offset)
         now += 1.0
     shortest = min(sum(way) for way in ways[-64:])
-    assert abs(timing.offset - offset) <= shortest / 2.0 + 1e-9 * (1.0 + abs(offset))
-    assert timing.age(now + offset, now + 5.0) == pytest.approx(5.0, abs=shortest + 1e-6)
+    assert abs(clock.offset - offset) <= shortest / 2.0 + 1e-9 * (1.0 + abs(offset))
+    assert clock.age(now + offset, now + 5.0) == pytest.approx(5.0, abs=shortest + 1e-6)
 
 
 @given(st.lists(SECONDS, max_size=300))
 def test_round_trips_in_order(trips: list[float]) -> None:
-    timing = Timing()
+    clock = ServerClock()
     for trip in trips:
-        timing.add_trip(0.0, trip)
-    told = timing.trips
+        clock.add_trip(0.0, trip)
+    told = clock.trips
     if not trips:
         assert told == Trips()
     else:
