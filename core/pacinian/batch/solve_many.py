@@ -85,8 +85,8 @@ class Solutions(Sequence["Solution"]):
     def __repr__(self) -> str:
         kinds = dict.fromkeys(one.status.name for one in self)
         counts = {name: sum(one.status.name == name for one in self) for name in kinds}
-        told = ", ".join(f"{count} {name}" for name, count in counts.items())
-        return f"<{len(self)} Solutions: {told or 'none'}, largest error {self.errors.max(initial=0.0):.2g}>"
+        text = ", ".join(f"{count} {name}" for name, count in counts.items())
+        return f"<{len(self)} Solutions: {text or 'none'}, largest error {self.errors.max(initial=0.0):.2g}>"
 
 
 def solve_many(

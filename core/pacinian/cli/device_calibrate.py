@@ -27,13 +27,13 @@ MAX_LISTED = 8  # items listed in one finding
 DOUBTFUL_POSE, WRONG_POSE = (
     2.5,
     4.0,
-)  # pose, in standard errors, above which it is told, and refused
+)  # pose, in standard errors, above which it is reported, and refused
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
 MANY_OUTLIERS = 0.02  # share of the readings above which outliers are a warning
 CLIPPED = 0.995, 0.01  # of the highest amplitude, and the share of readings that may be above
 MIN_CLIPPED = 10  # readings above; fewer may be chance
 MAX_ODD = 0.05  # share of the channels that do not fit, above which their order is wrong
-WIDENED = 1.05  # factor from which a standard error that has widened is told
+WIDENED = 1.05  # factor from which a standard error that has widened is reported
 MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
@@ -150,10 +150,10 @@ def calibrate(
         click.echo(json.dumps(result))
     else:
         print_findings(findings)
-        told = f"not written, because the scan contradicts {file}"
+        outcome = f"not written, because the scan contradicts {file}"
         if good:
-            told = f"{len(measured)} channels; set it as `calibration` in {file}"
-        click.echo(f"{out}: {told}")
+            outcome = f"{len(measured)} channels; set it as `calibration` in {file}"
+        click.echo(f"{out}: {outcome}")
     if not good:
         sys.exit(1)
 
@@ -236,7 +236,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
         if factor >= WIDENED
     ]
     if wider:
-        text = f"the scan shows {', '.join(wider)}; all errors told here include that"
+        text = f"the scan shows {', '.join(wider)}; all errors reported here include that"
         fix = "nothing to do, unless positions and pose are known that well: then check them"
         found.append(Finding("standard errors", "ok", text, fix))
     for text in fit.vague:

@@ -49,5 +49,5 @@ def print_findings(findings: list[Finding]) -> None:
     problems, warnings = (
         sum(f.level == level for f in findings) for level in ("problem", "warning")
     )
-    told = "no problem found" if not problems else f"problems to fix: {problems}"
-    console.print(f"{told}; warnings: {warnings}" if warnings else told)
+    summary = "no problem found" if not problems else f"problems to fix: {problems}"
+    console.print(f"{summary}; warnings: {warnings}" if warnings else summary)

@@ -47,7 +47,7 @@ MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transduc
 OUTLYING = 0.1  # weight below which a reading is an outlier
 MAX_OUTLYING = 0.5  # share of outliers in a transducer's readings above which these are odd
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
-MIN_TOLD = (
+MIN_INFORMATION = (
     0.1  # information from the scan, relative to that from before; below, a parameter is unknown
 )
 MIN_SHARE = 0.2  # share of a parameter in what is unknown, from which it is named
@@ -209,13 +209,13 @@ def _check_count(read: Flags) -> None:
 
 
 def _advise(residual: float, turned: float) -> str:
-    told = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
+    text = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
     if turned <= MAX_RESIDUAL:
-        return told + (
+        return text + (
             "They do with phases of the other sign: count them positive where sound leads. If they are, the channels "
             "may be in reverse order"
         )
-    return told + (
+    return text + (
         "Check the positions (in metres, in the frame of the description), the order of the channels, the drive "
         "frequency, that phases are in radians and have one reference, and the temperature; and that it is this array"
     )
@@ -243,10 +243,10 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
     after = model.cov[first:, first:][np.ix_(asked, asked)] / np.outer(prior[asked], prior[asked])
     gained = np.linalg.inv(after) - np.eye(len(asked))  # by the readings, relative to the priors
     values, vectors = np.linalg.eigh((gained + gained.T) / 2.0)
-    unknown = vectors[:, values < MIN_TOLD]
+    unknown = vectors[:, values < MIN_INFORMATION]
     share = np.abs(unknown @ unknown.T)
     left = [i for i in range(len(asked)) if share[i, i] >= MIN_SHARE]
-    groups: list[tuple[str, list[str]]] = []  # what cannot be told apart, with remedies
+    groups: list[tuple[str, list[str]]] = []  # what cannot be distinguished, with remedies
     while left:
         names = [SHARED[asked[i]] for i in left if share[left[0], i] >= MIN_SHARE]
         left = [i for i in left if share[left[0], i] < MIN_SHARE]
@@ -256,7 +256,7 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
     for fix, names in groups:
         if len(names) == 1:
             alone.setdefault(fix, []).append(names[0])
-    told = [
+    single = [
         f"the scan does not tell the {', the '.join(names)}: {fix}" for fix, names in alone.items()
     ]
     together = [
@@ -264,7 +264,7 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
         for fix, names in groups
         if len(names) > 1
     ]
-    return (*told, *together)
+    return (*single, *together)
 
 
 def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:

@@ -119,8 +119,8 @@ class UsbKind:
         whole = (device.idVendor, device.idProduct) in self.usb
         for configuration in device:
             for one in configuration:
-                told = one.bInterfaceClass, one.bInterfaceSubClass, one.bInterfaceProtocol
-                if whole or told in self.usb:
+                kind = one.bInterfaceClass, one.bInterfaceSubClass, one.bInterfaceProtocol
+                if whole or kind in self.usb:
                     return one
         return None
 
@@ -131,8 +131,8 @@ class UsbKind:
 
         doing: description of the action that failed. serial: serial of the device. place: its bus and address.
         """
-        told = self.gone if has_gone(error) else f"{doing}: {advice(error, place, self.hangs)}"
-        return BackendError(f"{self.name} {serial}".rstrip() + f": {told}")
+        text = self.gone if has_gone(error) else f"{doing}: {advice(error, place, self.hangs)}"
+        return BackendError(f"{self.name} {serial}".rstrip() + f": {text}")
 
     def _ours(self, device: Any) -> bool:
         whole = (device.idVendor, device.idProduct) in self.usb

@@ -45,26 +45,26 @@ def read_feed(path: Path) -> Watched:
                     sound = msgspec.msgpack.decode(data, type=ArrayMessage).sound
                     sizes = b"" if sound is None else sound.sizes
                 elif kind in ("frame", "state"):
-                    told = decode_state(data)
-                    if isinstance(told, FrameState):
-                        drive.append((at, *_amplitudes(told, sizes)))
+                    message = decode_state(data)
+                    if isinstance(message, FrameState):
+                        drive.append((at, *_amplitudes(message, sizes)))
                     else:
-                        states.append((at, *_state(told)))
+                        states.append((at, *_state(message)))
     if not states:
         raise RecordingError(path, "has no state of a server")
     return Watched(np.array(drive).reshape(-1, 3), np.array(states))
 
 
-def _amplitudes(told: FrameState, sizes: bytes) -> tuple[float, float]:
-    level = np.frombuffer(told.amplitude, "<u2")
+def _amplitudes(frame: FrameState, sizes: bytes) -> tuple[float, float]:
+    level = np.frombuffer(frame.amplitude, "<u2")
     if not level.size:
         return SILENCE
-    table = np.frombuffer(sizes, "<f4") if sizes else np.linspace(0.0, 1.0, told.amplitudes)
+    table = np.frombuffer(sizes, "<f4") if sizes else np.linspace(0.0, 1.0, frame.amplitudes)
     amplitude = table[level]
     return float(amplitude.mean()), float(amplitude.max())
 
 
-def _state(told: State) -> tuple[float, ...]:
-    error = told.error if told.points and told.output == "sounding" else np.nan
-    ticks = np.array(told.tick_ms) if any(told.tick_ms) else np.full(3, np.nan)  # not measured
-    return error, *(1e-3 * ticks).tolist(), 1.0 / told.rate if told.rate else np.nan
+def _state(state: State) -> tuple[float, ...]:
+    error = state.error if state.points and state.output == "sounding" else np.nan
+    ticks = np.array(state.tick_ms) if any(state.tick_ms) else np.full(3, np.nan)  # not measured
+    return error, *(1e-3 * ticks).tolist(), 1.0 / state.rate if state.rate else np.nan

@@ -221,9 +221,9 @@ def _group_commands(given: Any) -> Iterable[tuple[CommandGroup, Iterable[Any]]]:
         return [("develop", given)]
     known = get_args(CommandGroup)
     if unknown := [group for group in given if group not in known]:
-        told = ", ".join(known)
+        names = ", ".join(known)
         raise TypeError(
-            f"register_commands: no group is called {unknown[0]!r}; the groups are {told}"
+            f"register_commands: no group is called {unknown[0]!r}; the groups are {names}"
         )
     return list(given.items())
 

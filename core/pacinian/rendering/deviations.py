@@ -122,7 +122,7 @@ def mark(objects: Reasons, labels: Iterable[str], reason: str, count: int = 1) -
 
 def describe_totals(reasons: Mapping[str, Total]) -> str:
     """Describe the deviations of one object in words."""
-    told: list[str] = []
+    parts: list[str] = []
     for reason, (ticks, count, first, last) in reasons.items():
         if reason in BY_TICK:
             text = f"{reason} in {max(ticks, count):,} ticks"
@@ -130,5 +130,5 @@ def describe_totals(reasons: Mapping[str, Total]) -> str:
             kind = "samples " if reason in LEFT_OUT or reason == WEAKENED else ""
             text = f"{kind}{reason} in {ticks:,} ticks"
             text += f" ({count / ticks:.3g} in each)" if kind else ""
-        told.append(f"{text}, {round(first, 3) + 0.0:.3f} to {round(last, 3) + 0.0:.3f} s")
-    return "; ".join(told)
+        parts.append(f"{text}, {round(first, 3) + 0.0:.3f} to {round(last, 3) + 0.0:.3f} s")
+    return "; ".join(parts)

@@ -221,8 +221,8 @@ class Recording:
             if (off := float(np.abs(now - before).max(initial=0.0))) > 0.0:
                 changes.append(f"array: {name} differ by up to {off:.2g}{unit}")
         had, has = (
-            {"responses": told["response"], **told["transducer"]}
-            for told in (self.settings, to_map(array))
+            {"responses": description["response"], **description["transducer"]}
+            for description in (self.settings, to_map(array))
         )
         if had["directivity"] is None:
             had["directivity"] = has["directivity"]

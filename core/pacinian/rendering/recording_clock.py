@@ -18,14 +18,14 @@ class RecordingClock:
     def __init__(self, now: Callable[[], float], *, stops: bool = False) -> None:
         self._now, self._stops = now, stops
         self._noted: list[float] = []
-        self._told: list[float] | None = None
+        self._replayed: list[float] | None = None
         self._place = 0
         self._last: float | None = None  # reading that was replayed last [s]
 
     @property
     def replays(self) -> bool:
         """Whether recorded readings are replayed."""
-        return self._told is not None
+        return self._replayed is not None
 
     def now(self) -> float:
         """Return the time [s]. Raises LookupError if a replay reads the clock more often than was recorded."""
@@ -33,15 +33,15 @@ class RecordingClock:
 
     def note(self, read: Callable[[], float]) -> float:
         """Return `read()`, or in a replay what it returned when it was recorded. Raises LookupError as `now` does."""
-        if self._told is None:
+        if self._replayed is None:
             value = read()
             self._noted.append(value)
             return value
-        if self._place >= len(self._told):
+        if self._place >= len(self._replayed):
             if self._stops and self._last is not None:
                 return self._last
             raise LookupError("the clock is read more often than in the recording")
-        self._last = self._told[self._place]
+        self._last = self._replayed[self._place]
         self._place += 1
         return self._last
 
@@ -52,4 +52,4 @@ class RecordingClock:
 
     def tell(self, noted: list[float]) -> None:
         """Replay these readings from now on, instead of the time."""
-        self._told, self._place = noted, 0
+        self._replayed, self._place = noted, 0

@@ -249,11 +249,13 @@ class Renderer(Closing):
         """Log and keep warnings about the first scene."""
         if first is None:
             return
-        told: list[str] = []
+        warnings: list[str] = []
         with suppress(PacinianError):  # of a file; the first tick will raise and report it
-            told.extend(find_warnings(first, self.sampler, self.session, find_ceiling(self.limits)))
-        self.report.warnings = tuple(told)
-        for text in told:
+            warnings.extend(
+                find_warnings(first, self.sampler, self.session, find_ceiling(self.limits))
+            )
+        self.report.warnings = tuple(warnings)
+        for text in warnings:
             logging.getLogger("pacinian").warning("%s", text)
 
     def use(self, backend: Backend) -> Backend:

@@ -185,14 +185,14 @@ class Report:
     def __repr__(self) -> str:
         if not self.ticks:
             return "<Report: no ticks yet>"
-        told = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
-        told += f", error {self.error:.2%}" if self._measured else ""
+        text = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
+        text += f", error {self.error:.2%}" if self._measured else ""
         if self.deviations.ticks:
-            told += f", {self.deviations.ticks:,} ticks not as asked"
-        told += f", {self.fault_count} faults" if self.fault_count else ""
+            text += f", {self.deviations.ticks:,} ticks not as asked"
+        text += f", {self.fault_count} faults" if self.fault_count else ""
         if self.faults:
-            told += f", the last in {self.faults[-1].stage}: {self.faults[-1].message}"
-        return f"<Report: {told}{', interrupted' if self.interrupted else ''}>"
+            text += f", the last in {self.faults[-1].stage}: {self.faults[-1].message}"
+        return f"<Report: {text}{', interrupted' if self.interrupted else ''}>"
 
     @card
     def _repr_html_(self) -> Card:

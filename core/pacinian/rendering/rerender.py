@@ -90,10 +90,10 @@ class Rerendering:
     objects: dict[str, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        told = [f"{self.ticks} ticks rendered again, {self.different} frames differ"]
-        told += [*self.environment, *self.array]
-        told += [f"object {label!r}: {what}" for label, what in self.objects.items()]
-        return "\n".join(told)
+        lines = [f"{self.ticks} ticks rendered again, {self.different} frames differ"]
+        lines += [*self.environment, *self.array]
+        lines += [f"object {label!r}: {what}" for label, what in self.objects.items()]
+        return "\n".join(lines)
 
 
 def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
@@ -124,9 +124,9 @@ def _compare_objects(
         one, other = tick.objects.get(label, NO_SAMPLES), now.get(label, NO_SAMPLES)
         same = math.isclose(one.force, other.force, rel_tol=SAME_FORCE, abs_tol=SAME_FORCE)
         if one[:2] != other[:2] or not same:
-            told = f"{one.rendered} of {one.asked} samples, {1e3 * one.force:.4g} mN when recorded"
-            told += f", {other.rendered} of {other.asked}, {1e3 * other.force:.4g} mN now"
-            yield label, f"{told}, from {tick.time:.3f} s on"
+            text = f"{one.rendered} of {one.asked} samples, {1e3 * one.force:.4g} mN when recorded"
+            text += f", {other.rendered} of {other.asked}, {1e3 * other.force:.4g} mN now"
+            yield label, f"{text}, from {tick.time:.3f} s on"
 
 
 def iterate_rerendered(

@@ -29,11 +29,11 @@ class Skips(NamedTuple):
     problems: dict[str, int]
 
     def __str__(self) -> str:
-        told = [f"{count:,} {reason}" for reason, count in self.problems.items()]
+        parts = [f"{count:,} {reason}" for reason, count in self.problems.items()]
         if self.saved:
             times = sum(self.saved.values())
-            told.append("work saved once" if times == 1 else f"work saved {times:,} times")
-        return "; ".join(told) or "nothing"
+            parts.append("work saved once" if times == 1 else f"work saved {times:,} times")
+        return "; ".join(parts) or "nothing"
 
 
 def split_skips(skipped: Mapping[str, int]) -> Skips:

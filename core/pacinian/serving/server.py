@@ -88,15 +88,15 @@ def serve(
         network = replace(
             settings.network, control=doors.control, command=command, state=doors.state
         )
-        told = child_process.LaunchConfig(str(folder), replace(settings, network=network))
+        config = child_process.LaunchConfig(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
 
         def begin(name: str, spare: int) -> Process:
             with _reserve():
                 if name == SPARE:
-                    return start(GUARD, replace(told, spare=spare))
+                    return start(GUARD, replace(config, spare=spare))
                 # The other processes have no socket.
-                return start(name, replace(told, secrets=secrets) if name == "bus" else told)
+                return start(name, replace(config, secrets=secrets) if name == "bus" else config)
 
         supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)

@@ -256,9 +256,10 @@ def _make_values(record: SolutionRecord) -> dict[str, Any]:
     N, points = len(array), check_numbers("points", _unpack(record.points, "f"), (None, 3))
     M = len(points)
     check_near("points", points, array.centre)
-    told, kept, facing = record.targets, record.limits, record.facing
+    stored, kept, facing = record.targets, record.limits, record.facing
     targets = Targets.make_checked(
-        M, _unpack(told.amplitudes, "f"), _unpack(told.phases, "f"), told.scale, _unpack_optional(told.regions, "i")
+        M, _unpack(stored.amplitudes, "f"), _unpack(stored.phases, "f"), stored.scale,
+        _unpack_optional(stored.regions, "i"),
     )  # fmt: skip
     quiet = (
         None if kept.quiet is None else (_unpack(kept.quiet[0], "f"), _unpack(kept.quiet[1], "f"))

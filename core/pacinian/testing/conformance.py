@@ -17,8 +17,8 @@ class NotConforming(AssertionError):
     """A plug-in breaks rules. broken: name of each broken rule to the observation."""
 
     def __init__(self, what: str, broken: Mapping[str, str]) -> None:
-        told = "".join(f"\n  {rule}: {seen}" for rule, seen in broken.items())
-        super().__init__(f"{what} breaks {len(broken)} of its rules:{told}")
+        details = "".join(f"\n  {rule}: {seen}" for rule, seen in broken.items())
+        super().__init__(f"{what} breaks {len(broken)} of its rules:{details}")
         self.broken = dict(broken)
 
 

@@ -162,9 +162,11 @@ class _Kit:
             limit, most = problem.limits.gain or np.inf, float(np.abs(g).max())
             B = self.reference(problem.q)
             weak = len(problem.q) < 5 and float(problem.t.sum()) < 0.2 * np.abs(B).sum(axis=1).min()
-            told = "although it says that they are `limited`" if result.limited else "for so little"
+            reason = (
+                "although it says that they are `limited`" if result.limited else "for so little"
+            )
             within = most <= limit * (1.0 + 1e-5) or not (weak or result.limited)
-            require(within, f"gains reach {most:.3g} {told}: {name}")
+            require(within, f"gains reach {most:.3g} {reason}: {name}")
 
     def deterministic(self) -> None:
         """The same problem has the same answer, bit for bit, because recordings are rendered again."""
@@ -233,7 +235,7 @@ class _Kit:
             off = float(np.abs(p - solution.sound_pressure).max())
             require(
                 off <= SINGLE * scale,
-                f"pressures told are {off / scale:.2g} of full drive off for {name}",
+                f"reported pressures are {off / scale:.2g} of full drive off for {name}",
             )
             met = float(np.linalg.norm(np.abs(p) - problem.t)) / float(np.linalg.norm(problem.t))
             require(

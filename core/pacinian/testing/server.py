@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 START = 300.0  # time until all processes are ready, including compilation [s]
 END = 10.0  # time for the server to end after SIGTERM [s]
 POLL_INTERVAL = 0.02  # polling period [s]
-TOLD = 2000  # length of the log excerpt in an error [characters]
+EXCERPT_LENGTH = 2000  # length of the log excerpt in an error [characters]
 COMMAND = sys.executable, "-m", "pacinian", "serve"
 CONTROL = "control"
 CHILDREN = "bus", "render", "guard"
@@ -118,10 +118,12 @@ def _ready(running: Running, limit: float) -> None:
     while not running.connection.exists():
         code = running.process.poll()
         if code is not None:
-            raise ServerError(f"the server ended with {code}: {running.read_log()[-TOLD:].strip()}")
+            raise ServerError(
+                f"the server ended with {code}: {running.read_log()[-EXCERPT_LENGTH:].strip()}"
+            )
         if time.monotonic() > due:
             raise ServerError(
-                f"the server is not ready after {limit:g} s: {running.read_log()[-TOLD:]}"
+                f"the server is not ready after {limit:g} s: {running.read_log()[-EXCERPT_LENGTH:]}"
             )
         time.sleep(POLL_INTERVAL)
 

@@ -65,7 +65,7 @@ class Bridge:
         self._first: tuple[int, AnyAsked] | None = None
         self._demonstration: Demonstration | None = None
         self._demonstrated = 0  # the page that requested it
-        self._told: tuple[SessionMessage, int] | None = None
+        self._posted: tuple[SessionMessage, int] | None = None
         self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
 
     def start(self) -> None:
@@ -158,7 +158,7 @@ class Bridge:
 
     def _watch(self, client: Client, connection: Connection) -> None:
         """Run one session until it is lost, a page arms another scene, or the bridge ends."""
-        self._owner, self._armed, self._told, scene = 0, False, None, self._scene
+        self._owner, self._armed, self._posted, scene = 0, False, None, self._scene
         self._selected.clear()
         with StateReader(client, connection, self._hub, self._post) as states:
             self._lost, due = "", time.perf_counter()
@@ -247,9 +247,9 @@ class Bridge:
         session = SessionMessage(
             name=NAME, scene=self._scene, lease=client.lease, armed=armed, mine=False
         )
-        if (session, self._owner) != self._told:
-            self._told = session, self._owner
-            self._post(self._hub.set_session, *self._told)
+        if (session, self._owner) != self._posted:
+            self._posted = session, self._owner
+            self._post(self._hub.set_session, *self._posted)
 
     def _refuse(self, page: int, asked: AnyAsked, error: Exception) -> None:
         advice = error.advice if isinstance(error, Refused) else ""

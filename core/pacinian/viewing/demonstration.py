@@ -52,7 +52,7 @@ class Demonstration:
 
     @property
     def plays(self) -> bool:
-        """Whether the demonstration is running, and has not been told to end."""
+        """Whether the demonstration is running, and has not been asked to end."""
         return self._thread.is_alive() and not self._ended.is_set()
 
     def keep_alive(self) -> None:

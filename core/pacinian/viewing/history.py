@@ -30,13 +30,13 @@ def collect_history(recorded: FeedFile, before: Sequence[Entry], model: Model) -
         some = [entry for entry in late if entry.kind == kind]
         for entry in some[:: 1 + len(some) // MAX_MESSAGES]:
             with suppress(*WRONG):
-                told = decode_state(recorded.data(entry))
-                row = rows.setdefault(told.time, [np.nan, np.nan, np.nan])
-                if isinstance(told, FrameState):
-                    size = np.abs(np.frombuffer(model.gains(told) or bytes(8), np.complex64))
+                message = decode_state(recorded.data(entry))
+                row = rows.setdefault(message.time, [np.nan, np.nan, np.nan])
+                if isinstance(message, FrameState):
+                    size = np.abs(np.frombuffer(model.gains(message) or bytes(8), np.complex64))
                     row[:2] = float(size.mean()), float(size.max())
-                elif told.asked:
-                    row[2] = told.error
+                elif message.asked:
+                    row[2] = message.error
     times = sorted(rows)
     values = np.array([rows[time] for time in times], np.float32).reshape(-1, 3)
     return History(

@@ -33,17 +33,18 @@ class Model:
     sizes: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, told: Abilities | ArrayMessage) -> Self | None:
+    def of(cls, description: Abilities | ArrayMessage) -> Self | None:
         """Read a server's description; return None if it is missing or has an unknown directivity."""
-        sound = told.sound
+        sound = description.sound
         if sound is None or sound.directivity not in DIRECTIVITIES:
             return None
         r, n = (
-            np.frombuffer(rows, "<f4").reshape(-1, 3) for rows in (told.positions, told.normals)
+            np.frombuffer(rows, "<f4").reshape(-1, 3)
+            for rows in (description.positions, description.normals)
         )
         response = np.frombuffer(sound.response, "<c8") if sound.response else None
         kind = Transducer(
-            frequency=told.frequency, pressure=sound.pressure,
+            frequency=description.frequency, pressure=sound.pressure,
             directivity=DIRECTIVITIES[sound.directivity],
         )  # fmt: skip
         medium = Air(

@@ -161,7 +161,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
     """Return the state, from the recording and, if there is one, from the renderer."""
     asked = tick.asked
     hands = [] if asked is None else [_joints(hand) for hand in asked.scene.hands]
-    told: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "solver": "" if asked is None else asked.solver.name,
         "objects": ()
         if asked is None
@@ -170,10 +170,15 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
         "rate": recording.tick_rate,
     }
     if renderer is not None:
-        told |= status.make_status(renderer, tick.time) | {"tick_counts": b""}
+        fields |= status.make_status(renderer, tick.time) | {"tick_counts": b""}
     if past.different:
-        told["faults"] = (f"{past.different} frames, rendered again, differ from what was sent",)
-    told |= {"ticks": past.ticks, "frames": past.ticks, "late": past.late, "tick_ms": past.tick_ms}
+        fields["faults"] = (f"{past.different} frames, rendered again, differ from what was sent",)
+    fields |= {
+        "ticks": past.ticks,
+        "frames": past.ticks,
+        "late": past.late,
+        "tick_ms": past.tick_ms,
+    }
     return State(
         sequence=past.ticks,
         time=tick.frame.time,
@@ -184,7 +189,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
         backend="recorded",
         technique="",
         intensity=1.0,
-        **told,
+        **fields,
     )
 
 

@@ -121,10 +121,12 @@ class StateReader:
 
     def _array(self, now: float) -> None:
         backend = self._client.status().backend  # first, so that the reply is not older
-        told = self._client.capabilities()
-        self._told, self._asked, self._backend, self._model = told, now, backend, Model.of(told)
-        self._changed = not (told.solvers and told.backends)  # the server may still be listing them
-        fields = {name: getattr(told, name) for name in ARRAY}
+        capabilities = self._client.capabilities()
+        self._capabilities, self._model = capabilities, Model.of(capabilities)
+        self._asked, self._backend = now, backend
+        # The server may still be listing them.
+        self._changed = not (capabilities.solvers and capabilities.backends)
+        fields = {name: getattr(capabilities, name) for name in ARRAY}
         server = self._client.server
         array = ArrayMessage(server=server, fields=self._model is not None, **fields)
         self._recent.clear()
@@ -142,7 +144,9 @@ class StateReader:
         if state.tick_counts and now >= self._counted + RARELY:
             self._counted = now
             self._post(
-                self._hub.put, "histogram", make_histogram(state.tick_counts, self._told.rate)
+                self._hub.put,
+                "histogram",
+                make_histogram(state.tick_counts, self._capabilities.rate),
             )
         self._recent.see_state(state.time, state.technique, state.hands, state.presentation)
         self._explain(state)
@@ -159,10 +163,13 @@ class StateReader:
             self._post(self._hub.put, "silence", message)
 
     def _frame(self, data: bytes) -> None:
-        frame, told = decode_state(data), self._told
+        frame, abilities = decode_state(data), self._capabilities
         if not isinstance(frame, FrameState):
             return
-        self._changed |= (frame.phases, frame.amplitudes) != (told.phases, told.amplitudes)
+        self._changed |= (frame.phases, frame.amplitudes) != (
+            abilities.phases,
+            abilities.amplitudes,
+        )
         self._frame_time = frame.time
         if self._model is not None and (frame.phase or not self._stale):  # a gap is not modulation
             self._recent.add(
@@ -184,17 +191,19 @@ class StateReader:
     def _show(self) -> None:
         """Request what is new in the scene."""
         try:
-            told = self._client.show(*self._known)
+            reply = self._client.show(*self._known)
         except Refused as error:
             self._shows = error.code != "malformed"  # a server of protocol 1.0 has no `show`
             return
         before = self._scenery
-        if told.scene != self._known[0]:  # names may denote other objects there
-            self._scenery = before.with_(told.scene, {}, {})
-        self._known = told.scene, told.version
-        objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in told.objects.items()}
-        poses = {name: told.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(told.names)}
-        self._scenery = self._scenery.with_(told.scene, objects, poses)
-        self._recent.see_scene(self._frame_time, told.objects, self._scenery.poses)
+        if reply.scene != self._known[0]:  # names may denote other objects there
+            self._scenery = before.with_(reply.scene, {}, {})
+        self._known = reply.scene, reply.version
+        objects = {name: Raw(msgspec.msgpack.encode(item)) for name, item in reply.objects.items()}
+        poses = {
+            name: reply.poses[POSE * i : POSE * i + POSE] for i, name in enumerate(reply.names)
+        }
+        self._scenery = self._scenery.with_(reply.scene, objects, poses)
+        self._recent.see_scene(self._frame_time, reply.objects, self._scenery.poses)
         if self._scenery is not before:
             self._post(self._hub.show, self._scenery)

@@ -88,12 +88,12 @@ def hostile(messages: int, seconds: float, seed: int, as_json: bool) -> None:
         found = run.run(messages, seconds, seed, lambda done: bar.update(task, completed=done))
     judged = tables.verdicts(found)
     if as_json:
-        told: dict[str, Any] = {
+        result: dict[str, Any] = {
             "sent": found.flooded.sent, "codes": found.flooded.codes, "counts": found.counts,
             "growth": found.growth,
             "verdicts": [verdict._asdict() for verdict in judged],
         }  # fmt: skip
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(result))
     else:
         console = Console()
         shown = (

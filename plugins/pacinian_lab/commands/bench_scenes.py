@@ -93,8 +93,8 @@ def scenes(
     more = not chosen and (out is not None or not as_json)
     found, interrupted = _measure(array, todo, seconds, more)
     if out is not None:
-        told = scene_report.plain(*found, units=units, seconds=seconds, interrupted=interrupted)
-        out.write_text(json.dumps(told), encoding="utf-8")
+        result = scene_report.plain(*found, units=units, seconds=seconds, interrupted=interrupted)
+        out.write_text(json.dumps(result), encoding="utf-8")
     if as_json:
         click.echo(json.dumps([asdict(row) for row in found.rows]))
     else:
@@ -178,8 +178,8 @@ def _print(found: Found) -> None:
         shown.append(scene_tables.growth(found.growth))
     if found.sounds:
         shown.append(scene_tables.sounds(found.sounds))
-    told = scene_report.verdicts(found.rows, found.savings, found.growth)
-    shown.append(scene_tables.verdicts(told))
+    verdicts = scene_report.verdicts(found.rows, found.savings, found.growth)
+    shown.append(scene_tables.verdicts(verdicts))
     for table in shown:
         console.print(table)
         console.print()

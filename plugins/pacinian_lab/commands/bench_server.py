@@ -51,8 +51,8 @@ def bus(what: What, seconds: float, side: int, clients: tuple[int, ...], as_json
 
     found, interrupted = _measure(what, side, seconds, clients)
     if as_json:
-        told = report.plain(*found, units=side * side, seconds=seconds, interrupted=interrupted)
-        click.echo(json.dumps(told))
+        result = report.plain(*found, units=side * side, seconds=seconds, interrupted=interrupted)
+        click.echo(json.dumps(result))
     else:
         _print(found)
     if interrupted:
@@ -102,7 +102,7 @@ def _print(found: Found) -> None:
         shown += tables.latency(found.times)
     if found.rows:
         shown += tables.load_(found.rows)
-    told = [*report.latency(found.times), *report.load(found.rows, found.finals)]
-    for table in (*shown, scene_tables.verdicts(told)):
+    verdicts = [*report.latency(found.times), *report.load(found.rows, found.finals)]
+    for table in (*shown, scene_tables.verdicts(verdicts)):
         console.print(table)
         console.print()

@@ -52,13 +52,13 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
     if as_json:
         import msgspec
 
-        told = {
+        result = {
             **report.about(),
             "interrupted": interrupted,
             "targets": [asdict(verdict) for verdict in found],
             "rows": msgspec.to_builtins(rows),
         }
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(result))
     elif rows:
         _print(rows)
     if interrupted:

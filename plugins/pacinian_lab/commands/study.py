@@ -86,8 +86,8 @@ def study(
         files += _report(plan, table, folder)
     failures = len(table) - table.column("failure").null_count
     if as_json:
-        told = {"tasks": len(table), "done_now": missing, "failures": failures}
-        click.echo(json.dumps({**told, "files": [str(made) for made in files]}))
+        result = {"tasks": len(table), "done_now": missing, "failures": failures}
+        click.echo(json.dumps({**result, "files": [str(made) for made in files]}))
     else:
         click.echo(f"{len(table)} tasks, {missing} of them run now, {failures} failed")
         for made in files:

@@ -164,8 +164,8 @@ def main() -> None:
         click.echo("|---|" + "---|" * len(cases))
         for key in table[cases[0]][0]:
             cells = [np.median([run[key] for run in table[case]], axis=0) for case in cases]
-            told = " | ".join(f"{a:.2g} / {b:.2g} / {c:.2f}" for a, b, c in cells)
-            click.echo(f"| {key} | {told} |")
+            text = " | ".join(f"{a:.2g} / {b:.2g} / {c:.2f}" for a, b, c in cells)
+            click.echo(f"| {key} | {text} |")
 
 
 if __name__ == "__main__":

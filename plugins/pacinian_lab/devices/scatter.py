@@ -200,10 +200,13 @@ def main() -> None:
             kept = runs[~np.isnan(runs[:, 0])]
             if len(kept):
                 degrees, percent, focus = np.median(kept, axis=0)
-                told = f"{degrees:.1f} deg, {percent:.1f} %", f"{focus:.4f}, {kept[:, 2].min():.4f}"
+                texts = (
+                    f"{degrees:.1f} deg, {percent:.1f} %",
+                    f"{focus:.4f}, {kept[:, 2].min():.4f}",
+                )
             else:
-                told = "-", "-"
-            cells += [*told, f"{len(runs) - len(kept)} of {len(runs)}"]
+                texts = "-", "-"
+            cells += [*texts, f"{len(runs) - len(kept)} of {len(runs)}"]
         scan = f"{case[0]} positions, noise {100 * case[1]:g} %, {1e3 * case[2]:g} mm"
         click.echo(f"| {scan} | " + " | ".join(cells) + " |")
     if len(sys.argv) > 1:

@@ -83,10 +83,10 @@ def _offers(worker: Worker, on_fault: Callable[[str], object]) -> list[tuple[str
 def run_one(worker: Worker, way: str, example: Example, seconds: float) -> Row:
     """Return one row. Raises WorkerError."""
     message = {"solver": way, "mode": example.name, "seconds": seconds}
-    told = worker.ask({**message, "problem": example.message()}, LIMIT)
+    reply = worker.ask({**message, "problem": example.message()}, LIMIT)
     try:
-        gains = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
-        p50 = float(told["p50"])
+        gains = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
+        p50 = float(reply["p50"])
     except (KeyError, TypeError, ValueError) as error:
         raise WorkerError(f"gave an invalid answer: {error!r}") from error
     shape = len(example.points), len(example.positions)

@@ -66,9 +66,9 @@ class Peers:
             "pressure": PRESSURE,
         }
         message = {"solver": solver, "mode": "cold", "seconds": 0.0, "problem": problem}
-        told = self.worker.ask(message, LIMIT)
+        reply = self.worker.ask(message, LIMIT)
         try:
-            gains = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
+            gains = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
         except (KeyError, TypeError, ValueError) as error:
             raise WorkerError(f"gave an invalid answer: {error!r}") from error
         if gains.shape != (len(self.array),) or not np.isfinite(gains).all():

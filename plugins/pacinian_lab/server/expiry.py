@@ -39,7 +39,7 @@ MAX_TIME_LEFT = 1e-3  # [s] longest time left on a real permit at its last write
 class Sizes(NamedTuple):
     """Number of repeats of each measurement."""
 
-    told: int = 100_000
+    simulated: int = 100_000
     sleeps: int = 20_000
     expired: int = 100_000
     stopped: int = 10_000
@@ -76,7 +76,9 @@ def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1
     chance = random.Random(seed)
     stale = settings.safety.stale
     yield _row(
-        "expired, simulated clock [rounds]", 1.0, _measure_simulated(settings, sizes.told, chance)
+        "expired, simulated clock [rounds]",
+        1.0,
+        _measure_simulated(settings, sizes.simulated, chance),
     )
     yield _row("a sleep of one round, alone", POLL_INTERVAL, _sleeps(sizes.sleeps))
     with GuardProcess(settings) as real:

@@ -56,12 +56,12 @@ class GuardProcess:
             for path in map(self._folder.joinpath, names)
         }
         self._epoch = self._sequence = 0
-        told = child_process.LaunchConfig(str(self._folder), settings)
+        config = child_process.LaunchConfig(str(self._folder), settings)
         if orphan:
-            text = msgspec.json.encode(told).decode()
+            text = msgspec.json.encode(config).decode()
             self.process = subprocess.Popen([sys.executable, "-c", PARENT, text])
         else:
-            self.process = child_process.start("guard", told)
+            self.process = child_process.start("guard", config)
 
     def __enter__(self) -> GuardProcess:
         return self

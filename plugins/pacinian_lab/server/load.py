@@ -46,7 +46,7 @@ class Row(Struct, frozen=True):
     """Results of one phase.
 
     rate: intended messages per second in total. sent: messages per second that the sockets took; full: messages per
-    second that found no room. told: errors that clients received, by code. memory: of all server processes together,
+    second that found no room. errors: those that clients received, by code. memory: of all server processes together,
     at the start, at the end, and the maximum [MB]. cpu: of each process, as a fraction of a core.
     """
 
@@ -54,7 +54,7 @@ class Row(Struct, frozen=True):
     rate: float
     sent: float
     full: float
-    told: dict[str, int]
+    errors: dict[str, int]
     seen: Seen
     memory: tuple[float, float, float]
     cpu: dict[str, float]
@@ -122,7 +122,7 @@ def measure(
             done = [crowd.receive(Done, MAX_BUSY_WAIT) for crowd in crowds]
             sent += sum(one.sent for one in done)
             for one in done:
-                refused.update(one.told)
+                refused.update(one.notices)
             first = group * positions.CELLS
             watcher.send(Check(now, first, min(first + positions.CELLS, objects), sent))
             checks.append(watcher.receive(Checked, MAX_WAIT))
@@ -163,16 +163,16 @@ def _phase(
     after = server.usage()
     done = [crowd.receive(Done, MAX_WAIT) for crowd in crowds]
     seen = watcher.receive(Seen, MAX_WAIT)
-    told = dict[str, int]()
+    errors = dict[str, int]()
     for one in done:
-        for what, count in one.told.items():
-            told[what] = told.get(what, 0) + count
+        for what, count in one.notices.items():
+            errors[what] = errors.get(what, 0) + count
     return Row(
         clients=clients,
         rate=rate,
         sent=sum(one.sent for one in done) / seconds,
         full=sum(one.full for one in done) / seconds,
-        told=told,
+        errors=errors,
         seen=seen,
         memory=(memory[0], memory[-1], max(memory)),
         cpu={

@@ -98,7 +98,7 @@ class Watcher:
         """Return a round trip [s], or None if it failed. Counts a lost session or lease and restores it."""
         try:
             trip = self.peer.renew()
-            if self.peer.told.pop("expired", 0):
+            if self.peer.notices.pop("expired", 0):
                 self.lost += 1
                 self.peer.request(Arm)
         except ServerError as error:

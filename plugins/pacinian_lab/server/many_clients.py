@@ -46,12 +46,12 @@ class Place(Struct, frozen=True, tag=True):
 
 
 class Done(Struct, frozen=True):
-    """asked: messages that were due. sent: taken by a socket. full: found no room. told: errors, notices, by code."""
+    """asked: messages that were due. sent: taken by a socket. full: found no room. notices: and errors, by code."""
 
     asked: int = 0
     sent: int = 0
     full: int = 0
-    told: dict[str, int] = {}
+    notices: dict[str, int] = {}
 
 
 class Members:
@@ -111,10 +111,10 @@ class Members:
                 peer.renew_nowait()
 
     def _collect_counts(self) -> dict[str, int]:
-        told = sum((peer.told for peer in self.peers.values()), Counter[str]())
+        counts = sum((peer.notices for peer in self.peers.values()), Counter[str]())
         for peer in self.peers.values():
-            peer.told.clear()
-        return dict(told)
+            peer.notices.clear()
+        return dict(counts)
 
     def close(self) -> None:
         """Close all clients."""

@@ -44,13 +44,13 @@ def socket(
 class Peer:
     """A session. name: of the client. scene: the shared scene. key: of the session. Raises ServerError, Refused.
 
-    told: counts of unsolicited messages and errors from the server, by code.
+    notices: counts of unsolicited messages and errors from the server, by code.
     """
 
     def __init__(
         self, context: zmq.Context[zmq.Socket[bytes]], connection: Connection, name: str, scene: str
     ) -> None:
-        self.told = Counter[str]()
+        self.notices = Counter[str]()
         self._sequence = self._id = 0
         self._control = socket(context, zmq.DEALER, connection.control, connection.token)
         self._commands = socket(context, zmq.DEALER, connection.command, connection.token)
@@ -105,7 +105,7 @@ class Peer:
         try:
             self._control.send(codec.encode(message), zmq.NOBLOCK)
         except zmq.Again:
-            self.told["no room"] += 1
+            self.notices["no room"] += 1
         for one in (self._control, self._commands):
             self._drain(one)
 
@@ -149,7 +149,7 @@ class Peer:
 
     def _note(self, reply: Any) -> None:
         if not isinstance(reply, Renewed):
-            self.told[reply.code if isinstance(reply, Error) else type(reply).__name__] += 1
+            self.notices[reply.code if isinstance(reply, Error) else type(reply).__name__] += 1
 
     def close(self, *, bye: bool = True) -> None:
         """Leave the session and close the sockets; without `bye`, only close the sockets."""
@@ -157,7 +157,7 @@ class Peer:
             if bye:
                 self.request(Bye)
         except (ServerError, zmq.ZMQError):
-            self.told["no farewell"] += 1
+            self.notices["no farewell"] += 1
         finally:
             self._close_sockets()
 

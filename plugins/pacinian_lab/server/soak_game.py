@@ -134,7 +134,7 @@ class Game:
                 late = SUPERSEDED in str(error)  # a later selection replaced it: not a refusal
                 self.events["superseded" if late else f"refused: {error.code}"] += 1
         except Refused as error:
-            self.events[f"told: {error.code}"] += 1
+            self.events[f"raised: {error.code}"] += 1
             self.client.arm(take=True)
         except ConnectionLost as error:
             self.events[f"lost: {error}"] += 1

@@ -70,13 +70,13 @@ def load_(rows: Sequence[load.Row]) -> list[Table]:
     ]  # fmt: skip
     made = [plain_table("Under load: latency and control", head, felt)]
     head = [
-        "clients\nat [1/s]", "sent\n[1/s]", "full\n[1/s]", "told", "frames\n[Hz]", "gap\n[ms]",
+        "clients\nat [1/s]", "sent\n[1/s]", "full\n[1/s]", "errors", "frames\n[Hz]", "gap\n[ms]",
         "memory\n[MB]", "most\n[MB]", "control\n[%]", "bus\n[%]", "render\n[%]", "guard\n[%]",
     ]  # fmt: skip
     taken = [
         [
             f"{row.clients} at {row.rate:g}", f"{row.sent:.0f}", f"{row.full:.0f}",
-            str(sum(row.told.values())), f"{row.seen.frames:.0f}", f"{1e3 * row.seen.gap:.1f}",
+            str(sum(row.errors.values())), f"{row.seen.frames:.0f}", f"{1e3 * row.seen.gap:.1f}",
             f"{row.memory[0]:.0f}", f"{row.memory[2]:.0f}",
             *(f"{100 * row.cpu.get(name, 0.0):.0f}" for name in ("control", "bus", "render", "guard")),
         ]

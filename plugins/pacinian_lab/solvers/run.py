@@ -112,22 +112,22 @@ def run_one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row
     place = (problem.units, N, M, problem.level, problem.seed)
     row = Row(entry.family, entry.solver, entry.mode, entry.worker.threads, *place)
     try:
-        told = entry.worker.ask(message(entry, problem, seconds), limit)
-        return evaluate_answer(row, problem, told)
+        reply = entry.worker.ask(message(entry, problem, seconds), limit)
+        return evaluate_answer(row, problem, reply)
     except WorkerError as error:
         return replace(row, status=str(error))
 
 
-def evaluate_answer(row: Row, problem: Problem, told: dict[str, Any]) -> Row:
+def evaluate_answer(row: Row, problem: Problem, reply: dict[str, Any]) -> Row:
     """Return the row with a worker's answer, evaluated. Raises WorkerError if the answer is invalid."""
     try:
-        p50, p99, traced, most = (float(told[k]) for k in ("p50", "p99", "traced", "resident"))
-        samples = int(told["samples"])
+        p50, p99, traced, most = (float(reply[k]) for k in ("p50", "p99", "traced", "resident"))
+        samples = int(reply["samples"])
         row = replace(row, p50=p50, p99=p99, traced=traced, resident=most, samples=samples)
         if row.family == REFERENCE:
             return row
-        g = np.array(told["re"], np.float64) + 1j * np.array(told["im"], np.float64)
-        q = np.array(told["points"], np.float64)
+        g = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
+        q = np.array(reply["points"], np.float64)
     except (KeyError, TypeError, ValueError) as error:
         raise WorkerError(f"gave an invalid answer: {error!r}") from error
     for name, array, shape in (("gains", g, (row.N,)), ("points", q, (row.M, 3))):

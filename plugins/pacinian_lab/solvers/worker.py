@@ -37,14 +37,14 @@ def answer(offers: Any, timing: Any, asked: dict[str, Any]) -> dict[str, Any]:
     solve, read = offers[asked["solver"], asked["mode"]](asked["problem"])
     output, times = timing.measure(solve, asked["seconds"])
     found = read(output)
-    told: dict[str, Any] = {**times._asdict(), "resident": timing.resident()}
+    reply: dict[str, Any] = {**times._asdict(), "resident": timing.resident()}
     if found is not None:
         gains, points = found
-        told |= {"re": gains.real.tolist(), "im": gains.imag.tolist(), "points": points.tolist()}
-    told["traced"] = (
+        reply |= {"re": gains.real.tolist(), "im": gains.imag.tolist(), "points": points.tolist()}
+    reply["traced"] = (
         timing.measure_memory(solve) if times.p50 <= timing.long(asked["seconds"]) else math.nan
     )
-    return told
+    return reply
 
 
 def main() -> None:
@@ -55,16 +55,16 @@ def main() -> None:
     sys.argv[1:] = []  # AcousTools reads the arguments
     timing, contestant = load(Path(__file__).with_name("timing.py")), load(file)
     offers = contestant.offers(threads)
-    told: dict[str, Any] = {"versions": contestant.versions(), "offers": list(offers)}
+    reply: dict[str, Any] = {"versions": contestant.versions(), "offers": list(offers)}
     while True:
-        print(json.dumps(told), file=lines, flush=True)
+        print(json.dumps(reply), file=lines, flush=True)
         line = sys.stdin.readline()
         if not line:
             return
         try:
-            told = answer(offers, timing, json.loads(line))
+            reply = answer(offers, timing, json.loads(line))
         except Exception as error:  # report a contestant's failure, and go on to the next problem
-            told = {"error": f"{type(error).__name__}: {error}"}
+            reply = {"error": f"{type(error).__name__}: {error}"}
 
 
 if __name__ == "__main__":

@@ -67,10 +67,10 @@ class Worker:
             process.stdin.flush()
         except OSError:  # the process has ended; reading reports how
             pass
-        told = self._read(limit)
-        if "error" in told:
-            raise WorkerError(f"failed: {told['error']}")
-        return told
+        reply = self._read(limit)
+        if "error" in reply:
+            raise WorkerError(f"failed: {reply['error']}")
+        return reply
 
     def close(self) -> None:
         """End the process."""
@@ -103,10 +103,10 @@ class Worker:
             self._errors.close()
             raise WorkerError(f"cannot be started: {error}") from error
         threading.Thread(target=_pump, args=(self._process, self._lines), daemon=True).start()
-        told = self._read(START)
+        reply = self._read(START)
         try:
-            self._offers = [(str(solver), str(mode)) for solver, mode in told["offers"]]
-            self.versions = dict(told["versions"])
+            self._offers = [(str(solver), str(mode)) for solver, mode in reply["offers"]]
+            self.versions = dict(reply["versions"])
         except (KeyError, TypeError, ValueError) as error:
             self.close()
             raise WorkerError(f"does not say what it offers: {error!r}") from error

@@ -38,8 +38,8 @@ def find_broken_promises(
 ) -> Iterator[tuple[str, str]]:
     """Yield each broken promise and its figure. seconds: run time [s]."""
     g, limits = solution.gains.astype(np.complex128), case.limits
-    told = [solution.error, solution.shape_error, np.abs(solution.residual).max(initial=0.0)]
-    if not (np.isfinite(g).all() and np.isfinite(told).all()) or np.isinf(solution.gap):
+    figures = [solution.error, solution.shape_error, np.abs(solution.residual).max(initial=0.0)]
+    if not (np.isfinite(g).all() and np.isfinite(figures).all()) or np.isinf(solution.gap):
         yield "finite", f"{np.isnan(g).sum()} gains are NaN, error {solution.error:g}"
         return
     yield from _proof(case, solution, g)
@@ -81,8 +81,8 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
     off = case.blur * float(np.linalg.norm(g))  # [Pa]
     rounding = off * (rest + off) + PROVEN * max(true, case.targets.norm**2)
     if solution.bound > true + rounding or abs(solution.objective - true) > rounding:
-        told = f"bound {solution.bound:.4g}, objective {solution.objective:.4g}"
-        yield "bound", f"{told}, but {true:.4g} in double precision"
+        text = f"bound {solution.bound:.4g}, objective {solution.objective:.4g}"
+        yield "bound", f"{text}, but {true:.4g} in double precision"
 
 
 def _check_points(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:

@@ -48,12 +48,12 @@ def check(case: Case, solver: Solver) -> Evidence:
             warnings.simplefilter("error")
             solution = case.solve(solver)
     except UnsupportedLimit as refusal:
-        told = {} if case.limits.solver_limits - solver.keeps else {"raises": str(refusal)}
-        return Evidence(case.name, name, told)
+        findings = {} if case.limits.solver_limits - solver.keeps else {"raises": str(refusal)}
+        return Evidence(case.name, name, findings)
     except Exception as error:  # any error of a solver is a finding
         right = case.refused is not None and isinstance(error, case.refused)
-        told = {} if right else {"raises": f"{type(error).__name__}: {error}"}
-        return Evidence(case.name, name, told)
+        findings = {} if right else {"raises": f"{type(error).__name__}: {error}"}
+        return Evidence(case.name, name, findings)
     seconds = case.clock() - begin
     if case.refused is not None:
         return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})

@@ -83,8 +83,8 @@ def _check_even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[
         rms = float(np.linalg.norm(made - P) / np.linalg.norm(P))
         holes = int((made < (HOLE - 4.0 * doubt) * P).sum())
         if abs(force - 1.0) > FORCE + 4.0 * doubt or rms > RMS + 4.0 * doubt or holes:
-            told = f"force {force:.3f}, rms {rms:.3f}, {holes} holes of {len(P)}"
-            yield "even", f"{told} between the samples of region {number}"
+            text = f"force {force:.3f}, rms {rms:.3f}, {holes} holes of {len(P)}"
+            yield "even", f"{text} between the samples of region {number}"
 
 
 def _find_midpoints(case: Case, q: Floats, P: Floats) -> tuple[Floats, Floats]:

@@ -57,12 +57,12 @@ class Method(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         made: list[Entry[Method]] = []
         for values in iterate_combinations(self.options):
             item = replace(self, options={**self.options, **values})
-            told: dict[str, Any] = dict(item.options)
+            options: dict[str, Any] = dict(item.options)
             if self.phases is not None:
-                told["phases"] = self.phases
+                options["phases"] = self.phases
             if self.precision != "single":
-                told["precision"] = self.precision
-            made.append(Entry(format_label(self.name, told), item))
+                options["precision"] = self.precision
+            made.append(Entry(format_label(self.name, options), item))
         return made
 
 

@@ -181,13 +181,13 @@ class Plan:
 
     def _check_items(self, made: dict[str, Entry[Any]], check: Callable[[Any], T]) -> list[T]:
         """Return the results of a check of each item. Raises SceneFileError."""
-        told: list[T] = []
+        results: list[T] = []
         for key, entry in made.items():
             try:
-                told.append(check(entry.value))
+                results.append(check(entry.value))
             except PacinianError as error:
                 raise SceneFileError(self._path, key, str(error)) from error
-        return told
+        return results
 
     def _twice(self) -> None:
         first: dict[str, Task] = {}

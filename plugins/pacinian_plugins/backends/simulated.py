@@ -85,7 +85,7 @@ class Simulated(pc.Backend):
         """Stop all sound. A disconnected array is already silent. Raises BackendError after `refuse_silence`."""
         if self._refusals:
             self._refusals -= 1
-            raise pc.BackendError("the simulated array refuses to be silent, as it was told")
+            raise pc.BackendError("the simulated array refuses to be silent, as requested")
         if self.silent:
             return
         self.silent = True

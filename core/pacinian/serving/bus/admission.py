@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand
 
 # Rate of unsolicited errors to a client [1/s].
-TOLD = 10.0
+ERROR_RATE = 10.0
 
 
 class Client:
@@ -30,7 +30,7 @@ class Client:
         self.age = 0.0
         self._sequence = 0
         self._clock = ClockOffsetEstimator()
-        self._telling = TokenBucket(TOLD)
+        self._telling = TokenBucket(ERROR_RATE)
 
     def owns(self, peer: bytes, user: str) -> bool:
         """Whether `peer` is the first connection that used the session, authenticated as its user."""
@@ -95,5 +95,5 @@ class PeerRateLimiter:
         if known is None:
             if len(self._peers) >= self._most:
                 del self._peers[next(iter(self._peers))]
-            known = self._peers[peer] = TokenBucket(self._rate), TokenBucket(TOLD)
+            known = self._peers[peer] = TokenBucket(self._rate), TokenBucket(ERROR_RATE)
         return known

@@ -95,7 +95,7 @@ class Bus:
         self._poller.register(socket, zmq.POLLIN)
         if wake.works:
             self._poller.register(wake.fileno(), zmq.POLLIN)
-        self._told = -REPORT_INTERVAL  # [s]
+        self._reported_at = -REPORT_INTERVAL  # [s]
         self._busy = False
         self._begun = -math.inf  # begin of the last round [s]
         memory["changes"].write(pack(Changes(0, run, ())))  # nothing of an earlier bus may sound
@@ -124,7 +124,7 @@ class Bus:
             self._publish()
         self.dispatcher.round(self._clock())
         self._reply()
-        if self._clock() - self._told >= REPORT_INTERVAL:
+        if self._clock() - self._reported_at >= REPORT_INTERVAL:
             self.tell()
         self._busy = len(self.dispatcher.queries) > 0
 
@@ -134,7 +134,7 @@ class Bus:
         with self.dispatcher.catch_faults("device"):
             self._new("device", DeviceStatus, self._emitted.device)
         self._memory["traffic"].write(pack(self.dispatcher.traffic(now, self.port)))
-        self._told = now
+        self._reported_at = now
 
     def _take(self) -> None:
         """Receive all waiting messages at once, because superseded ones then cost next to nothing."""
@@ -222,12 +222,12 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
 def main() -> None:
     """Run until the parent ends or asks this process to end."""
     ended = threading.Event()
-    told = child_process.read_launch_config(ended.set)
-    configure(told.settings.log, "bus")
+    config = child_process.read_launch_config(ended.set)
+    configure(config.settings.log, "bus")
     sys.setswitchinterval(SWITCH)
     # A priority above clients that flood the server, but below the renderer.
     scheduling.raise_priority(scheduling.EAGER - 1)
-    with open_bus(told.settings, told.path, told.secrets) as bus:
+    with open_bus(config.settings, config.path, config.secrets) as bus:
         settle_memory()
         while not ended.is_set():
             bus.round()

@@ -42,7 +42,7 @@ class OutputLease:
     """Lends the output to one session until it lets go or ends. The output is armed while the session's lease lasts.
 
     takeover: whether a session may take the output from another. permit: for the guard and the renderer. fault: keeps
-    the output silent until `reset`. told: replies to peers; the caller sends and clears them.
+    the output silent until `reset`. replies: to peers; the caller sends and clears them.
     """
 
     def __init__(self, takeover: bool = True) -> None:

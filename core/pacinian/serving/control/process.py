@@ -262,10 +262,10 @@ class ControlLoop:
             stamp = (self.sessions.changes, ownership.owner)
             self._write("sessions", stamp, lambda: pack(self.sessions.list_sessions()))
             self._write("orders", self.selection.orders, lambda: pack(self.selection.orders))
-            told = self.sessions.take_replies()
-            if not told:
+            replies = self.sessions.take_replies()
+            if not replies:
                 return
-            for peer, reply in told:
+            for peer, reply in replies:
                 if isinstance(reply, Error):
                     self._log.warning("client told", code=reply.code, message=reply.message)
                 self._send(peer, reply)

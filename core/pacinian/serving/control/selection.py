@@ -108,7 +108,7 @@ class Selection:
 
         Orders of one kind end in their order. So one that has no result, although a newer one has, was never read.
         """
-        told: list[tuple[bytes, Reply]] = []
+        replies: list[tuple[bytes, Reply]] = []
         newest: dict[str, int] = {}
         for kind, number in map(str.split, results):
             newest[kind] = max(newest.get(kind, 0), int(number))
@@ -130,8 +130,8 @@ class Selection:
                 if problem
                 else Ok(id=waiting.request)
             )
-            told.append((waiting.peer, reply))
-        return told
+            replies.append((waiting.peer, reply))
+        return replies
 
     def renderer_ended(self, now: float) -> bool:
         """Note that the renderer crashed or hung; return whether its solver is given up.

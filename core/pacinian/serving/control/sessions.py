@@ -58,9 +58,9 @@ class ClientSessions:
 
     def take_replies(self) -> list[tuple[bytes, Reply]]:
         """Return the collected replies, and clear them."""
-        told = self.lease.replies
+        replies = self.lease.replies
         self.lease.replies = []
-        return told
+        return replies
 
     def pass_time(self, now: float) -> None:
         """End the leases and sessions that expire at `now` [s]."""

@@ -96,7 +96,7 @@ class StatusPublisher:
         self.fault_count = 0
         self._sequence = 0
         self._inputs = 0
-        self._row = -1  # of a frame, that was told last
+        self._row = -1  # of a frame; the one published last
         array, medium = settings.array.make(), settings.medium.make()
         self._positions, self._normals = pack(array.positions), pack(array.normals)
         self._frequency = float(array.transducer.frequency)
@@ -126,7 +126,7 @@ class StatusPublisher:
     def state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state at `now` [s], without hand updates."""
         report, device, ownership = self._view.report, self._view.device, self._sessions.lease
-        told = {k: v for k, v in report.state.items() if k not in OURS}
+        reported = {k: v for k, v in report.state.items() if k not in OURS}
         common: dict[str, Any] = {
             "type": "state",
             "sequence": self._sequence,
@@ -149,10 +149,10 @@ class StatusPublisher:
             "fault_count": self.fault_count,
         }
         try:
-            theirs = [fault[:MAX_TEXT] for fault in told.pop("faults", ())]
-            told["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
-            told["fault_count"] = told.get("fault_count", 0) + self.fault_count
-            made = msgspec.convert({**nothing, **told, **common}, State)
+            theirs = [fault[:MAX_TEXT] for fault in reported.pop("faults", ())]
+            reported["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
+            reported["fault_count"] = reported.get("fault_count", 0) + self.fault_count
+            made = msgspec.convert({**nothing, **reported, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid
             self._view.unreadable += 1
             made = msgspec.convert({**nothing, **common}, State)

@@ -95,7 +95,7 @@ class GuardLoop:
         configured = chosen if isinstance(chosen, PluginConfig) else PluginConfig(chosen)
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
         self.processor = scheduling.ANY
-        self._told = -REPORT_INTERVAL  # [s]
+        self._reported_at = -REPORT_INTERVAL  # [s]
         # There is nothing to do until time passes, or a new permit, frame or order ends the wait.
         self._listens = False
         self._orders.look()
@@ -135,9 +135,9 @@ class GuardLoop:
         switched = guard.step(self._permit.value, frame)
         now = time.perf_counter()
         known = self.backends is not None and (self._replaces or guard.backend or guard.fault)
-        if known and (guard.changed or now - self._told >= REPORT_INTERVAL):
+        if known and (guard.changed or now - self._reported_at >= REPORT_INTERVAL):
             self.tell()
-            self._told = now
+            self._reported_at = now
         if switched:
             return 0.0
         permit, pending = self._permit.value, guard.stuck or self.devices.busy
@@ -148,7 +148,7 @@ class GuardLoop:
         self._listens = self._wake.works and not pending and left > 0.0
         if not self._listens:
             return POLL_INTERVAL
-        return min(left, max(REPORT_INTERVAL - (now - self._told), POLL_INTERVAL))
+        return min(left, max(REPORT_INTERVAL - (now - self._reported_at), POLL_INTERVAL))
 
     def wait(self, seconds: float) -> None:
         """Wait until the next round. If only time can change anything, a new permit, frame or order ends the wait."""

@@ -85,25 +85,25 @@ class Process(subprocess.Popen[bytes]):
         self._telling = thread
 
     def call(self) -> None:
-        """Let a spare begin. One that cannot be told is a spare that hangs."""
+        """Let a spare begin. One that cannot receive this is a spare that hangs."""
         with contextlib.suppress(OSError, RuntimeError):
             self.tell(CALL)
 
 
-def start(module: str, told: LaunchConfig) -> Process:
+def start(module: str, config: LaunchConfig) -> Process:
     """Start `python -m pacinian.serving.<module>.process`.
 
     Call this from a thread that lives as long as the child: on Linux, the child is killed when that thread ends.
     """
-    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], told)
+    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], config)
 
 
-def launch(command: Sequence[str], told: LaunchConfig) -> Process:
+def launch(command: Sequence[str], config: LaunchConfig) -> Process:
     """Start a child by any command that calls `read_launch_config`.
 
     Raises ServerError if the configuration is too long or cannot be sent; OSError if the child cannot be started.
     """
-    data = msgspec.json.encode(told)
+    data = msgspec.json.encode(config)
     if len(data) > MAX_CONFIG_BYTES:
         raise ServerError(f"the settings take {len(data)} bytes, more than {MAX_CONFIG_BYTES}")
     # Own process group: Ctrl-C goes to the parent only, which then ends its children in order.

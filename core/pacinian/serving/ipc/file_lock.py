@@ -100,8 +100,8 @@ def _open(path: Path) -> int:
     try:
         if _try_lock(file):
             return file
-        told = os.read(file, MAX_PID_BYTES)
-        raise LockHeld(path, int(told) if told.isdigit() else 0)
+        content = os.read(file, MAX_PID_BYTES)
+        raise LockHeld(path, int(content) if content.isdigit() else 0)
     except BaseException:
         os.close(file)
         raise

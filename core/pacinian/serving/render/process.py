@@ -31,25 +31,25 @@ CHECK_INTERVAL = 0.002  # interval between two checks for a device [s]
 def main() -> None:
     """Render until the parent ends or asks this process to end."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    told = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
-    configure(told.settings.log, "render")
+    config = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
+    configure(config.settings.log, "render")
     try:
-        _render(told)
+        _render(config)
     except KeyboardInterrupt:
         return
 
 
-def _render(told: child_process.LaunchConfig) -> None:
-    settings = told.settings
+def _render(config: child_process.LaunchConfig) -> None:
+    settings = config.settings
     with ExitStack() as stack:
         files = {
             name: stack.enter_context(
                 SharedRegister.attach(path, open_wakes(path) if name in ("taken", "frame") else ())
             )
             for name in FILES
-            for path in (told.path / name,)
+            for path in (config.path / name,)
         }
-        wake = open_wake_pipe(told.path, "render")
+        wake = open_wake_pipe(config.path, "render")
         stack.callback(wake.close)
         array, medium = settings.array.make(), settings.medium.make()
         chosen = make_solver(settings.solver)

@@ -144,10 +144,10 @@ def restart_server(rig: Rig) -> Times:
         silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGKILL))
         until(lambda: not rig.server.list_running())
         since = time.perf_counter()
-        told = 0
+        writable = 0
         for _ in range(50):
-            told += old.command.poll(0, zmq.POLLOUT) and 1
-            if told:
+            writable += old.command.poll(0, zmq.POLLOUT) and 1
+            if writable:
                 old.tell("put", objects={"stale": POINT})
         rig.server.start()
         ready = time.perf_counter()

@@ -74,8 +74,8 @@ class Game:
             peer.say("arm")
 
     def _listen(self, peer: Peer, now: float) -> list[Message]:
-        told = peer.drain()
-        for reply in told:
+        replies = peer.drain()
+        for reply in replies:
             if reply["type"] == "renewed":
                 self._heard = now
                 if not reply["armed"] and reply["id"] and now - self._tried > ARM_INTERVAL:
@@ -83,7 +83,7 @@ class Game:
                     peer.say("arm")
             elif reply.get("code") == "session":
                 self._heard = 0.0
-        return [reply for reply in told if reply["type"] in ("ok", "error")]
+        return [reply for reply in replies if reply["type"] in ("ok", "error")]
 
     def close(self) -> None:
         """Close the connection."""
@@ -108,8 +108,8 @@ def main() -> None:
             if not (line := lines.get()):
                 game.close()
                 return
-            told = json.loads(line)
-            game.do(told.pop("type"), **told)
+            order = json.loads(line)
+            game.do(order.pop("type"), **order)
 
 
 def _read(lines: queue.SimpleQueue[str]) -> None:

@@ -19,7 +19,7 @@ SINCE = "stuck-since"  # file for the time at which the hang began [s]
 
 
 class Stuck(pc.Solver):
-    """Solves as `auto` until it is told to hang. hold: hang with the interpreter lock held."""
+    """Solves as `auto` until it is asked to hang. hold: hang with the interpreter lock held."""
 
     name: ClassVar[str] = "stuck"
 

@@ -73,7 +73,7 @@ _COUNT, _EVENT = struct.Struct("<q"), struct.Struct("<dq")
 
 
 class Probe(pc.Backend):
-    """A device without a watchdog: it sounds until it is told otherwise, or opened again."""
+    """A device without a watchdog: it sounds until it is silenced, or opened again."""
 
     name: ClassVar[str] = "probe"
 

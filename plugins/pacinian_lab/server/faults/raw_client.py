@@ -50,7 +50,7 @@ class Peer(Closing):
         self.command = self._dealer("command", False)
         self.session = b""
         self.sequence = self.id = 0
-        self.told: list[Message] = []
+        self.received: list[Message] = []
         """Messages from the server, also unsolicited ones."""
         self.codes: Counter[str] = Counter()
         """Counts of all errors received, by code."""
@@ -95,7 +95,7 @@ class Peer(Closing):
         return None if wait is None else self.answer(number, wait, self.command)
 
     def answer(self, number: int, wait: float, socket: zmq.Socket[bytes] | None = None) -> Message:
-        """Return the answer with this number, waiting up to `wait` [s]. Keeps all messages in `told`. Raises Silent."""
+        """Return the answer with this number within `wait` [s]. Keeps all messages in `received`. Raises Silent."""
         socket = socket or self.control
         end = time.perf_counter() + wait
         while (left := end - time.perf_counter()) > 0.0:
@@ -108,18 +108,18 @@ class Peer(Closing):
 
     def drain(self) -> list[Message]:
         """Return the messages that have arrived on both sockets."""
-        self.told.clear()
+        self.received.clear()
         for socket in (self.control, self.command):
             while socket.poll(0):
                 self._read(socket)
-        return list(self.told)
+        return list(self.received)
 
     def _read(self, socket: zmq.Socket[bytes]) -> Message:
         reply: Message = msgspec.msgpack.decode(socket.recv_multipart()[-1])
         if reply.get("type") == "error":
             self.codes[str(reply.get("code"))] += 1
-        self.told.append(reply)
-        del self.told[:-1000]
+        self.received.append(reply)
+        del self.received[:-1000]
         return reply
 
     def close(self) -> None:

@@ -92,8 +92,8 @@ def _inject_loss(rig: Rig, lose: Callable[[], object], quiet: float = QUIET) -> 
 
     silence = rig.inject_fault(act, quiet)
     recovery = rig.recover(after=0.0)
-    told = [answer["code"] for answer in rig.answers if answer["type"] == "error"]
-    return Times(silence, recovery, note=f"told: {told[0] if told else 'nothing'}")
+    codes = [answer["code"] for answer in rig.answers if answer["type"] == "error"]
+    return Times(silence, recovery, note=f"reported: {codes[0] if codes else 'nothing'}")
 
 
 def kill_control(rig: Rig) -> Times:
@@ -249,12 +249,12 @@ def _unplug(rig: Rig, before: Callable[[], None]) -> Times:
     try:
         silence = rig.inject_fault(act)
         faulted = until(lambda: onlooker.ask("status")["output"] == "faulted")
-        told = time.perf_counter() - rig.at
+        delay = time.perf_counter() - rig.at
     finally:
         file.unlink(missing_ok=True)
     recovery = rig.recover(lambda: onlooker.ask("reset"))
     rig.select(backend={"name": Probe.name}, solver={"name": "auto"})
-    return Times(silence, recovery, note=f"told in {1e3 * told:.0f} ms" if faulted else "")
+    return Times(silence, recovery, note=f"reported in {1e3 * delay:.0f} ms" if faulted else "")
 
 
 def terminate_server(rig: Rig) -> Times:

@@ -125,8 +125,8 @@ def main() -> None:
         if flood.sent.total() >= int(messages) or time.perf_counter() > start + float(seconds):
             break
     took = time.perf_counter() - start
-    told = {"sent": flood.sent, "codes": codes, "failed": flood.failed, "seconds": took}
-    print(json.dumps(told))  # noqa: T201
+    result = {"sent": flood.sent, "codes": codes, "failed": flood.failed, "seconds": took}
+    print(json.dumps(result))  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -112,16 +112,16 @@ class Watch:
         phase.silences += int((events["sounds"] == 0).sum())
 
     def _flood(self, kind: str, seed: int, messages: int, seconds: float) -> subprocess.Popen[str]:
-        told = (self.rig.server.file, kind, seed, messages, seconds)
-        command = [sys.executable, "-m", "pacinian_lab.server.fuzz.flood", *map(str, told)]
+        arguments = (self.rig.server.file, kind, seed, messages, seconds)
+        command = [sys.executable, "-m", "pacinian_lab.server.fuzz.flood", *map(str, arguments)]
         return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
     @staticmethod
     def _count(phase: Phase, flood: subprocess.Popen[str]) -> None:
-        told = json.loads(flood.communicate()[0])
-        phase.sent.update(told["sent"])
-        phase.codes.update(told["codes"])
-        phase.failed += told["failed"]
+        result = json.loads(flood.communicate()[0])
+        phase.sent.update(result["sent"])
+        phase.codes.update(result["codes"])
+        phase.failed += result["failed"]
 
     def _look(self) -> None:
         for name, process in self.parts.items():

@@ -106,9 +106,9 @@ class Autd3(pc.Backend):
             ) from error
         self._first = frame.time if self._first is None else self._first
         first, now = round((frame.time - self._first) * self.rate), line.time + self.lead
-        told = self._stream.tell(first, phase, intensity, now)
+        timed = self._stream.tell(first, phase, intensity, now)
         line.post(
-            [(frames, now + row / self.rate if row or self.lead else None) for frames, row in told]
+            [(frames, now + row / self.rate if row or self.lead else None) for frames, row in timed]
         )
 
     def silence(self) -> None:

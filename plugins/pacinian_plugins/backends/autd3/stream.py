@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     Rows = NDArray[np.uint8]
 
 CARRIER = 40_000  # [Hz]
-Told = tuple[Any, int]
+TimedFrames = tuple[Any, int]
 """Frames of the packages, and the row of the tick at which they are due."""
 
 
@@ -42,7 +42,7 @@ class Stream:
         self._cycles.stop()
         self._held = None
 
-    def tell(self, first: int, phases: Rows, intensities: Rows, time: float) -> list[Told]:
+    def tell(self, first: int, phases: Rows, intensities: Rows, time: float) -> list[TimedFrames]:
         """Return the frames to send for the rows of a tick, (rows, units, 249).
 
         first: due time of the first row, counted in rows. time: the same on the units' clock [s].

@@ -36,12 +36,12 @@ def list_ports() -> list[Any]:
 
 def find_boards() -> list[pc.FoundDevice]:
     """Return these ports, and whether this user may open them."""
-    told: list[pc.FoundDevice] = []
+    devices: list[pc.FoundDevice] = []
     for one in list_ports():
         problem = "" if os.name == "nt" or os.access(one.device, os.R_OK | os.W_OK) else PERMISSION
         title = f"serial adapter, of a SonicSurface or anything else, at {one.device}"
-        told.append(pc.FoundDevice(NAME, one.serial_number or "", title, problem))
-    return told
+        devices.append(pc.FoundDevice(NAME, one.serial_number or "", title, problem))
+    return devices
 
 
 def check_port(name: str) -> str:

@@ -47,11 +47,11 @@ class Board:
             can = self.can = Capability.unpack(self.link.ask(Request.CAPABILITY))
         except ValueError as error:
             raise pc.BackendError(f"{self.name}: is no device of this format: {error}") from error
-        told = can.version[0], can.phases, can.amplitudes, can.rate
+        reported = can.version[0], can.phases, can.amplitudes, can.rate
         known = protocol.MAJOR, protocol.PHASES, protocol.AMPLITUDES, protocol.RATE
-        if told != known:
+        if reported != known:
             raise pc.BackendError(
-                f"{self.name}: has version, phases, amplitudes and rate {told}, not {known}: "
+                f"{self.name}: has version, phases, amplitudes and rate {reported}, not {known}: "
                 "update Pacinian, or the device's firmware"
             )
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.bus.admission import TOLD, PeerRateLimiter
+from pacinian.serving.bus.admission import ERROR_RATE, PeerRateLimiter
 from pacinian.wire.replies import Error
 
 from ..fake_renderer import client, move
@@ -49,7 +49,7 @@ def test_ages_are_of_the_client_s_own_clock_whatever_that_shows() -> None:
 def test_errors_are_counted_and_those_not_asked_for_are_told_now_and_then() -> None:
     who = client()
     told = [who.tells(Error(code="stale", message=""), 0.01 * i) for i in range(1000)]
-    assert TOLD <= sum(told) <= 2.0 * TOLD + 100
+    assert ERROR_RATE <= sum(told) <= 2.0 * ERROR_RATE + 100
     assert sum(told) < 0.12 * len(told)
     assert all(who.tells(Error(id=3, code="stale", message=""), 10.0) for _ in range(100))
     assert who.errors == 1100
