@@ -219,7 +219,7 @@ def test_an_odd_plug_in_does_not_keep_the_others_from_being_offered(
 
 def test_offers_are_described() -> None:
     found = {plugin.name: plugin for plugin in list_offers("solver")}
-    assert found["loud"].summary == "A solver that drives all. It keeps nothing."
+    assert found["loud"].summary == "A solver that drives all transducers, and keeps no limits."
     assert found["loud"].options == {"level": 0.5}
     assert {"auto", "gs-pat", "lagrange"} <= set(found)
     assert [plugin.name for plugin in list_offers("backend")].count("simulated") == 1
