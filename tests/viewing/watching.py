@@ -9,7 +9,9 @@ import threading
 import time
 from collections import Counter, deque
 from typing import TYPE_CHECKING, Any, Self
+from urllib.error import HTTPError
 from urllib.parse import urlsplit
+from urllib.request import urlopen
 
 import msgpack
 from websockets.sync.client import ClientConnection, connect
@@ -52,6 +54,8 @@ def viewer(
     found = told.get(timeout=LIMIT)
     assert isinstance(found, tuple), found
     url, loop, ended = found
+    with contextlib.suppress(HTTPError), urlopen(url, timeout=LIMIT):
+        pass  # its loggers exist now: pytest fails if a thread makes one while a test begins
     try:
         yield url
     finally:
