@@ -92,7 +92,11 @@ def _find_torch() -> Iterator[Library]:
     if torch.cuda.is_available():
         name = torch.cuda.get_device_name()
         put = functools.partial(torch.asarray, device="cuda")
-        yield Library(f"PyTorch, {name}", put, lambda made: made.cpu().numpy())
+        yield Library(f"PyTorch, {name}", put, _copy_from_gpu)
+
+
+def _copy_from_gpu(tensor: Any) -> Any:
+    return tensor.cpu().numpy()
 
 
 def _find_cupy() -> Iterator[Library]:
