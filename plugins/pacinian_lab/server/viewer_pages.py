@@ -53,9 +53,10 @@ class Counts(NamedTuple):
 
 
 class Reader:
-    """Reads everything and draws nothing; `sliced`: requests a slice. A context manager."""
+    """Reads everything and draws nothing; `sliced`: requests a slice. A context manager. batches: read so far."""
 
     processes: tuple[psutil.Process, ...] = ()
+    batches = 0
 
     def __init__(self, url: str, *, sliced: bool) -> None:
         self._opening, self._sliced, self._slices = feed(url), sliced, 0
@@ -74,8 +75,11 @@ class Reader:
                 say(socket, SLICE)
             while not self._ended.is_set():
                 with contextlib.suppress(TimeoutError):
-                    data = socket.recv(0.1)
-                    if msgpack.unpackb(data, raw=False)["type"] == "slice":
+                    kind = msgpack.unpackb(socket.recv(0.1), raw=False)["type"]
+                    if kind == "batch":
+                        self.batches += 1
+                        say(socket, {"type": "ready"})
+                    elif kind == "slice":
                         self._slices += 1
                         self._first.set()
                         say(socket, {"type": "seen", "id": SLICE["id"]})

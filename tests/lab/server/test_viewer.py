@@ -10,11 +10,14 @@ from click.testing import CliRunner
 
 from pacinian.cli.main import cli
 from pacinian.serving.settings import Settings
+from pacinian.testing.server import run_server
 from pacinian_lab.server import viewer as view
 from pacinian_lab.server import viewer_pages as pages
 from pacinian_lab.server.viewer import measure
 
 from ...viewing.conftest import SETTINGS
+from ...viewing.watching import viewer
+from ...waiting import eventually
 
 LIMIT = 600.0  # [s] for a page with a slice, which is computed at nice 19: minutes beside busy processes
 WINDOW = 5.0  # [s], in which even a browser that draws by a busy processor draws something
@@ -39,6 +42,15 @@ def test_all_kinds_of_windows_are_measured(monkeypatch: pytest.MonkeyPatch) -> N
             assert 0.0 < row.ticks.p50 <= row.ticks.p99
             assert 0.0 < row.ticks.sounding <= 1.0
             assert 0.0 <= row.ticks.late <= 1.0
+
+
+def test_a_page_that_only_reads_gets_all() -> None:
+    with (
+        run_server(SETTINGS) as server,
+        viewer(server.connection) as url,
+        pages.Reader(url, sliced=False) as page,
+    ):
+        eventually(lambda: page.batches > 20)
 
 
 @pytest.mark.parametrize(
