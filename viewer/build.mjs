@@ -1,4 +1,4 @@
-/** Builds the page: node build.mjs [FOLDER]. One script, one style sheet, the licences of all that is in them. */
+/** Builds the page, `node build.mjs [FOLDER]`: one script, one style sheet, and the licences of all packages in them. */
 
 import { copyFile, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
@@ -17,12 +17,12 @@ const { metafile } = await build({
   minify: true,
   format: "esm",
   target: ["es2022", "chrome110", "firefox115", "safari16.4"],
-  legalComments: "none", // they are in LICENSES.txt, whole
+  legalComments: "none", // LICENSES.txt contains them in full
   metafile: true,
   logLevel: "warning",
 });
 
-/** Packages that something of is in the page. */
+/** Returns the packages of which the page contains a part. */
 function packages() {
   const found = Object.values(metafile.outputs)
     .flatMap(({ inputs }) => Object.entries(inputs))
@@ -32,7 +32,7 @@ function packages() {
   return [...new Set(found)].sort();
 }
 
-/** The licence of a package as it has it; there is none without. */
+/** Returns the licence text that a package contains. Throws if there is none. */
 async function licence(name) {
   const root = join(here, "node_modules", name);
   const { version, license } = JSON.parse(await readFile(join(root, "package.json"), "utf8"));

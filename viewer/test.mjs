@@ -1,4 +1,4 @@
-/** Runs the tests of the sources that need no browser, with Node's own runner: node test.mjs. */
+/** Runs the tests that need no browser, `node test.mjs`, with Node's own test runner. */
 
 import { spawnSync } from "node:child_process";
 import { mkdtemp, readdir, rm } from "node:fs/promises";
@@ -19,7 +19,7 @@ try {
     outExtension: { ".js": ".mjs" },
     bundle: true,
     platform: "node",
-    mainFields: ["module", "main"], // as for a browser: one three, not two
+    mainFields: ["module", "main"], // as for a browser, so that there is only one copy of three
     format: "esm",
     logLevel: "warning",
   });
