@@ -1,7 +1,7 @@
 """The client: the side of the wire for games and scripts.
 
 client.py              `pacinian.Client`, the user's API
-base_client.py         a session that can be lost and replaced
+base_client.py         a session that can be lost and replaced; it sends nothing of the scene again
 server_session.py      one session, from hello to bye
 link.py                a socket, and the end of its connection
 messages.py            arguments of the API as fields of the wire

@@ -1,4 +1,4 @@
-"""Limit the slew rate of the gains from row to row, because jumps would be audible."""
+"""Move the gains from row to row: interpolate between solutions, and limit the slew rate, as jumps are audible."""
 
 from __future__ import annotations
 
