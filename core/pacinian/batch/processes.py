@@ -4,7 +4,7 @@ A process reads pickled tasks and numbers of problems from its standard input, a
 Pickles go only between this process and the children that it started. Arrays and the medium go once, and solutions
 refer to them.
 
-A process takes some 0.4 s to start, so it stays for the batches to come, and ends after `KEPT` without any.
+A process takes some 0.4 s to start, so it stays for the batches to come, and ends after `IDLE_TIMEOUT` without any.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LENGTH_BYTES = 8  # bytes of the length before each pickle
 COMMAND = "from pacinian.batch.processes import serve; serve()"
-KEPT = 60.0  # time for which a process waits for the next batch [s]
+IDLE_TIMEOUT = 60.0  # time after which a process ends if no batch has come [s]
 HERE = b"__main__"  # the module that only this process has
 
 
@@ -143,12 +143,12 @@ class WaitingProcesses:
         return fit[:count] + [WorkerProcess(code) for _ in range(count - len(fit))]
 
     def keep(self, processes: Sequence[WorkerProcess]) -> None:
-        """Keep processes that have no work for the next batch, for `KEPT`."""
+        """Keep processes that have no work for the next batch, for `IDLE_TIMEOUT`."""
         with self._lock:
             self._all += processes
             if self._timer is not None:
                 self._timer.cancel()
-            self._timer = threading.Timer(KEPT, self.close)
+            self._timer = threading.Timer(IDLE_TIMEOUT, self.close)
             self._timer.daemon = True
             self._timer.start()
 

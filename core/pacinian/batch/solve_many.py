@@ -194,11 +194,11 @@ def _solve_in_processes(
 
 
 def _run(jobs: Sequence[Callable[[], None]], rest: Iterator[object]) -> None:
-    """Run the first job here and the others in threads; they share the iterator `rest`. If one fails, the others stop.
+    """Run the first job here and the others in threads; they share the iterator `rest`.
 
-    Raises its error. A new thread gets memory that the system must clear first, so solves are quicker here.
+    If one fails, the others stop. Raises its error.
     """
-    with ThreadPoolExecutor(max(1, len(jobs) - 1)) as pool:
+    with ThreadPoolExecutor(len(jobs)) as pool:  # which starts only the threads that it needs
         made = [pool.submit(partial(_run_or_stop, job, rest)) for job in jobs[1:]]
         _run_or_stop(jobs[0], rest)
     for done in made:

@@ -261,7 +261,7 @@ def test_code_that_is_edited_is_read_again(
 def test_processes_end_when_no_batch_comes(
     waiting: WaitingProcesses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(processes, "KEPT", 0.01)
+    monkeypatch.setattr(processes, "IDLE_TIMEOUT", 0.01)
     solve_two()
     eventually(lambda: not waiting._all)
 

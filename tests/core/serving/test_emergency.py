@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
-FEW = 64  # number of open files
+MAX_OPEN_FILES = 64  # that the server may have
 COMMAND = f"""
 import sys
 from pacinian.cli.main import cli
@@ -134,7 +134,7 @@ def test_a_datagram_proves_the_secret_and_what_it_says() -> None:
 def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_path: Path) -> None:
     path = tmp_path / "connection.json"
     log = tmp_path / "log"
-    limited = f'ulimit -n {FEW}; exec "$0" "$@"'
+    limited = f'ulimit -n {MAX_OPEN_FILES}; exec "$0" "$@"'
     with contextlib.ExitStack() as stack:
         out = stack.enter_context(log.open("wb"))
         process = stack.enter_context(
@@ -162,7 +162,7 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
                 strangers[-1].connect_ex((host, int(port)))
 
         files = f"/proc/{process.pid}/fd"
-        eventually(lambda: len(os.listdir(files)) >= FEW - RESERVE, come)
+        eventually(lambda: len(os.listdir(files)) >= MAX_OPEN_FILES - RESERVE, come)
         emergency_stop(path, timeout=PATIENCE)
         guards = [
             line.split()[2] for line in log.read_text().splitlines() if "started guard" in line

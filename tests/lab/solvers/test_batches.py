@@ -11,11 +11,11 @@ from pacinian.cli.main import cli
 from pacinian_lab.solvers import batches
 from pacinian_lab.solvers.batches import Batch, Library, measure
 
-TINY = "--units", "1", "--points", "2", "--problems", "3", "--field", "50", "--seconds", "0"
+ARGUMENTS = "--units", "1", "--points", "2", "--problems", "3", "--field", "50", "--seconds", "0"
 
 
 def test_a_tiny_run_has_a_row_for_each_contestant() -> None:
-    result = CliRunner().invoke(cli, ["bench", "batches", *TINY, "--json"])
+    result = CliRunner().invoke(cli, ["bench", "batches", *ARGUMENTS, "--json"])
     assert result.exit_code == 0, result.output
     rows = json.loads(result.stdout)
     assert {row["job"] for row in rows} == {"solve", "field"}
@@ -25,7 +25,7 @@ def test_a_tiny_run_has_a_row_for_each_contestant() -> None:
     assert all(row["count"] == 3 and row["seconds"] > 0.0 for row in solved.values())
     assert all(row["error"] < 0.02 for row in solved.values())
     assert all(row["error"] < 1e-4 for row in rows if row["job"] == "field")
-    table = CliRunner().invoke(cli, ["bench", "batches", *TINY])
+    table = CliRunner().invoke(cli, ["bench", "batches", *ARGUMENTS])
     assert "3 problems of 2 points, 1 units" in table.output
     assert CliRunner().invoke(cli, ["bench", "batches", "--units", "2"]).exit_code == 2
 

@@ -572,12 +572,12 @@ def test_it_begins_whatever_the_orders_are(
 ) -> None:
     before = RenderLoop.open
 
-    def opened(loop: RenderLoop) -> None:
+    def open_after_orders(loop: RenderLoop) -> None:
         data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
         loop._files["orders"].write(data)
         before(loop)
 
-    monkeypatch.setattr(RenderLoop, "open", opened)
+    monkeypatch.setattr(RenderLoop, "open", open_after_orders)
     server = make()
     server.put()
     server.arm()
