@@ -32,10 +32,9 @@ class Column(NamedTuple):
             return [self.same] * count
         if isinstance(self.rows, list):
             return self.rows
-        made = [row.copy() for row in self.rows]
-        for row in made:
-            row.flags.writeable = self.writeable
-        return made
+        self.rows.flags.writeable = self.writeable
+        views: Iterable[Any] = self.rows
+        return views
 
 
 def to_columns(solutions: Sequence[Solution]) -> list[dict[str, Column]]:

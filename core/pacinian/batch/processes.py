@@ -2,7 +2,7 @@
 
 A process reads pickled tasks and numbers of problems from its standard input, and writes the solutions as columns.
 Pickles go only between this process and the children that it started. Arrays and the medium go once, and solutions
-refer to them.
+refer to them. A message is a pickle and the buffers of its NumPy arrays, which are sent and received without a copy.
 
 A process takes some 0.4 s to start, so it stays for the batches to come, and ends after `IDLE_TIMEOUT` without any.
 """
@@ -18,21 +18,25 @@ import signal
 import subprocess
 import sys
 import threading
+from collections import deque
 from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
 
 from pacinian.batch.columns import from_columns, to_columns
 from pacinian.errors import PluginError, describe_error
 from pacinian.solving.blas import limit_blas_threads
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from pacinian.batch.task import Task
     from pacinian.solving.solution import Solution
 
-LENGTH_BYTES = 8  # bytes of the length before each pickle
+LENGTH = np.dtype("<i8")  # of the lengths before each message
 COMMAND = "from pacinian.batch.processes import serve; serve()"
 IDLE_TIMEOUT = 60.0  # time after which a process ends if no batch has come [s]
+DIED = "a process that solves a part of a batch has died"
 HERE = b"__main__"  # the module that only this process has
 
 
@@ -79,19 +83,38 @@ class WorkerProcess:
         """Take a task. packed: its bytes, by `pack_task`."""
         self._task, self._packed = task, packed
 
-    def solve(self, numbers: Sequence[int]) -> list[tuple[int, Solution]]:
-        """Return the solutions of the problems with these numbers. Raises what the solver raises, and PluginError."""
-        assert self._task is not None
+    def solve(self, parts: Iterable[Sequence[int]]) -> Iterator[tuple[int, Solution]]:
+        """Yield the solutions of the problems with these numbers. Raises what the solver raises, and PluginError.
+
+        parts: of one problem each if they are long, else of several. The process then has the next part already, so
+        that it does not wait while this one reads its answer.
+        """
         self.started.wait()
+        asked: deque[Sequence[int]] = deque()
+        for part in parts:
+            self._ask(part)
+            asked.append(part)
+            while len(asked) > (len(part) > 1):
+                yield from self._read_answer(asked.popleft())
+        while asked:
+            yield from self._read_answer(asked.popleft())
+
+    def _ask(self, numbers: Sequence[int]) -> None:
         try:
-            _send(self._out, pickle.dumps((self._packed, numbers)))
-            self._packed = None
-            answer = _unpack(_receive(self._in), [*self._task.arrays, self._task.medium])
+            _send(self._out, _pack((self._packed, numbers)))
+        except OSError:
+            raise PluginError(DIED) from None
+        self._packed = None
+
+    def _read_answer(self, numbers: Sequence[int]) -> Iterator[tuple[int, Solution]]:
+        assert self._task is not None
+        try:
+            answer = _receive(self._in, [*self._task.arrays, self._task.medium])
         except (OSError, EOFError):
-            raise PluginError("a process that solves a part of a batch has died") from None
+            raise PluginError(DIED) from None
         if isinstance(answer, Exception):
             raise answer
-        return list(zip(numbers, from_columns(answer, len(numbers)), strict=True))
+        return zip(numbers, from_columns(answer, len(numbers)), strict=True)
 
     def close(self) -> None:
         """End the process, even in the middle of a solve."""
@@ -175,13 +198,13 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asks
     source, out = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a solver prints is no answer
-    _send(out, b"started")
+    _send(out, _pack("started"))
     shared: list[object] = []
     task: Task | None = None
     with limit_blas_threads(), contextlib.suppress(EOFError, OSError):
         while True:
-            packed, numbers = pickle.loads(_receive(source))
-            answer: Any
+            packed, numbers = _receive(source)
+            answer: list[memoryview]
             try:
                 if packed is not None:
                     task = pickle.loads(packed)
@@ -192,37 +215,49 @@ def serve() -> None:
             except Exception as error:
                 try:
                     answer = _pack(error, shared)
-                    pickle.loads(answer)  # some errors cannot be read
+                    _unpack(answer, shared)  # some errors cannot be read
                 except Exception:
                     answer = _pack(PluginError(describe_error(error)), shared)
             _send(out, answer)
 
 
-def _pack(answer: object, shared: Sequence[object]) -> bytes:
-    """Pickle an answer, in which the task's own objects are only named."""
+def _pack(message: object, shared: Sequence[object] = ()) -> list[memoryview]:
+    """Pickle a message, in which the task's own objects are only named. Returns the buffers of its arrays, too."""
     names = {id(one): k for k, one in enumerate(shared)}
-    buffer = io.BytesIO()
-    pickler = pickle.Pickler(buffer, protocol=5)
+    pickled = io.BytesIO()
+    buffers: list[pickle.PickleBuffer] = []
+    pickler = pickle.Pickler(pickled, protocol=5, buffer_callback=buffers.append)
     pickler.persistent_id = lambda one: names.get(id(one))  # type: ignore[method-assign]
-    pickler.dump(answer)
-    return buffer.getvalue()
+    pickler.dump(message)
+    return [pickled.getbuffer(), *(buffer.raw() for buffer in buffers)]
 
 
-def _unpack(packed: bytes, shared: Sequence[object]) -> Any:
-    reader = pickle.Unpickler(io.BytesIO(packed))
+def _unpack(parts: Sequence[memoryview], shared: Sequence[object]) -> Any:
+    """Return the message of `_pack`."""
+    reader = pickle.Unpickler(io.BytesIO(parts[0]), buffers=parts[1:])
     reader.persistent_load = lambda name: shared[name]  # type: ignore[method-assign]
     return reader.load()
 
 
-def _send(to: IO[bytes], packed: bytes) -> None:
-    to.write(len(packed).to_bytes(LENGTH_BYTES, "little"))
-    to.write(packed)
+def _send(to: IO[bytes], parts: Sequence[memoryview]) -> None:
+    """Write how many parts there are, the length of each, and the parts."""
+    sizes = np.array([len(parts), *(part.nbytes for part in parts)], LENGTH)
+    to.write(sizes.tobytes())
+    for part in parts:
+        to.write(part)
     to.flush()
 
 
-def _receive(source: IO[bytes]) -> bytes:
-    head = source.read(LENGTH_BYTES)
-    packed = source.read(int.from_bytes(head, "little"))
-    if not packed:
+def _receive(source: IO[bytes], shared: Sequence[object] = ()) -> Any:
+    """Read the message of `_pack`. Raises EOFError if the other process has ended."""
+    (count,) = np.frombuffer(_read(source, LENGTH.itemsize), LENGTH)
+    sizes = np.frombuffer(_read(source, count * LENGTH.itemsize), LENGTH)
+    return _unpack([_read(source, size) for size in sizes], shared)
+
+
+def _read(source: IO[bytes], size: int) -> memoryview:
+    """Read exactly `size` bytes. Raises EOFError."""
+    buffer = np.empty(size, np.uint8)
+    if source.readinto(buffer) < size:  # type: ignore[attr-defined]
         raise EOFError
-    return packed
+    return buffer.data

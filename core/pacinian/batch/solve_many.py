@@ -41,8 +41,8 @@ MIN_FOR_NEW = (
 )
 MIN_IN_PROCESSES = 5e-5  # time of a problem from which the transfer of its solution pays [s]
 MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]
-MAX_PART = 0.1  # time of the problems that a process gets at once [s]
-PARTS = 8  # parts for each process, so that none waits long for the last
+MAX_PART = 0.02  # time of the problems that a process gets at once [s]
+PARTS = 32  # parts for each process, so that none waits long for the last
 POLL = 0.005  # time between looks whether a process has started [s]
 
 
@@ -153,7 +153,7 @@ def _solve_all(task: Task, workers: int) -> list[Solution]:
             threads = 1 + others if each >= MIN_IN_THREADS else 1
             _run([lambda: _take(task, numbers, found)] * threads, numbers)
         else:
-            size = max(1, min(int(MAX_PART / each), rest // ((1 + helpers) * PARTS)))
+            size = int(max(1, min(MAX_PART // each, rest // ((1 + helpers) * PARTS))))
             parts = [range(k, min(k + size, K)) for k in range(first, K, size)]
             _solve_in_processes(task, packed, waiting.take(code, helpers), parts, found)
     return [found[k] for k in range(K)]
@@ -181,8 +181,7 @@ def _solve_in_processes(
         while not process.started.wait(POLL):
             if done.is_set():
                 return
-        for part in rest:
-            found.update(process.solve(part))
+        found.update(process.solve(rest))
 
     try:
         _run([here, *(partial(drain, process) for process in processes)], rest)

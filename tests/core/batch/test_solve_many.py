@@ -42,17 +42,19 @@ class StartedProcess(WorkerProcess):
         self.started.wait()
 
 
-@pytest.fixture(params=["one by one", "threads", "processes"])
+@pytest.fixture(params=["one by one", "threads", "processes", "processes, two at once"])
 def place(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
     """Where the problems are solved, and the number of workers."""
     monkeypatch.setattr(module, "MAX_TRIED", 0.0)
     monkeypatch.setattr(module, "MIN_IN_PROCESSES", 0.0)
     monkeypatch.setattr(module, "MIN_IN_THREADS", 0.0)
-    monkeypatch.setattr(module, "MAX_PART", 0.0)  # one problem at once
-    monkeypatch.setattr(module, "MIN_FOR_WAITING", 0.0 if request.param == "processes" else np.inf)
+    monkeypatch.setattr(module, "MAX_PART", np.inf if "two" in request.param else 0.0)
+    monkeypatch.setattr(module, "PARTS", 1)
+    in_processes = request.param.startswith("processes")
+    monkeypatch.setattr(module, "MIN_FOR_WAITING", 0.0 if in_processes else np.inf)
     monkeypatch.setattr(module, "MIN_FOR_NEW", 1e-9)
     monkeypatch.setattr(processes, "WorkerProcess", StartedProcess)
-    return {"one by one": 1, "threads": 2, "processes": 3}[request.param]
+    return {"one by one": 1, "threads": 2}.get(request.param, 3)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -159,14 +161,34 @@ def make_task(solver: pc.Solver) -> tuple[Task, bytes]:
     return task, packed
 
 
+def test_a_process_gets_the_next_part_before_its_answer_is_read() -> None:
+    process = WorkerProcess("code")
+    process.begin(*make_task(pc.solver("auto")))
+    taken: list[list[int]] = []
+
+    def parts() -> Iterator[list[int]]:
+        for part in ([0, 1], [2, 3], [4, 5], [6]):
+            taken.append(part)
+            yield part
+
+    solved = process.solve(parts())
+    found = [next(solved), next(solved)]
+    assert len(taken) == 2
+    found += solved
+    process.close()
+    assert [k for k, _ in found] == list(range(K))
+    for k, one in found:
+        np.testing.assert_array_equal(one.gains, pc.solve(ARRAY, POINTS[k], AMPLITUDES[k]).gains)
+
+
 def test_the_death_of_a_process_is_told() -> None:
     process = WorkerProcess("code")
     process.begin(*make_task(Clumsy()))
-    assert [k for k, _ in process.solve([0, 1])] == [0, 1]
+    assert [k for k, _ in process.solve([[0, 1]])] == [0, 1]
     process._process.kill()
     process._process.wait()
     with pytest.raises(pc.PluginError, match="died"):
-        process.solve([2])
+        list(process.solve([[2]]))
     process.close()
 
 
@@ -176,15 +198,15 @@ def test_a_process_takes_one_task_after_the_other() -> None:
     for solver in (pc.solver("auto"), Clumsy(), pc.solver("gs")):
         task, packed = make_task(solver)
         process.begin(task, packed)
-        (_, one), _ = process.solve([0, 1])
+        (_, one), _ = process.solve([[0, 1]])
         alone = pc.solve(ARRAY, POINTS[0], AMPLITUDES[0], solver=solver)
         np.testing.assert_array_equal(one.gains, alone.gains)
         assert one.array is ARRAY
     process.begin(task, b"no task")
     with pytest.raises(UnpicklingError):
-        process.solve([0])
+        list(process.solve([[0]]))
     process.begin(task, packed)
-    assert len(process.solve([0])) == 1
+    assert [k for k, _ in process.solve([[0]])] == [0]
     process.close()
     assert not process.alive
 
