@@ -132,6 +132,7 @@ WIRE = {
     "HapticHand.Joints": "HandFrame.joints",
     "HapticHand.Radii": "HandFrame.radii",
     "HapticHand.PredictMotion": "HandFrame.velocities",
+    "HapticHand.MouseReach": "HandFrame.joints",
     "HapticHand.Lost": "HandFrame.joints",
     "QuietZone.Radius": "Zone.radius",
     "QuietZone.Pressure": "Zone.pressure",

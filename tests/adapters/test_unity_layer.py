@@ -101,6 +101,14 @@ def test_components_for_other_packages(built: unity.Built, version: int) -> None
     assert said.splitlines()[-1].endswith(" passed, 0 failed")
 
 
+@pytest.mark.parametrize("system", [0, 1], ids=list(unity.SYSTEMS))
+def test_the_mouse_moves_a_hand_with_each_input_system(built: unity.Built, system: int) -> None:
+    tests = built.mouse[system]
+    runner = tests.with_name(built.runner.name)
+    said = tools.run("mono", "--debug", runner, "--play", tests)
+    assert said.splitlines()[-1].endswith(" passed, 0 failed")
+
+
 def test_the_manuals_examples_compile(built: unity.Built, tmp_path: Path) -> None:
     manual = (unity.PACKAGE / "Documentation~" / "index.md").read_text(encoding="utf-8")
     examples = re.findall(r"```csharp\n(.*?)```", manual, re.DOTALL)
@@ -329,6 +337,10 @@ def test_touches_are_told_to_server_and_effect_where_they_are(game: Game) -> Non
     assert status["began"] == status["left"]
     assert status["heard"] == 0
     assert status["screen"] == "Silent: " + status["why"]
+    game.do("mouse 960 540 1")  # the middle of the window
+    assert game.until(felt)["screen"] == "Sounding"
+    game.do("mouse 960 540 0")
+    game.until(lambda s: s["cause"] == "hand not seen")
     game.do("disconnect")
     assert "not connected" in game.status()["screen"]
 

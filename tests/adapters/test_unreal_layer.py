@@ -237,6 +237,26 @@ def test_an_open_hand_feels_as_a_tracked_one_does(play: Callable[..., Game]) -> 
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 
+def test_the_mouse_moves_a_hand_while_its_button_is_down(
+    play: Callable[..., Game], server: Server
+) -> None:
+    def palm() -> np.ndarray:
+        return np.frombuffer(look(server).hands, "<f4")[:3]
+
+    game = play()
+    connected(game)
+    game.do(f"open {numbers(level([0.0, 0.0, 0.215]))}")
+    game.do("mouse 960 540 0")
+    eventually(lambda: not look(server).hands)
+    game.do("mouse 960 540 1")  # the middle of the window
+    sounds(game)
+    eventually(lambda: np.allclose(palm(), [0.0, 0.0, 0.215], atol=1e-3))
+    game.do("mouse 1920 540 1")
+    eventually(lambda: np.allclose(palm(), [0.15, 0.0, 0.215], atol=1e-3))
+    game.do("mouse 960 0 1")
+    eventually(lambda: np.allclose(palm(), [0.0, 0.15, 0.215], atol=1e-3))
+
+
 def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
     play: Callable[..., Game], server: Server
 ) -> None:

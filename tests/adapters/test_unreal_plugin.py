@@ -29,7 +29,7 @@ CORE = [
     if path.suffix in {".h", ".cpp"} and path.name != "PacinianCoreModule.cpp"
 ]
 FORBIDDEN = r"\b(try|catch|throw|dynamic_cast|typeid)\b"
-LENGTHS = {"Amplitude", "Diameter", "Radius", "Thickness", "Reach"}
+LENGTHS = {"Amplitude", "Diameter", "MouseReach", "Radius", "Thickness", "Reach"}
 
 
 def named(path: Path) -> str:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from . import tools
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 PACKAGE = tools.ADAPTERS / "unity"
 STUBS = tools.CSHARP / "stubs"
-SYSTEMS = {  # the sample with each of Unity's input systems
-    "Sample.dll": ["ENABLE_LEGACY_INPUT_MANAGER"],
-    "SampleInputSystem.dll": ["ENABLE_INPUT_SYSTEM", "PACINIAN_INPUT_SYSTEM"],
+SYSTEMS = {  # Unity's input systems
+    "manager": ["ENABLE_LEGACY_INPUT_MANAGER"],
+    "system": ["ENABLE_INPUT_SYSTEM", "PACINIAN_INPUT_SYSTEM"],
 }
 VERSIONS = {  # of other packages
     "older": [],
@@ -23,13 +21,17 @@ VERSIONS = {  # of other packages
 
 
 class Built(NamedTuple):
-    """The compiled programs. player: plays a level by commands. runner: runs tests. packages: tests other packages."""
+    """The compiled programs. player: plays a level by commands. runner: runs tests.
+
+    packages: test other packages. mouse: test each input system, beside a runner of their own.
+    """
 
     player: Path
     runner: Path
     tests: Path
     editor_tests: Path
     packages: tuple[Path, ...]
+    mouse: tuple[Path, ...]
 
 
 def build(folder: Path) -> Built:
@@ -46,12 +48,10 @@ def build(folder: Path) -> Built:
     of_editor = _part(
         folder, ".Editor.Tests", "Tests/Editor", core, engine, layer, editor, editing, runner
     )
-    mouse = tools.csharp(folder / "InputSystem.dll", [STUBS / "Packages/InputSystem.cs"], engine)
-    for name, defines in SYSTEMS.items():
-        tools.csharp(
-            folder / name, (PACKAGE / "Samples~").rglob("*.cs"), core, engine, layer, mouse,
-            defines=defines,
-        )  # fmt: skip
+    mouse = tuple(
+        _with_input(folder / system, defines, core, engine, runner)
+        for system, defines in SYSTEMS.items()
+    )
     packages = tuple(
         _with_packages(folder / version, defines, core, engine, layer, runner)
         for version, defines in VERSIONS.items()
@@ -61,7 +61,7 @@ def build(folder: Path) -> Built:
         [*(STUBS / "Play").glob("*.cs"), tools.CSHARP / "tests" / "ClientJson.cs"],
         core, engine, layer, editor,
     )  # fmt: skip
-    return Built(player, runner, tests, of_editor, packages)
+    return Built(player, runner, tests, of_editor, packages, mouse)
 
 
 def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
@@ -78,7 +78,23 @@ def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
     return tools.csharp(name, [source], *made, defines=defines)
 
 
+def _with_input(folder: Path, defines: list[str], *libraries: Path) -> Path:
+    """Compile the components, the sample and tests of the mouse with one of the input systems."""
+    folder.mkdir()
+    made = [Path(shutil.copy(library, folder)) for library in libraries]
+    source = STUBS / "Packages" / "InputSystem.cs"
+    made.append(tools.csharp(folder / "Unity.InputSystem.dll", [source], *made))
+    for name, sources in {
+        "Pacinian.Haptics.dll": (PACKAGE / "Runtime").glob("*.cs"),
+        "Pacinian.Samples.TouchABall.dll": (PACKAGE / "Samples~").rglob("*.cs"),
+        "Pacinian.Haptics.Tests.dll": [STUBS / "Packages" / "MouseTests.cs"],
+    }.items():
+        made.append(tools.csharp(folder / name, sources, *made, defines=defines))
+    return made[-1]
+
+
 def _part(folder: Path, name: str, sources: str, *libraries: Path) -> Path:
     return tools.csharp(
-        folder / f"Pacinian.Haptics{name}.dll", (PACKAGE / sources).glob("*.cs"), *libraries
-    )
+        folder / f"Pacinian.Haptics{name}.dll", (PACKAGE / sources).glob("*.cs"), *libraries,
+        defines=SYSTEMS["manager"],
+    )  # fmt: skip

@@ -248,23 +248,25 @@ def test_what_is_felt_is_told_beside_what_is_asked(
         page.say("hide", what="skin")
 
 
+def _demonstrated(page: Page) -> bool:
+    """Keep the demonstration alive. Return whether it can be felt."""
+    page.say("alive")
+    state = page.newest.get("state", {})
+    return (state.get("owner"), state.get("output")) == ("demonstration", "sounding")
+
+
 def test_a_demonstration_plays_for_a_page_and_takes_nothing_from_others(
     url: str, server: Running
 ) -> None:
-    def sounds() -> bool:
-        page.say("alive")
-        state = page.newest.get("state", {})
-        return (state.get("owner"), state.get("output")) == ("demonstration", "sounding")
-
     with Page(url) as other:
         with Page(url) as page:
             page.say("demonstrate", on=True)
-            page.until(sounds)
+            page.until(lambda: _demonstrated(page))
             page.until(lambda: "ball" in page.objects and len(page.newest["state"]["hands"]) > 0)
             page.say("demonstrate", on=False)
             page.until(lambda: page.newest["state"]["owner"] == "")
             page.say("demonstrate", on=True)
-            page.until(sounds)
+            page.until(lambda: _demonstrated(page))
         other.until(lambda: other.newest.get("state", {}).get("owner") == "")  # its page is closed
         with Game(server.connection):
             other.say("demonstrate", on=True)
@@ -274,6 +276,25 @@ def test_a_demonstration_plays_for_a_page_and_takes_nothing_from_others(
                 True,
             )
             assert other.next("state")["owner"] == "game"
+
+
+def test_a_page_that_takes_over_or_stops_ends_the_demonstration_without_a_refusal(url: str) -> None:
+    with Page(url) as page:
+        for end, after in (("arm", "disarm"), ("stop", "reset")):
+            page.say("demonstrate", on=True)
+            page.until(lambda: _demonstrated(page))
+            page.say(end, **({"scene": "", "take": True} if end == "arm" else {}))
+            page.until(
+                lambda: (
+                    "demonstration"
+                    not in [client["name"] for client in page.newest["state"]["clients"]]
+                )
+            )
+            page.until(lambda: page.output in ("silent", "stopped"))
+            page.say(after)
+            page.until(lambda: (page.output, page.newest["state"]["owner"]) == ("silent", ""))
+        page.catch_up()
+        assert not page.refusals
 
 
 def test_a_solver_is_selected_by_the_rules_of_the_server(url: str, server: Running) -> None:

@@ -6,6 +6,7 @@ import io
 import math
 import os
 import signal
+from threading import Event
 from typing import TYPE_CHECKING, Any
 from urllib.request import urlopen
 
@@ -35,6 +36,7 @@ pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("pati
 
 ARRAY = pc.autd(1, 1)
 TINY = 480, 400  # [px]
+PHONE = 390, 844  # [px]
 
 
 def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Running) -> None:
@@ -237,6 +239,90 @@ def test_mean_peak_and_instant_and_the_laws_of_colours(
             return abs(ticks[0] / ticks[-1] / 1e3 - 1.0) < 0.1
 
         shown.until(thirty_decibels)
+
+
+def test_the_colour_bar_follows_a_still_field(browser: Browser, url: str, server: Running) -> None:
+    seen_slice = Event()
+
+    def between(route: WebSocketRoute) -> None:
+        """Multiply all slices by 10. Keep back the states, and so the targets, until there is a slice."""
+        server = route.connect_to_server()
+
+        def pass_on(data: str | bytes) -> None:
+            message: dict[str, Any] = msgpack.unpackb(data)  # type: ignore[arg-type]
+            if message["type"] == "slice" and message["pressure"].strip(b"\0"):
+                message["pressure"] = (
+                    10.0 * np.frombuffer(message["pressure"], np.float32)
+                ).tobytes()
+                seen_slice.set()
+            if message["type"] != "state" or seen_slice.is_set():
+                route.send(msgpack.packb(message) or b"")
+
+        server.on_message(pass_on)
+
+    with Game(server.connection), seen(browser, url, live=False) as shown:
+        shown.page.route_web_socket("**/feed*", between)
+        shown.page.reload()
+        shown.until(lambda: seen_slice.is_set() and shown.get("scale") > 20.0)
+        shown.until(lambda: shown.get("scale") <= 20.0)  # targets are 5 Pa
+        for found in (shown.text("#bar-ticks").split()[0], shown.page.input_value("#scale")):
+            assert float(found) == shown.get("scale")
+
+
+def test_on_a_phone_the_colour_bar_covers_nothing(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with Game(server.connection), seen(browser, url, PHONE) as shown:
+        shown.until(lambda: shown.page.is_visible("#bar") and shown.get("scale") > 1.0)
+        view, bar, colours = (
+            shown.page.locator(css).bounding_box()
+            for css in ("#space > canvas", "#bar", "#bar-colours")
+        )
+        assert view
+        assert bar
+        assert colours
+        assert bar["y"] > view["y"] + view["height"] - 1.0  # the view has whole pixels
+        assert bar["x"] <= colours["x"] < colours["x"] + colours["width"] <= bar["x"] + bar["width"]
+        assert colours["width"] > 10.0 * colours["height"]
+        low, high = (
+            shown.page.locator(f"#bar-ticks li:{which}-child").bounding_box()
+            for which in ("last", "first")
+        )
+        assert low
+        assert high
+        assert low["x"] < high["x"]
+        shown.page.click("#help")
+        assert shown.page.is_visible("#keys .touch")
+        assert not shown.page.locator("#keys kbd:visible").count()
+
+
+def test_what_the_server_has_not_told_is_not_shown(browser: Browser, url: str) -> None:
+    told = Event()
+
+    def between(route: WebSocketRoute) -> None:
+        """Keep back the states until `told`. Then no technique is chosen."""
+        server = route.connect_to_server()
+
+        def pass_on(data: str | bytes) -> None:
+            message: dict[str, Any] = msgpack.unpackb(data)  # type: ignore[arg-type]
+            if message["type"] == "state":
+                message["technique"] = ""
+            if message["type"] != "state" or told.is_set():
+                route.send(msgpack.packb(message) or b"")
+
+        server.on_message(pass_on)
+
+    with seen(browser, url, live=False) as shown:
+        page = shown.page
+        page.route_web_socket("**/feed*", between)
+        page.reload()
+        shown.until(lambda: page.locator("#solver option").count() > 1)
+        assert [page.input_value(css) for css in ("#solver", "#backend", "#technique")] == 3 * [""]
+        assert shown.text("#output-name") == "Connecting"
+        assert shown.text("#drive-why") == page.get_attribute("#arm", "title") == "Connecting …"
+        told.set()
+        shown.until(lambda: page.input_value("#solver") == "auto" and page.is_enabled("#arm"))
+        assert page.locator("#technique option:checked").inner_text() == "of each object"
 
 
 def test_a_hand_is_painted_with_what_it_feels(browser: Browser, url: str, server: Running) -> None:

@@ -13,6 +13,7 @@ import pacinian as pc
 
 from .browser import seen, status
 from .conftest import Game
+from .test_recorded import rendered
 from .watching import LIMIT, viewer
 
 if TYPE_CHECKING:
@@ -286,3 +287,9 @@ def test_a_recording_is_made_and_gone_through(
         shown.until(lambda: "ball" in shown.get("objects"))
         page.click("#play")
         shown.until(lambda: shown.text("#replay-time") == shown.text("#replay-end") != "0.00 s")
+
+
+def test_a_recording_without_samples_says_how_to_see_them(browser: Browser, tmp_path: Path) -> None:
+    rendered(tmp_path / "r.pac")
+    with viewer(recording=tmp_path / "r.pac") as replayed, seen(browser, replayed) as shown:
+        shown.until(lambda: "pacinian view --samples" in shown.text("#skin-words"))

@@ -267,6 +267,29 @@ def test_a_renderers_recording_is_replayed_with_scene_hands_and_field(tmp_path: 
         assert not told["state"]["points"]
 
 
+def test_a_page_that_joins_later_has_the_whole_past_of_the_charts(tmp_path: Path) -> None:
+    rendered(tmp_path / "r.pac")
+    with open_view(tmp_path / "r.pac") as recorded:
+        hub = Hub()
+        player = FeedPlayer(hub, recorded)
+
+        def past() -> int:
+            """Return the number of values that a page receives which joins now."""
+            view = hub.join(lambda: None)
+            if player.playing:
+                player.show()
+            told = {kind: msgpack.unpackb(data) for kind, data in view.take()}
+            return len(told["history"]["times"]) // 8
+
+        first = past()
+        player.advance(0.3)
+        middle = past()
+        player.advance(1.0)
+        player.show()
+        assert not player.playing
+        assert first < middle < past()
+
+
 def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path) -> None:
     renderer = rendered(tmp_path / "r.pac", 0.49)
     with open_view(tmp_path / "r.pac", samples=True) as recorded:

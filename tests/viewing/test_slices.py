@@ -223,15 +223,20 @@ def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
         assert os.getsid(worker.pid) == worker.pid
 
 
-def test_silence_takes_no_process(fields: FieldWorker) -> None:
+def test_in_silence_the_process_starts_so_that_the_first_sound_is_seen_at_once(
+    fields: FieldWorker,
+) -> None:
     quiet = DRIVE._replace(gains=b"")
-    found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
-    assert found == bytes(4 * 30 * 40)
     error = msgspec.structs.replace(HERE, of="error")
     told = quiet._replace(regions=Regions(bytes(12), bytes(12), bytes(4), bytes(4), b""))
     found = asyncio.run(fields.pressure(error, told, lambda: True))
     assert np.isnan(np.frombuffer(found or b"", "<f4")).all()
     assert not workers()
+    found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
+    assert found == bytes(4 * 30 * 40)
+    (worker,) = workers()
+    assert computed(fields, HERE) != [found]
+    assert workers() == [worker]
 
 
 def test_silent_frames_are_a_field_of_zeros() -> None:

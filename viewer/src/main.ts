@@ -85,9 +85,11 @@ if (space) {
   const pointing = new Pointer(space, slicePlane, showHoverValue);
   new SkinPanel(store, new SkinPlane(send), space);
   new FieldPanel(space, slicePlane, surfaceBox, scales, store);
+  const showScale = (): void => scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
+  space.onScale(showScale); // also while no slices come, because the field does not change
   store.onBeat("slice", () => {
     element("bar").hidden = false;
-    scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
+    showScale();
     pointing.tellAgain();
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));

@@ -2,6 +2,7 @@ using System;
 using Pacinian.Wire;
 using UnityEditor;
 using UnityEngine;
+using UnityEngine.SceneManagement;
 
 namespace Pacinian.Haptics.Editing
 {
@@ -14,7 +15,7 @@ namespace Pacinian.Haptics.Editing
             "Pacinian.Haptics.LeapHandProvider, Pacinian.Haptics.Ultraleap",
         };
 
-        private const float Apart = 0.08f, High = 0.215f; // [m] of an open hand's palm: beside and above the array's middle
+        private const float BallHeight = 0.175f, HandHeight = 0.215f; // [m] above the array's middle
 
         [MenuItem("GameObject/Pacinian/Array", false, 10)]
         internal static void Array(MenuCommand command)
@@ -30,16 +31,24 @@ namespace Pacinian.Haptics.Editing
             Made(command, "Haptic Point", typeof(HapticPoint));
         }
 
+        /// <summary>
+        /// Creates a ball; if the menu was opened on the array or on nothing, above the array.
+        /// </summary>
         [MenuItem("GameObject/Pacinian/Ball", false, 12)]
         internal static void Ball(MenuCommand command)
         {
             GameObject ball = Made(command, "Haptic Ball", typeof(SphereCollider), typeof(HapticVolume));
             ball.GetComponent<SphereCollider>().radius = 0.03f;
+            ArrayOrigin array = FindArray(command);
+            if (array != null)
+            {
+                Place(ball, array.transform, BallHeight);
+            }
         }
 
         /// <summary>
-        /// Creates both hands, with XR Hands or Ultraleap's plugin if one is installed. With XR Hands they are in the
-        /// frame of the camera's parent, which is the XR Origin's offset.
+        /// Creates both hands, if XR Hands or Ultraleap's plugin is installed, and a hand that the mouse moves. With XR
+        /// Hands the hands are in the frame of the camera's parent, which is the XR Origin's offset.
         /// </summary>
         [MenuItem("GameObject/Pacinian/Hands", false, 13)]
         internal static void Hands(MenuCommand command)
@@ -53,14 +62,15 @@ namespace Pacinian.Haptics.Editing
             if (tracker == null)
             {
                 Debug.LogWarning(
-                    "Pacinian: these hands are open, and do not move. For tracked hands, install XR Hands "
-                    + "(com.unity.xr.hands) or Ultraleap's plugin (com.ultraleap.tracking) with the Package Manager, then use "
-                    + "GameObject > Pacinian > Hands again");
+                    "Pacinian: no tracker is installed, so there is only a hand for the mouse: hold the left button in the "
+                    + "game. For tracked hands, install XR Hands (com.unity.xr.hands) or Ultraleap's plugin "
+                    + "(com.ultraleap.tracking) with the Package Manager, then use GameObject > Pacinian > Hands again");
             }
         }
 
         /// <summary>
-        /// tracker: a HandProvider; null: open hands, above the object on which the menu was opened, such as the array.
+        /// tracker: a HandProvider, or null. The mouse's hand is above the object on which the menu was opened, such as the
+        /// array; if there is none, above the array of the scene.
         /// </summary>
         internal static void Hands(MenuCommand command, Type tracker)
         {
@@ -68,20 +78,52 @@ namespace Pacinian.Haptics.Editing
             Transform origin = Camera.main == null ? null : Camera.main.transform.parent;
             foreach (HandFrameSide side in new[] { HandFrameSide.Left, HandFrameSide.Right })
             {
-                GameObject made = new GameObject(side.ToString(), typeof(HapticHand));
-                made.transform.SetParent(hands.transform, false);
-                HapticHand hand = made.GetComponent<HapticHand>();
-                hand.Side = side;
                 if (tracker != null)
                 {
-                    HandProvider provider = (HandProvider)made.AddComponent(tracker);
-                    provider.Follow(side == HandFrameSide.Left, origin);
-                    hand.Provider = provider;
-                    continue;
+                    HapticHand hand = Hand(hands, side.ToString(), side);
+                    hand.Provider = (HandProvider)hand.gameObject.AddComponent(tracker);
+                    hand.Provider.Follow(side == HandFrameSide.Left, origin);
                 }
-                hand.Source = HapticHandSource.Open;
-                made.transform.localPosition = new Vector3(side == HandFrameSide.Left ? -Apart : Apart, High, 0f);
             }
+            HapticHand test = Hand(hands, "Mouse", HandFrameSide.Right);
+            test.Source = HapticHandSource.Mouse;
+            ArrayOrigin array = FindArray(command);
+            Place(test.gameObject, array == null ? hands.transform : array.transform, HandHeight);
+        }
+
+        private static HapticHand Hand(GameObject parent, string name, HandFrameSide side)
+        {
+            GameObject made = new GameObject(name, typeof(HapticHand));
+            made.transform.SetParent(parent.transform, false);
+            HapticHand hand = made.GetComponent<HapticHand>();
+            hand.Side = side;
+            return hand;
+        }
+
+        private static void Place(GameObject made, Transform below, float height)
+        {
+            made.transform.position = below.TransformPoint(new Vector3(0f, height, 0f));
+            made.transform.rotation = below.rotation;
+        }
+
+        /// <summary>
+        /// Returns the array on which the menu was opened; if it was opened on nothing, the first of the scene. null: none.
+        /// </summary>
+        private static ArrayOrigin FindArray(MenuCommand command)
+        {
+            GameObject context = command.context as GameObject;
+            if (context != null)
+            {
+                return context.GetComponent<ArrayOrigin>();
+            }
+            foreach (GameObject root in SceneManager.GetActiveScene().GetRootGameObjects())
+            {
+                foreach (ArrayOrigin found in root.GetComponentsInChildren<ArrayOrigin>())
+                {
+                    return found;
+                }
+            }
+            return null;
         }
 
         [MenuItem("GameObject/Pacinian/Hand (without a tracker)", false, 13)]

@@ -7,10 +7,11 @@ namespace Pacinian.Haptics
     /// </summary>
     public sealed partial class HapticHand
     {
-        private bool Open()
+        /// <summary>offset: of the palm, in this object's axes without its scale [m].</summary>
+        private bool Open(Vector3 offset)
         {
-            Vector3 palm = transform.position;
             Quaternion turned = transform.rotation;
+            Vector3 palm = transform.position + turned * offset;
             for (int i = 0; i < Count; i++)
             {
                 _positions[i] = palm + turned * WireSpace.ToUnity(OpenHand.Joint(side, i));

@@ -22,6 +22,8 @@ namespace Pacinian.Haptics
         [SerializeField] private HapticHandSource source = HapticHandSource.Tracker;
         [SerializeField, Tooltip("Source Tracker: the provider; empty: the one on this object.")]
         private HandProvider provider;
+        [SerializeField, Tooltip("Source Mouse: how far the hand is from this object when the mouse is at the window's edge [m].")]
+        private float mouseReach = 0.15f;
         [SerializeField, Tooltip("Send the motion, so that the hand feels where it will be instead of where it was.")]
         private bool predictMotion = true;
 
@@ -122,7 +124,8 @@ namespace Pacinian.Haptics
             switch (source)
             {
                 case HapticHandSource.Game: return _given && Finite();
-                case HapticHandSource.Open: return Open();
+                case HapticHandSource.Open: return Open(Vector3.zero);
+                case HapticHandSource.Mouse: return FollowMouse();
                 default:
                     provider = provider == null ? GetComponent<HandProvider>() : provider;
                     return provider != null && provider.isActiveAndEnabled && provider.TryGet(_positions, _radii) && Finite();

@@ -11,5 +11,8 @@ namespace Pacinian.Haptics
 
         /// <summary>An open hand: its palm is at this object and faces down, its fingers point forward.</summary>
         Open,
+
+        /// <summary>For tests: an open hand that the mouse moves. It is there while the left button is down.</summary>
+        Mouse,
     }
 }

@@ -4,7 +4,7 @@ A process reads pickled tasks and numbers of problems from its standard input, a
 Pickles go only between this process and the children that it started. Arrays and the medium go once, and solutions
 refer to them. A message is a pickle and the buffers of its NumPy arrays, which are sent and received without a copy.
 
-A process takes some 0.4 s to start, so it stays for the batches to come, and ends after `IDLE_TIMEOUT` without any.
+A process takes 0.1 to 0.4 s to start, so it stays for the batches to come, and ends after `IDLE_TIMEOUT` without any.
 """
 
 from __future__ import annotations
@@ -135,6 +135,7 @@ class WaitingProcesses:
         self._timer: threading.Timer | None = None
         self._written: dict[str, int] = {}  # times by module [ns]
         self._edits = 0
+        self._starts = 0.0  # processes that the batches so far were worth
 
     def identify_code(self, task: Task) -> object:
         """Return what differs if processes that have solved other tasks may lack the code of this one, or have old one.
@@ -150,10 +151,14 @@ class WaitingProcesses:
             self._written[module] = written
             return tuple(sys.path), self._edits
 
-    def count(self, code: object) -> int:
-        """Return how many processes wait that know this code."""
+    def count_worthwhile(self, code: object, starts: float) -> int:
+        """Return how many processes wait that know this code, or how many are worth their start if these are more.
+
+        starts: the number that this batch is worth. The batches before count, too, until the processes end.
+        """
         with self._lock:
-            return sum(one.code == code and one.alive for one in self._all)
+            self._starts += starts
+            return max(sum(one.code == code and one.alive for one in self._all), int(self._starts))
 
     def take(self, code: object, count: int) -> list[WorkerProcess]:
         """Return `count` processes that know this code; starts those that are missing, and ends all others."""
@@ -178,13 +183,13 @@ class WaitingProcesses:
     def close(self) -> None:
         """End all processes that wait."""
         with self._lock:
-            waiting, self._all = self._all, []
+            waiting, self._all, self._starts = self._all, [], 0.0
         for one in waiting:
             one.close()
 
     def forget(self) -> None:
         """Leave them to the process that this one was forked from."""
-        self._all, self._lock, self._timer = [], threading.Lock(), None
+        self._all, self._lock, self._timer, self._starts = [], threading.Lock(), None, 0.0
 
 
 waiting = WaitingProcesses()

@@ -36,13 +36,11 @@ MAX_PROBLEMS = 1_000_000  # problems in one call
 MAX_GAINS = 1 << 31  # gains of all solutions together: 16 GiB in single precision
 MAX_TRIED = 0.005  # time after which problems are no longer solved one by one [s]
 MIN_FOR_WAITING = 0.01  # time of a batch from which processes that wait for one help [s]
-MIN_FOR_NEW = (
-    0.5  # time of a batch from which a process is started: for each, its start takes 0.4 s [s]
-)
-MIN_IN_PROCESSES = 5e-5  # time of a problem from which the transfer of its solution pays [s]
+MIN_FOR_NEW = 0.15  # time of the batches so far for each process that is started: a start takes 0.1 to 0.4 s [s]
+MIN_IN_PROCESSES = 2e-5  # time of a problem from which the transfer of its solution pays [s]
 MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]
 MAX_PART = 0.02  # time of the problems that a process gets at once [s]
-PARTS = 32  # parts for each process, so that none waits long for the last
+PARTS = 16  # parts for each process, so that none waits long for the last
 POLL = 0.005  # time between looks whether a process has started [s]
 
 
@@ -112,9 +110,10 @@ def solve_many(
 
     The gains are those of `solve`, bit for bit; with more than a million elements of B (M N), where BLAS would use all
     cores for one problem, they may differ by rounding. Python code of a solver does not run in two threads at once, so
-    problems of more than 0.05 ms are also solved in other processes. A batch of more than 0.5 s starts them, in some
-    0.4 s; meanwhile, the first problems are solved here. They stay for a minute, and help from 10 ms on. Solvers and
-    directivities that other processes cannot load run in threads, if a problem takes more than 1 ms.
+    problems of more than 0.02 ms are also solved in other processes. One is started for each 0.15 s that batches have
+    taken so far. It starts in 0.1 to 0.4 s; meanwhile, the first problems are solved here. Processes stay for a minute,
+    and help in batches of 10 ms or more. Solvers and directivities that other processes cannot load run in threads, if
+    each problem takes more than 1 ms.
     The solver must keep no state between calls. No solution depends on the time, so there is no deadline.
     Raises what `solve` raises, with a note that gives the number of the problem; and PluginError if a process dies.
     """
@@ -145,9 +144,9 @@ def _solve_all(task: Task, workers: int) -> list[Solution]:
         rest = K - first
         code, whole = waiting.identify_code(task), each * rest  # [s]
         others = min(workers, rest) - 1
-        helpers = min(others, max(waiting.count(code), int(whole / MIN_FOR_NEW)))
         pays = each > MIN_IN_PROCESSES and whole > MIN_FOR_WAITING
-        packed = pack_task(task) if helpers and pays else None
+        helpers = min(others, waiting.count_worthwhile(code, whole / MIN_FOR_NEW)) if pays else 0
+        packed = pack_task(task) if helpers else None
         if packed is None:
             numbers = iter(range(first, K))  # shared by the threads: each takes the next number
             threads = 1 + others if each >= MIN_IN_THREADS else 1

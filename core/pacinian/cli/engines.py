@@ -48,7 +48,7 @@ def unity(path: Path, replace: bool) -> None:
         "  2. In Unity, wait for the import, then Window > Package Manager > In Project >\n"
         "     Pacinian Mid-Air Haptics > Samples > Touch a ball > Import. Open its scene, and press play.\n"
         "     The screen says `Sounding`, or why it is silent.\n"
-        "  3. In your scene:     GameObject > Pacinian > Array, Ball, Hand\n"
+        "  3. In your scene:     GameObject > Pacinian > Array, Ball, Hands\n"
         f"  Manual: {target / 'Documentation~' / 'index.md'}"
     )
 
@@ -78,7 +78,8 @@ def unreal(path: Path, replace: bool) -> None:
     click.echo(
         "\nNext:\n  1. Start a server: pacinian serve\n"
         "  2. Generate the project files again, build, and open the editor.\n"
-        "  3. In your level: place a Haptic Array, and add a Haptic Volume to a sphere 17.5 cm above it. Press Play."
+        "  3. In your level: place a Haptic Array, add a Haptic Volume to a sphere 17.5 cm\n"
+        "     above it, and a Haptic Hand to your pawn. Press Play."
     )
 
 

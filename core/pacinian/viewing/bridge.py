@@ -82,6 +82,9 @@ class Bridge:
 
     def ask(self, page: int, asked: AnyAsked) -> None:
         """Queue a request of a page; carry out an emergency stop at once, in its own thread."""
+        ends = isinstance(asked, Stop) or (isinstance(asked, Arm) and asked.take)
+        if ends and self._demonstration is not None:
+            self._demonstration.end()  # quietly: the page wants it
         if isinstance(asked, Stop):
             threading.Thread(target=self._stop, args=(page,), name="stop").start()
         elif isinstance(asked, Alive):  # not queued: an old one must not renew the lease

@@ -84,7 +84,8 @@ class Demonstration:
         except ConnectionLost:
             pass  # the viewer's own session reports it to the pages
         except Refused as error:
-            self._refuse(str(error).removesuffix(f"; {error.advice}"), error.advice)
+            if not self._ended.is_set():
+                self._refuse(str(error).removesuffix(f"; {error.advice}"), error.advice)
         except Exception as error:
             self._refuse(describe_error(error), "")
 

@@ -68,6 +68,7 @@ class FeedPlayer:
         self._regions: Regions | None = None
         self._time = 0.0  # of the newest state or frame, by the server's clock [s]
         self._past = -math.inf  # time shown last [s]
+        self._pages: set[int] = set()  # pages that have the past of the charts
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
@@ -132,10 +133,12 @@ class FeedPlayer:
         if self._scenery is not self._hub.scenery:
             self._hub.show(self._scenery)
         if self._model is not None:
-            if self.time - self._past > JUMP:
+            pages = set(self._hub.views)
+            # A page that joins later, also while nothing plays, receives the past that was sent last.
+            if self.time - self._past > JUMP or pages - self._pages or not self.playing:
                 past = collect_history(self._recorded, self._recorded.entries[:place], self._model)
                 self._hub.put("history", past)
-            self._past = self.time
+            self._past, self._pages = self.time, pages
         stands = Replayed(
             time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
         )

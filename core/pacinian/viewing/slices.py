@@ -88,6 +88,7 @@ class FieldWorker:
             across = tuple(np.cross(asked.u, asked.v).tolist())
             return await self._run(compute_region_errors, drive, where, across, drive.regions)
         if not drive.gains:
+            self._start()  # the first field after silence would otherwise wait for its imports
             return bytes(4 * count)
         if where not in self._rough:
             if found := await self._run(interpolate_pressure, drive, where, peak):
@@ -105,20 +106,25 @@ class FieldWorker:
         """Run `work` in the other process, which is restarted once if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
-            if self._closed:
-                raise ArgumentError("slice", "cannot be computed: the viewer ends")
-            if self._pool is None:
-                context = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(
-                    1, context, initializer=start_worker, initargs=(CALM,)
-                )
-            pool, given = self._pool, (drive.model.packed, drive.gains, *about)
+            pool = self._start()
             try:
-                return await loop.run_in_executor(pool, work, *given)
+                return await loop.run_in_executor(
+                    pool, work, drive.model.packed, drive.gains, *about
+                )
             except BrokenProcessPool:
                 if pool is self._pool:
                     self._kill()
         raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
+
+    def _start(self) -> ProcessPoolExecutor:
+        """Start the other process, if there is none."""
+        if self._closed:
+            raise ArgumentError("slice", "cannot be computed: the viewer ends")
+        if self._pool is None:
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(1, context, initializer=start_worker, initargs=(CALM,))
+            self._pool.submit(os.getpid)  # the pool starts a process when it gets work
+        return self._pool
 
     def close(self) -> None:
         """Kill the process, for otherwise the interpreter would wait for its work at exit. Start no other."""

@@ -280,6 +280,12 @@ def test_code_that_is_edited_is_read_again(
     assert waiting._all != [first]
 
 
+def test_small_batches_are_together_worth_a_process(waiting: WaitingProcesses) -> None:
+    assert [waiting.count_worthwhile("code", 0.4) for _ in range(5)] == [0, 0, 1, 1, 2]
+    waiting.close()  # as after a minute without batches
+    assert waiting.count_worthwhile("code", 0.4) == 0
+
+
 def test_processes_end_when_no_batch_comes(
     waiting: WaitingProcesses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -301,9 +307,9 @@ def test_a_batch_does_not_wait_for_processes_that_start(
 def test_a_forked_process_leaves_its_parents_processes_alone(waiting: WaitingProcesses) -> None:
     process = WorkerProcess("code")
     waiting.keep([process])
-    assert waiting.count("code") == 1
+    assert waiting.count_worthwhile("code", 0.0) == 1
     waiting.forget()  # as after a fork
-    assert waiting.count("code") == 0
+    assert waiting.count_worthwhile("code", 0.0) == 0
     assert process.alive
     process.close()
 

@@ -1,4 +1,7 @@
-/** Advice on a refusal, if the server gives none. */
+/** Advice: on a refusal, if the server gives none; and why nothing can be changed yet. */
+
+import type { State } from "../feed/messages";
+import type { Link } from "../feed/store";
 
 const BY_MESSAGE: [RegExp, string][] = [
   [/owns the output/, "Take over first, or change it in the program that owns the output."],
@@ -37,4 +40,11 @@ const TITLES: Record<string, string> = {
 
 export function title(action: string): string {
   return TITLES[action] ?? `Refused: ${action}`;
+}
+
+/** Return why nothing can be changed on the server; "" if something can. */
+export function unready(link: Link, state: State | undefined): string {
+  if (link === "lost") return "There is no server.";
+  if (link === "closed") return "The viewer has gone.";
+  return link === "live" && state ? "" : "Connecting …";
 }

@@ -9,7 +9,6 @@ import type { Store } from "../feed/store";
 import { AXES, number, peak, range } from "../space/planes";
 import type { Space } from "../space/space";
 import { button, element, input, say, select } from "./dom";
-import { scaleBar } from "./legend";
 import { digits, millimetres } from "./format";
 
 const WAIT = "being computed …";
@@ -39,6 +38,10 @@ export class FieldPanel {
     });
     store.onBeat("slice", () => this.showMost());
     store.onBeat("volume", () => this.showLevel());
+    space.onScale(() => {
+      this.showScale();
+      this.showLevel();
+    });
     this.showSlice();
     this.showLevel();
   }
@@ -93,13 +96,11 @@ export class FieldPanel {
   }
 
   private listenScale(): void {
-    const { slicePlane, space } = this;
+    const { space } = this;
     const top = input("scale");
     select("law").addEventListener("change", () => {
       space.law = SCALE_LAWS.find((each) => each === select("law").value) ?? "linear";
       space.rescale();
-      space.view.urge();
-      scaleBar(this.scale.most, slicePlane.of, space.law, slicePlane.over);
     });
     select("scale-auto").addEventListener("change", () => {
       this.scale.auto = select("scale-auto").value === "auto";

@@ -45,6 +45,11 @@ function words(link: Link, reason: string, before: boolean): [string, string] {
   }
 }
 
+/** Begin a text with a capital letter, and end it with a full stop. */
+function sentence(text: string): string {
+  return ended(text.charAt(0).toUpperCase() + text.slice(1));
+}
+
 /** End a text with a full stop, if it has none. */
 function ended(text: string): string {
   return /[.?!]$/.test(text) || !text ? text : `${text}.`;
@@ -54,7 +59,7 @@ function refused({ action, message, advice }: Refused): void {
   const area = element("refused");
   const close = made("button", "Close");
   close.type = "button";
-  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(forPage(advice) || advise(action, message))));
+  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(sentence(forPage(advice)) || advise(action, message))));
   const note = made("div", why);
   note.append(close);
   const away = (): void => note.remove();

@@ -2,6 +2,7 @@
 
 import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
+import { unready } from "./advice";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./format";
 
@@ -14,8 +15,6 @@ const WHY: Record<Output, string> = {
   faulted: "a plug-in or device failed, until reset",
 };
 const NOT = {
-  link: "There is no server.",
-  state: "The server has not told its state yet.",
   held: "The output is stopped: press Reset first.",
   mine: "This page has armed already.",
   other: "This page has not armed.",
@@ -137,7 +136,7 @@ export class OutputPanel {
     const held = output === "stopped" || output === "faulted";
     const mine = Boolean(this.session?.mine);
     const { others } = this;
-    const no = !live ? NOT.link : !state ? NOT.state : "";
+    const no = unready(this.store.link, state);
     const own = "Let the scene be felt, for as long as this page is open and in view.";
     const take = `Let another scene be felt in place of ${others}'s. You are asked first.`;
     enable("arm", no || (held && NOT.held) || (mine && NOT.mine), others ? take : own);
@@ -160,14 +159,14 @@ export class OutputPanel {
   }
 }
 
-/** Replace API calls in an advice by the controls of this page. */
+/** Replace what a client can do in an advice by the controls of this page. */
 export function forPage(text: string): string {
   return text
-    .replace(/call reset\(\)(, then| and) arm\(\)/, "press Reset$1 arm again")
+    .replace("reset the server", "press Reset")
     .replace(/^reset first$/, "Press Reset first.")
-    .replace("call arm()", "press Arm, or start a program that arms")
-    .replace("call put()", "a program puts them there")
-    .replace("call select(intensity=1.0)", "raise it under Rendering")
+    .replace(/^reset, and arm again$/, "Press Reset, then arm again.")
+    .replace("the game must arm the output", "press Arm, or start a program that arms")
+    .replace("select one above 0", "raise it under Rendering")
     .replaceAll("`", "");
 }
 

@@ -2,12 +2,14 @@
 
 import type { Arrayed, Plugin, Selection, State, Technique, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
+import { unready } from "./advice";
 import { choices, element, input, say, select } from "./dom";
 
 const PATIENCE = 15_000; // time until a choice that the server does not follow is replaced by its own [ms]
 const STROKE = 0.002; // amplitude of lateral modulation [m]
 const FREQUENCIES: Record<string, number> = { am: 200, stm: 100, lm: 100 };
 const NAMES: Record<string, string> = {
+  "": "of each object",
   simultaneous: "all at once",
   am: "amplitude modulation",
   stm: "spatio-temporal modulation",
@@ -49,20 +51,18 @@ export class ServerChoices {
       this.mine = session.armed;
     });
     this.allow(undefined);
+    this.rates("");
   }
 
   /** Enable the controls, or disable them and show the reason. */
   private allow(state: State | undefined): void {
     const why = this.store.newest.hello?.recording
       ? "This is a recording: nothing can be changed."
-      : this.store.link !== "live" || !state
-        ? "There is no server."
-        : state.owner && !this.mine
-          ? `“${state.owner}” owns the output: take over to change these.`
-          : "";
-    const now = state && this.store.link === "live" ? why : why || " ";
-    for (const id of ["solver", "backend", "technique"]) select(id).disabled = Boolean(now);
-    for (const id of ["frequency", "intensity"]) input(id).disabled = Boolean(now);
+      : unready(this.store.link, state) || (state?.owner && !this.mine
+        ? `“${state.owner}” owns the output: take over to change these.`
+        : "");
+    for (const id of ["solver", "backend", "technique"]) select(id).disabled = Boolean(why);
+    for (const id of ["frequency", "intensity"]) input(id).disabled = Boolean(why);
     say(element("drive-why"), why);
     element("drive-why").hidden = !why;
   }
@@ -97,10 +97,14 @@ export class ServerChoices {
   private offer({ solvers, backends, techniques }: Arrayed): void {
     choices(select("solver"), named(solvers));
     choices(select("backend"), named(backends));
-    choices(select("technique"), techniques);
-    for (const option of select("technique").options) option.text = NAMES[option.value] ?? option.value;
+    choices(select("technique"), ["", ...techniques]);
+    for (const option of select("technique").options) {
+      option.text = NAMES[option.value] ?? option.value;
+      option.disabled = !option.value; // it ends with the first choice
+    }
     const state = this.store.newest.state;
     if (state) this.show(state);
+    else for (const kind of ["solver", "backend", "technique"]) select(kind).selectedIndex = -1; // not known yet
   }
 
   private show(state: State): void {
@@ -108,7 +112,7 @@ export class ServerChoices {
       const list = select(kind);
       if (this.pending(kind, state[kind])) continue;
       list.removeAttribute("aria-busy");
-      const told = state[kind] || kind === "backend"; // without a device, none is selected
+      const told = state[kind] || kind !== "solver"; // without a device, none is selected
       if (document.activeElement !== list && told) list.value = state[kind];
     }
     if (!this.pending("intensity", String(state.intensity)) && this.intensity === undefined) {

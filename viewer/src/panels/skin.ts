@@ -7,15 +7,18 @@ import { floats } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { PRESSURES } from "../space/map-textures";
 import type { Space } from "../space/space";
-import { choices, element, get, input, say, select } from "./dom";
+import { choices, element, get, input, say, sayMarked, select } from "./dom";
 import { digits } from "./format";
+
+/** Recordings of `pacinian render` have no samples. */
+const NO_SAMPLES = "This recording has no samples. Start `pacinian view --samples FILE` to see them.";
 
 export class SkinPanel {
   private readonly made = { asked: get("skin-asked", HTMLCanvasElement), felt: get("skin-felt", HTMLCanvasElement) };
   private last = 0;
 
   constructor(
-    store: Store,
+    private readonly store: Store,
     private readonly skinPlane: SkinPlane,
     private readonly space: Space,
   ) {
@@ -47,7 +50,9 @@ export class SkinPanel {
     const i = state.objects.indexOf(this.skinPlane.object);
     const [force, rms, , spill] = floats(state.felt ?? new Uint8Array()).subarray(4 * i, 4 * i + 4);
     if (i < 0 || !Number.isFinite(force) || !state.asked.length) {
-      if (performance.now() > this.last + 1000) this.clear("no surface or volume is felt");
+      const unknown = this.store.newest.hello?.recording && state.output === "sounding" && !state.asked.length;
+      const none = unknown ? NO_SAMPLES : "no surface or volume is felt";
+      if (!this.last || performance.now() > this.last + 1000) this.clear(none);
       return;
     }
     const shares = [force, rms, spill].map((x) => `${digits(100 * (x ?? NaN), 2)} %`);
@@ -68,7 +73,7 @@ export class SkinPanel {
   }
 
   private clear(why: string): void {
-    say(element("skin-words"), why);
+    sayMarked(element("skin-words"), why);
     say(element("skin-top"), "");
     this.last = 0;
     element("skin-maps").hidden = true;

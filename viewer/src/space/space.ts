@@ -55,6 +55,7 @@ export class Space {
   /** Whether the objects shown are those of a server that is gone. */
   private left = false;
   private readonly things: Turned[] = [];
+  private readonly scaled: (() => void)[] = [];
   /** The frame and state that are drawn, so that equal ones are not drawn again. */
   private frame: Frame | undefined;
   private state: State | undefined;
@@ -174,11 +175,17 @@ export class Space {
     this.view.urge();
   }
 
+  /** Call `listener` when a colour scale has changed. */
+  onScale(listener: () => void): void {
+    this.scaled.push(listener);
+  }
+
   /** Apply a changed colour scale. */
   rescale(): void {
     this.slice.most = this.scale.most;
     this.slice.law = this.law;
     this.recut();
+    for (const listener of this.scaled) listener();
   }
 
   /** Paint the achieved pressure on the hands. Return the top of its scale [Pa], at least the largest target. */

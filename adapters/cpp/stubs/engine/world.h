@@ -15,6 +15,7 @@ struct FActorComponentTickFunction {
 };
 
 class AActor;
+class APlayerController;
 
 class UActorComponent : public UObject {
   STUB_BODY(UActorComponent, UObject)
@@ -93,6 +94,7 @@ class UWorld : public UObject {
   ~UWorld() override;
   UWorld* GetWorld() const override { return const_cast<UWorld*>(this); }
   double GetTimeSeconds() const { return time_; }
+  APlayerController* GetFirstPlayerController() const { return StubPlayer; }
   template <class T>
   T* GetSubsystem() const {
     for (UObject* Each : subsystems_)
@@ -112,6 +114,8 @@ class UWorld : public UObject {
   void tick(float DeltaTime);
   void end(EEndPlayReason::Type Reason);
   void destroy(AActor* Actor);
+
+  APlayerController* StubPlayer = nullptr;
 
  private:
   void end(AActor* Actor, EEndPlayReason::Type Reason);

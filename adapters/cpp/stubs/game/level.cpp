@@ -90,6 +90,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   plate->SetupAttachment(array->Origin);
   plate->bAutoActivate = false;
   player = world->spawn<AActor>(TEXT("Player"));
+  world->StubPlayer = controller = world->spawn<APlayerController>(TEXT("Controller"));
   if (!has("handless")) {
     hand = player->CreateDefaultSubobject<UHapticHandComponent>(TEXT("Hand"));
     hand->Source = EHapticHandSource::Game;
@@ -130,6 +131,7 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "backend") server->SetBackend(word(from));
   if (what == "intensity") server->SetIntensity(static_cast<float>(vector(from).X));
   if (what == "open") rest.Reset(), hand->Source = EHapticHandSource::Open, open(from);
+  if (what == "mouse") mouse(from);
   if (what == "stm") volume->Technique.Kind = EHapticTechnique::STM, volume->Refresh();
   if (what == "lost") rest.Reset(), hand->SetLost();
   if (what == "handless") rest.Reset(), world->destroy(player), player = nullptr, hand = nullptr, quiet = nullptr;
@@ -168,6 +170,12 @@ void Level::open(std::istream& from) {
   auto* root = player->CreateDefaultSubobject<USceneComponent>(TEXT("Root"));
   player->SetRootComponent(root);
   root->SetRelativeTransform(FTransform(array->Origin->GetComponentTransform().GetRotation(), vector(from)));
+}
+
+/// Moves the mouse: right and down from the window's upper left [pixels], and 1 if its button is down.
+void Level::mouse(std::istream& from) {
+  hand->Source = EHapticHandSource::Mouse;
+  from >> controller->MouseX >> controller->MouseY >> controller->bMouseDown;
 }
 
 void Level::joints(std::istream& from) {

@@ -6,6 +6,7 @@
 
 #include "Components/PrimitiveComponent.h"
 #include "EmissionViewComponent.h"
+#include "GameFramework/PlayerController.h"
 #include "HapticArray.h"
 #include "HapticHandComponent.h"
 #include "HapticPointComponent.h"
@@ -31,6 +32,7 @@ class Level {
   void place(std::istream& rest);
   void joints(std::istream& rest);
   void open(std::istream& rest);
+  void mouse(std::istream& rest);
   void zone(std::istream& rest);
   void effect(const std::string& word, std::istream& rest);
   void surface(std::istream& rest);
@@ -46,6 +48,7 @@ class Level {
   AHapticArray* array = nullptr;
   AActor* things = nullptr;
   AActor* player = nullptr;
+  APlayerController* controller = nullptr;
   UHapticServerComponent* server = nullptr;
   UHapticServerComponent* rival = nullptr;
   UPrimitiveComponent* ball = nullptr;

@@ -11,17 +11,17 @@ namespace UnityEngine.InputSystem
 
     public sealed class Position
     {
+        /// <summary>Not in Unity.</summary>
+        public Vector2 Given { get; set; }
+
         public Vector2 ReadValue()
         {
-            return Vector2.zero;
+            return Given;
         }
     }
 
     public sealed class Button
     {
-        public bool isPressed
-        {
-            get { return false; }
-        }
+        public bool isPressed { get; set; }
     }
 }

@@ -108,7 +108,7 @@ namespace Pacinian.Tests
                 case "reset": done = _level.Server.ResetOutput(); break;
                 case "solver": _level.Server.Solver = name; break;
                 case "intensity": _level.Server.Intensity = Number(name); break;
-                case "wave": _waves = name == "on"; break;
+                case "wave": _waves = name == "on"; _level.Wave(0.0); break;
                 case "ball": _level.Ball.enabled = name == "on"; break;
                 case "shelf": Shelf(name == "on"); break;
                 case "serve": Serve(words); break;
@@ -117,6 +117,7 @@ namespace Pacinian.Tests
                 case "strength": _level.Ball.RadiationPressure = Number(name); break;
                 case "hum": _level.Hum.Frequency = Number(name); break;
                 case "hand": _level.Hand.GetComponent<HapticHand>().Source = name == "on" ? HapticHandSource.Open : HapticHandSource.Tracker; break;
+                case "mouse": Mouse(words); break;
                 case "hands": _level.Hand.GetComponent<HapticHand>().enabled = name == "on"; break;
                 case "freeze": Freeze(); break;
                 case "pause": _paused = name == "on"; EditorApplication.Pause(_paused); break;
@@ -149,6 +150,14 @@ namespace Pacinian.Tests
             settings.ServerCommand = words[1];
             settings.ServerArguments = new List<string>(words).GetRange(2, words.Length - 2).ToArray();
             Resources.Assets["PacinianSettings"] = settings;
+        }
+
+        /// <summary>Moves the mouse: right and up from the window's lower left [pixels], and 1 if its button is down.</summary>
+        private void Mouse(string[] words)
+        {
+            _level.Hand.GetComponent<HapticHand>().Source = HapticHandSource.Mouse;
+            Input.mousePosition = new Vector3(Number(words[1]), Number(words[2]), 0f);
+            Input.Held = words[3] == "1";
         }
 
         /// <summary>Blocks the game's thread until a command arrives.</summary>

@@ -11,6 +11,7 @@ namespace UnityEngine
         public GameObject(string name, params Type[] components)
         {
             this.name = name;
+            SceneManagement.Scene.All.Add(this);
             transform = (Transform)Add(typeof(Transform));
             foreach (Type type in components)
             {

@@ -107,9 +107,12 @@ namespace UnityEngine
     {
         public static Vector3 mousePosition { get; set; }
 
+        /// <summary>Whether the left button is down. Not in Unity.</summary>
+        public static bool Held { get; set; }
+
         public static bool GetMouseButton(int button)
         {
-            return false;
+            return Held && button == 0;
         }
     }
 

@@ -31,6 +31,8 @@ namespace Pacinian.Haptics.Tests
             Creating.Ball(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<HapticVolume>());
             Assert.AreEqual(0.03, Made().GetComponent<SphereCollider>().radius, 1e-6);
+            Vector3 above = Made().transform.position - rig.transform.position;
+            Assert.AreEqual(0.0, (above - new Vector3(0f, 0.175f, 0f)).magnitude, 1e-6);
             Creating.Point(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<HapticPoint>());
             Creating.Quiet(new MenuCommand(rig));
@@ -46,7 +48,10 @@ namespace Pacinian.Haptics.Tests
             camera.tag = "MainCamera";
             camera.transform.SetParent(offset.transform, false);
             Creating.Hands(new MenuCommand(null), typeof(Follower));
-            foreach (HapticHand hand in Made().GetComponentsInChildren<HapticHand>())
+            HapticHand[] hands = Made().GetComponentsInChildren<HapticHand>();
+            Assert.AreEqual(3, hands.Length);
+            Assert.IsTrue(hands[2].Source == HapticHandSource.Mouse);
+            foreach (HapticHand hand in new[] { hands[0], hands[1] })
             {
                 Follower provider = hand.GetComponent<Follower>();
                 Assert.IsTrue(hand.Source == HapticHandSource.Tracker && hand.Provider == provider);
@@ -54,11 +59,19 @@ namespace Pacinian.Haptics.Tests
                 Assert.AreEqual(hand.Side.ToString(), hand.name);
             }
             UnityEngine.Object.DestroyImmediate(Made());
-            Creating.Hands(new MenuCommand(null), null);
-            HapticHand[] open = Made().GetComponentsInChildren<HapticHand>();
-            Assert.AreEqual(2, open.Length);
-            Assert.IsTrue(open[0].Source == HapticHandSource.Open && open[0].transform.position.x < open[1].transform.position.x);
-            UnityEngine.Object.DestroyImmediate(Made());
+            GameObject array = new GameObject("array", typeof(ArrayOrigin));
+            array.transform.position = new Vector3(1f, 2f, 3f);
+            foreach (GameObject context in new[] { null, array }) // the main menu, and that of the array
+            {
+                Creating.Hands(new MenuCommand(context), null);
+                hands = Made().GetComponentsInChildren<HapticHand>();
+                Assert.AreEqual(1, hands.Length);
+                Assert.IsTrue(hands[0].Source == HapticHandSource.Mouse);
+                Vector3 above = hands[0].transform.position - array.transform.position;
+                Assert.AreEqual(0.0, (above - new Vector3(0f, 0.215f, 0f)).magnitude, 1e-6);
+                UnityEngine.Object.DestroyImmediate(Made());
+            }
+            UnityEngine.Object.DestroyImmediate(array);
             UnityEngine.Object.DestroyImmediate(offset);
         }
 

@@ -11,14 +11,14 @@ from pacinian.wire.silence_cause import UNTOUCHED, Silence
 if TYPE_CHECKING:
     from pacinian.wire.state import State
 
-NOT_ARMED = "not armed: call arm()"
-STOPPED = "stopped by an emergency stop: call reset(), then arm()"
+NOT_ARMED = "not armed: the game must arm the output"
+STOPPED = "stopped by an emergency stop: reset the server, then arm again"
 LATE = (
     "the renderer is late: sound returns when it catches up; `pacinian status` shows the tick times"
 )
-TURNED_DOWN = "the intensity is 0: call select(intensity=1.0)"
-NO_OBJECTS = "the scene has no objects: call put()"
-NOT_SEEN = "no hand is seen: the tracker must see one, and the game must send it with hands() in each frame"
+TURNED_DOWN = "the intensity is 0: select one above 0"
+NO_OBJECTS = "the scene has no objects: the game must put them there"
+NOT_SEEN = "no hand is seen: the tracker must see one, and the game must send it in each frame"
 UNREACHED = "the array cannot reach the touched skin: turn the palm to the array, or come nearer"
 NOT_PRESSING = (
     "no object presses: check that their pressure is above 0 and that they lie in the workspace"
@@ -60,16 +60,16 @@ def _explain_fault(state: State) -> Silence:
     if not state.backend and not state.faults:
         return Silence("fault", "no device is open: it may still be starting; see the server's log")
     fault = state.faults[-1] if state.faults else "see the server's log"
-    return Silence("fault", f"fault: {fault}. Remove its cause, then call reset() and arm()")
+    return Silence("fault", f"fault: {fault}. Remove its cause, then reset the server and arm again")
 
 
 def _explain_unarmed(state: State, resumes: bool) -> Silence:
     if not state.owner:
         return Silence("not armed", NOT_ARMED)
     if resumes:
-        advice = "the output sounds again as soon as it calls renew()"
+        advice = "the output sounds again as soon as it renews its lease"
         return Silence("lease lost", f'"{state.owner}" stands still: {advice}')
-    advice = "it must call arm() again, and then renew() in each of its frames"
+    advice = "it must arm again, and then renew its lease in each frame"
     return Silence("lease lost", f'"{state.owner}" lost its lease or was disarmed: {advice}')
 
 

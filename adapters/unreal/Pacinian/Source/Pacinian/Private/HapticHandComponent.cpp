@@ -4,9 +4,11 @@
 #include "Engine/Engine.h"
 #include "Engine/World.h"
 #include "GameFramework/Actor.h"
+#include "GameFramework/PlayerController.h"
 #include "HapticScene.h"
 #include "HeadMountedDisplayTypes.h"
 #include "IXRTrackingSystem.h"
+#include "InputCoreTypes.h"
 #include "Link.h"
 #include "OpenHand.h"
 
@@ -61,11 +63,31 @@ void UHapticHandComponent::Track() {
   SetRadii(State.HandKeyRadii);
 }
 
+/// Sets an open hand. Offset: of its palm, in the actor's axes without its scale [cm].
+void UHapticHandComponent::Open(const FVector& Offset) {
+  const USceneComponent* Root = GetOwner()->GetRootComponent();
+  const FTransform Actor = Root ? Root->GetComponentTransform() : FTransform::Identity;
+  const FTransform Palm(Actor.GetRotation(), Actor.GetLocation() + Actor.GetRotation().RotateVector(Offset));
+  Haptic::OpenHand(Palm, Side == EHapticSide::Left, Joints, Radii);
+}
+
+void UHapticHandComponent::FollowMouse() {
+  SetLost();
+  APlayerController* Player = GetWorld()->GetFirstPlayerController();
+  if (!Player) return;
+  Player->bShowMouseCursor = true;  // otherwise the mouse has no position
+  float Right = 0.0f, Down = 0.0f;  // [pixels]
+  int32 Width = 0, Height = 0;
+  Player->GetViewportSize(Width, Height);
+  const bool bKnown = Player->GetMousePosition(Right, Down) && Width > 0 && Height > 0;
+  if (!bKnown || !Player->IsInputKeyDown(EKeys::LeftMouseButton)) return;
+  Open(MouseReach * FVector(1.0f - 2.0f * Down / Height, 2.0f * Right / Width - 1.0f, 0.0f));
+}
+
 void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
   if (Source == EHapticHandSource::Tracker) Track();
-  const USceneComponent* Root = GetOwner()->GetRootComponent();
-  if (Source == EHapticHandSource::Open)
-    Haptic::OpenHand(Root ? Root->GetComponentTransform() : FTransform::Identity, Side == EHapticSide::Left, Joints, Radii);
+  if (Source == EHapticHandSource::Open) Open(FVector::ZeroVector);
+  if (Source == EHapticHandSource::Mouse) FollowMouse();
   wire::HandFrame& Frame = Hand.Frame;
   Frame.side = Side == EHapticSide::Left ? wire::HandFrameSide::left : wire::HandFrameSide::right;
   Frame.joints.clear();

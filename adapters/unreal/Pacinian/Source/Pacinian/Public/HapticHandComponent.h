@@ -18,6 +18,8 @@ enum class EHapticHandSource : uint8 {
   Game,
   /** An open hand: its palm is at the actor and faces down, its fingers point along X. */
   Open,
+  /** For tests: an open hand that the mouse moves. It is there while the left button is down. Shows the cursor. */
+  Mouse,
 };
 
 /** A hand of 26 joints in OpenXR's order. As soon as a level has such a component, objects are felt only where hands
@@ -32,6 +34,10 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
 
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics")
   EHapticHandSource Source = EHapticHandSource::Tracker;
+
+  /** Source Mouse: how far the hand is from the actor when the mouse is at the window's edge [cm]. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", Units = "cm"))
+  float MouseReach = 15.0f;
 
   /** Sends the motion, so that the hand feels where it will be instead of where it was. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", AdvancedDisplay)
@@ -67,6 +73,8 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
 
  private:
   void Track();
+  void Open(const FVector& Offset);
+  void FollowMouse();
   void Predict(FHapticHand& Hand);
 
   TArray<FVector> Joints;
