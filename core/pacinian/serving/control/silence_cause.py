@@ -60,7 +60,9 @@ def _explain_fault(state: State) -> Silence:
     if not state.backend and not state.faults:
         return Silence("fault", "no device is open: it may still be starting; see the server's log")
     fault = state.faults[-1] if state.faults else "see the server's log"
-    return Silence("fault", f"fault: {fault}. Remove its cause, then reset the server and arm again")
+    return Silence(
+        "fault", f"fault: {fault}. Remove its cause, then reset the server and arm again"
+    )
 
 
 def _explain_unarmed(state: State, resumes: bool) -> Silence:
