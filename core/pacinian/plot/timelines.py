@@ -168,7 +168,12 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
             panel.legend(**ABOVE)
         else:
             panel.text(
-                0.5, 0.5, "nothing skipped", transform=panel.transAxes, ha="center", fontsize=SMALL
+                0.5,
+                0.5,
+                "no frame kept, no tick missed",
+                transform=panel.transAxes,
+                ha="center",
+                fontsize=SMALL,
             )
 
     return {"drive": drive, "ticks": ticks, "skipped": skipped}
