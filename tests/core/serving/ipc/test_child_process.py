@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import errno
 import os
+import secrets
 import signal
 import subprocess
 import sys
@@ -59,23 +60,24 @@ def source(work: str, *, kill: bool = True) -> str:
     return textwrap.dedent(CHILD).format(work=work, kill=kill)
 
 
-def launched(work: str, folder: Path, **secrets: str) -> child_process.Process:
-    told = LaunchConfig(str(folder), Settings(rate=500.0), secrets)
+def launched(work: str, folder: Path, **given: str) -> child_process.Process:
+    told = LaunchConfig(str(folder), Settings(rate=500.0), given)
     return child_process.launch([sys.executable, "-c", source(work)], told)
 
 
 def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -> None:
-    process = launched(WAITS, tmp_path, token="hidden")
+    token = secrets.token_hex()  # a word may be in the environment by chance
+    process = launched(WAITS, tmp_path, token=token)
     eventually((tmp_path / "told").exists)
     assert process.poll() is None
     known = psutil.Process(process.pid)
-    assert "hidden" not in " ".join([*known.cmdline(), *known.environ().values()])
+    assert token not in " ".join([*known.cmdline(), *known.environ().values()])
     if os.name == "posix":  # so that only the parent handles Ctrl-C
         assert os.getpgid(process.pid) != os.getpgid(0)
     assert child_process.end(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
     # so that a plug-in in the child finds nothing to read there
-    assert (tmp_path / "told").read_text() == repr(({"token": "hidden"}, 500.0, ""))
+    assert (tmp_path / "told").read_text() == repr(({"token": token}, 500.0, ""))
 
 
 @linux
