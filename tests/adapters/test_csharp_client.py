@@ -193,6 +193,11 @@ def test_why_it_is_silent_is_what_the_server_says_or_what_only_a_client_knows(
         assert (
             '"other" owns the output' in game.until(lambda s: s["cause"] == "not the owner")["why"]
         )
+        for cause in ("stopped", "fault"):  # which hold for everybody
+            server.stream = lambda cause=cause: state(  # type: ignore[misc]
+                output="stopped", owner="other", scene="hall", cause=cause, why=f"it is {cause}"
+            )
+            game.until(lambda s, cause=cause: (s["cause"], s["why"]) == (cause, f"it is {cause}"))  # type: ignore[misc]
         server.close()
         game.until(lambda s: s["cause"] == "not connected" and "has gone" in s["why"])
 

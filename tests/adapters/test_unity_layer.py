@@ -324,6 +324,22 @@ def test_a_pause_of_the_editor_ends_the_sound_at_once_and_is_no_failure(
     sounds(game)
 
 
+def test_a_pause_ends_the_sound_also_while_the_answer_to_arm_is_under_way(
+    real: Server, game: Game
+) -> None:
+    for _ in range(10):
+        game.do("arm")
+        game.do("pause on")
+        wait_until_free(real)
+        for _ in range(5):  # frames, in which the answer arrives
+            game.status()
+        wait_until_free(real)
+        game.do("pause off")
+        sounds(game)
+        game.do("disarm")
+        wait_until_free(real)
+
+
 def test_touches_are_told_to_server_and_effect_where_they_are(game: Game) -> None:
     """The hand moves to and fro once a second, and leaves the ball each time: touches end as often as they begin."""
     status = game.until(lambda s: s["began"] >= 3 and s["moved"] > s["began"])

@@ -9,8 +9,8 @@ namespace Pacinian.Haptics
     /// </summary>
     public sealed partial class HapticServer
     {
-        private int _pausedSession; // in which the output was armed
-        private bool _pauses, _armsAfterPause;
+        private int _pausedSession; // in which the output was owned
+        private bool _pauses, _armsAfterPause, _letsGo;
 
         /// <summary>
         /// The game continues after standing still for longer than its lease. It sounds again, unless something else
@@ -28,12 +28,8 @@ namespace Pacinian.Haptics
             _pauses = pauses;
             if (pauses)
             {
-                _armsAfterPause = Client.Armed;
-                if (_armsAfterPause)
-                {
-                    _pausedSession = _session;
-                    Client.Disarm();
-                }
+                _armsAfterPause = _letsGo = false;
+                LetGo();
             }
             else if (_armsAfterPause)
             {
@@ -48,6 +44,23 @@ namespace Pacinian.Haptics
             if (_pauses && Client != null)
             {
                 Client.Tick();
+                LetGo();
+            }
+        }
+
+        /// <summary>
+        /// Disarms if this client owns the output. It may learn so only during the pause: an answer to `arm` may be under way,
+        /// and a lease that ran out begins again with the next renewal.
+        /// </summary>
+        private void LetGo()
+        {
+            bool asked = _letsGo;
+            _letsGo = Client != null && Client.Owner;
+            if (_letsGo && !asked)
+            {
+                _armsAfterPause = true;
+                _pausedSession = _session;
+                Client.Disarm();
             }
         }
 

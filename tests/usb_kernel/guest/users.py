@@ -96,6 +96,13 @@ def settled(place: str) -> dict[str, str]:
     return told()
 
 
+def triggered(place: str) -> dict[str, str]:
+    """What udev knows of a device after it was asked to look again, as the rule's first lines say."""
+    ask = ["udevadm", "trigger", "--settle", f"--name-match={node(place)}"]
+    subprocess.run(ask, check=False)
+    return settled(place)
+
+
 def plugged(serial: str) -> list[str]:
     """The places of all devices with this serial, whatever they are, by sysfs."""
     found = [

@@ -37,7 +37,8 @@ namespace Pacinian
             {
                 return new Silence { Cause = "not connected", Text = NoState };
             }
-            if (state.Owner.Length > 0 && !standing.Owner && state.Scene != standing.Scene)
+            bool ended = state.Cause == "stopped" || state.Cause == "fault"; // for every client
+            if (!ended && state.Owner.Length > 0 && !standing.Owner && state.Scene != standing.Scene)
             {
                 string why = "\"" + state.Owner + "\" owns the output: end that program, or arm with `take`";
                 return new Silence { Cause = "not the owner", Text = why };

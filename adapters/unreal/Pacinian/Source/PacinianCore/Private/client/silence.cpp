@@ -12,7 +12,8 @@ Silence Client::silence() const {
     return {"not connected", view.problem.empty() ? "it is connecting" : view.problem};
   const wire::State* now = state();
   if (!now) return {"not connected", "connected; the server has not sent its first state yet"};
-  if (!now->owner.empty() && !view.owner && now->scene != view.scene)
+  const bool ended = now->cause == "stopped" || now->cause == "fault";  // for every client
+  if (!ended && !now->owner.empty() && !view.owner && now->scene != view.scene)
     return {"not the owner",
             "\"" + now->owner + "\" owns the output: end that program, or arm with `take`"};
   return {now->cause, now->why};
