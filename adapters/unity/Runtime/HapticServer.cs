@@ -81,7 +81,7 @@ namespace Pacinian.Haptics
         /// <summary>Disarms: the sound fades, and the output is released.</summary>
         public bool Disarm()
         {
-            _wanted = _armsAfterPause = false;
+            _wanted = _arms = _armsAfterPause = false;
             return Client != null && Client.Disarm();
         }
 
@@ -119,7 +119,7 @@ namespace Pacinian.Haptics
         /// </summary>
         public void EmergencyStop()
         {
-            _wanted = _armsAfterPause = false;
+            _wanted = _arms = _armsAfterPause = false;
             (Client ?? new HapticClient(Choices())).Stop();
         }
 
