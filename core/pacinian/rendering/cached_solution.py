@@ -25,7 +25,8 @@ class CachedSolution:
     useless, because the solver had enough time. vain: number of successive solves without improvement. averaged:
     whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each object to which
     little sound comes, with the number of such samples. limited: whether it is scaled down, because the pressure on
-    skin would exceed its limit. retry: time from which to solve again if it is not final [s].
+    skin would exceed its limit. evaluated: whether that pressure was compared with its limit, if there is one. retry:
+    time from which to solve again if it is not final [s].
     """
 
     gains: Gains
@@ -39,6 +40,7 @@ class CachedSolution:
     averaged: bool = False
     weakened: tuple[tuple[int, int], ...] = ()
     limited: bool = False
+    evaluated: bool = True
     retry: float = -math.inf
 
     def rests(self, t: float) -> bool:

@@ -199,9 +199,11 @@ class SampleSolver:
             self.skipped["solve, nothing moved"] += 1
             return kept
         made = self._solve_part(
-            self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline
-        )
-        if kept is not None and made.solution.error > BETTER * kept.solution.error:
+            self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline,
+            again=kept is not None,
+        )  # fmt: skip
+        better = kept is None or made.solution.error <= BETTER * kept.solution.error
+        if kept is not None and kept.evaluated and not better:
             vain, final = kept.vain + 1, made.final
             waits = final or vain >= TRIES
             retry = t + RETRY if waits else t
@@ -224,7 +226,10 @@ class SampleSolver:
             self.skipped["solve, nothing moved"] += 1
         else:
             P, groups = samples.radiation_pressure, EnvelopeGroups(samples)
-            made = self._solve_part(part, samples, P, groups, False, limits, solver, deadline)
+            again = part.tries > 0
+            made = self._solve_part(
+                part, samples, P, groups, False, limits, solver, deadline, again=again
+            )
             cycle.keep(part, made, t)
             cycle.consider(made)
             self.fresh.append(made)
@@ -235,11 +240,11 @@ class SampleSolver:
 
     def _solve_part(
         self, part: Part, samples: Samples, P: Floats, groups: EnvelopeGroups, joint: bool, limits: Limits,
-        solver: Solver, deadline: float,
+        solver: Solver, deadline: float, *, again: bool,
     ) -> CachedSolution:  # fmt: skip
         """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
 
-        joint: whether P already contains the groups' strengths.
+        joint: whether P already contains the groups' strengths. again: whether there is one for these samples.
         """
         several = self.cycle.count > 1
         q = samples.positions
@@ -283,7 +288,7 @@ class SampleSolver:
         )
         final = not made.ran_out_of_time
         made = replace(made, steady=groups.steady and final, final=final)
-        return self._skin_limit.enforce(made, self.skins, self.cycle.peak)
+        return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
 
 
 def limits_join(limits: Limits) -> bool:

@@ -4,7 +4,8 @@ The skin is that of the hands in the scene, as far as it faces the array. It is 
 apart, then near the strongest of these at points closer and closer together. Without a hand, no skin is seen, and
 nothing is evaluated.
 
-While the highest pressure is far below the limit, only every eighth solution that is like the last is evaluated.
+While the highest pressure is far below the limit, only every eighth solution that is like the last is evaluated. The
+others are not final: if nothing moves any more, they are solved again, and evaluated.
 
 On skin, the pressure is that along its normal, as in targets; see `pacinian.SkinFacing`.
 """
@@ -83,19 +84,28 @@ class SkinLimit:
         self._passed = 0  # solutions since then
 
     def enforce(
-        self, made: CachedSolution, skins: Sequence[PosedSkin], limit: float
+        self, made: CachedSolution, skins: Sequence[PosedSkin], limit: float, *, again: bool = False
     ) -> CachedSolution:
-        """Return a solution, scaled down if its pressure on skin would exceed the limit [Pa]."""
-        if limit == math.inf or not len(made.samples):
+        """Return a solution, scaled down if its pressure on skin would exceed the limit [Pa].
+
+        again: whether the samples are those of the solution before; then it is evaluated. Otherwise, if it is like the
+        last one, it may be returned unevaluated, and as not final.
+        """
+        if limit == math.inf or not len(made.samples) or not skins:
             return made
         parts = made.gains[None] if made.parts is None else made.parts
-        peak = self.find_peak(parts, skins, made.samples, limit)
+        peak = self.find_peak(parts, skins, made.samples, limit, again=again)
+        if peak is None:
+            return replace(made, evaluated=False, final=False, steady=False)
         return scale_down(made, limit, peak) if peak > limit else made
 
     def find_peak(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
-    ) -> float:
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+        *, again: bool = False,
+    ) -> float | None:  # fmt: skip
         """Return the highest radiation pressure [Pa] that gains can have there; 0 if it is clearly below `limit` [Pa].
+
+        None if they are not evaluated, because they are like the last ones. again: as for `enforce`.
 
         parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
         """
@@ -103,9 +113,9 @@ class SkinLimit:
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
         look = _Look(limit, float(np.abs(parts).sum()), asked, middle, len(skins))
-        if self._is_like_last(look):
+        if not again and self._is_like_last(look):
             self._passed += 1
-            return 0.0
+            return None
         peak = self._evaluate_peak(parts, skins, samples, limit)
         self._last, self._passed = (look if peak <= FAR_BELOW * limit else None), 0
         return peak

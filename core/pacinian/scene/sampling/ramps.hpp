@@ -114,7 +114,8 @@ inline Index ramp(View<const i8, 1> keys, View<const f8, 2> positions, View<cons
             if (under[n] >= 0) gone[left[n]] = 0;
     }
     for (Index m = 0; m < M; ++m) {
-        top[m] = std::max(most[m], now[m] > P[m] ? top[m] : now[m]);
+        // by rounding, a target can be above its highest pressure: its ramp must end nevertheless
+        top[m] = std::max({most[m], P[m], now[m] > P[m] ? top[m] : now[m]});
         now[m] = std::min(std::max(P[m], advance(now[m], top[m], -share)), advance(now[m], top[m], share));
     }
     Index count = 0;

@@ -120,6 +120,15 @@ def test_strong_or_weak_it_takes_the_time_of_the_ramp_and_starts_and_ends_slowly
     assert max(steps[0], steps[-1]) <= (np.pi / 2.0 / ticks) ** 2 + 1e-5
 
 
+def test_a_ramp_ends_although_rounding_puts_its_target_above_the_highest_pressure() -> None:
+    asked = samples({0: (0.0, 1.0), 1: (0.1, 1.0)})
+    above = asked.changed(radiation_pressure=np.nextafter(asked.most, np.inf))
+    ramps = PressureRamps(RAMP)
+    for k in range(10):
+        last = ramps.follow(above, TICK * k)
+    assert last is above
+
+
 def test_what_is_switched_off_fades_as_it_vibrated() -> None:
     on = (pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=10.0, name="a"),)
     off = (
