@@ -10,7 +10,7 @@ namespace Pacinian.Haptics
     public sealed partial class HapticServer
     {
         private int _pausedSession; // in which the output was owned
-        private bool _pauses, _armsAfterPause, _letsGo;
+        private bool _pauses, _armsAfterPause, _disarmAsked;
 
         /// <summary>
         /// The game continues after standing still for longer than its lease. It sounds again, unless something else
@@ -28,8 +28,8 @@ namespace Pacinian.Haptics
             _pauses = pauses;
             if (pauses)
             {
-                _armsAfterPause = _letsGo = false;
-                LetGo();
+                _armsAfterPause = _disarmAsked = false;
+                DisarmIfOwner();
             }
             else if (_armsAfterPause)
             {
@@ -44,7 +44,7 @@ namespace Pacinian.Haptics
             if (_pauses && Client != null)
             {
                 Client.Tick();
-                LetGo();
+                DisarmIfOwner();
             }
         }
 
@@ -52,11 +52,11 @@ namespace Pacinian.Haptics
         /// Disarms if this client owns the output. It may learn so only during the pause: an answer to `arm` may be under way,
         /// and a lease that ran out begins again with the next renewal.
         /// </summary>
-        private void LetGo()
+        private void DisarmIfOwner()
         {
-            bool asked = _letsGo;
-            _letsGo = Client != null && Client.Owner;
-            if (_letsGo && !asked)
+            bool asked = _disarmAsked;
+            _disarmAsked = Client != null && Client.Owner;
+            if (_disarmAsked && !asked)
             {
                 _armsAfterPause = true;
                 _pausedSession = _session;

@@ -64,7 +64,7 @@ class WorkerProcess:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": path},
         )  # fmt: skip
         assert self._process.stdin is not None
-        assert self._process.stdout is not None
+        assert isinstance(self._process.stdout, io.BufferedReader)
         self._out, self._in = self._process.stdin, self._process.stdout
         self._greeter = threading.Thread(target=self._await_greeting, daemon=True)
         self._greeter.start()
@@ -201,7 +201,7 @@ if hasattr(os, "register_at_fork"):
 def serve() -> None:
     """Solve problems until the standard input ends: what a process of a batch does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asks
-    source, out = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    source, out = os.fdopen(0, "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a solver prints is no answer
     _send(out, _pack("started"))
     shared: list[object] = []
@@ -253,16 +253,16 @@ def _send(to: IO[bytes], parts: Sequence[memoryview]) -> None:
     to.flush()
 
 
-def _receive(source: IO[bytes], shared: Sequence[object] = ()) -> Any:
+def _receive(source: io.BufferedReader, shared: Sequence[object] = ()) -> Any:
     """Read the message of `_pack`. Raises EOFError if the other process has ended."""
     (count,) = np.frombuffer(_read(source, LENGTH.itemsize), LENGTH)
     sizes = np.frombuffer(_read(source, count * LENGTH.itemsize), LENGTH)
     return _unpack([_read(source, size) for size in sizes], shared)
 
 
-def _read(source: IO[bytes], size: int) -> memoryview:
+def _read(source: io.BufferedReader, size: int) -> memoryview:
     """Read exactly `size` bytes. Raises EOFError."""
     buffer = np.empty(size, np.uint8)
-    if source.readinto(buffer) < size:  # type: ignore[attr-defined]
+    if source.readinto(buffer.data) < size:
         raise EOFError
     return buffer.data

@@ -91,7 +91,10 @@ class SkinLimit:
         again: whether the samples are those of the solution before; then it is evaluated. Otherwise, if it is like the
         last one, it may be returned unevaluated, and as not final.
         """
-        if limit == math.inf or not len(made.samples) or not skins:
+        if limit == math.inf or not len(made.samples):
+            return made
+        if not skins:
+            self.reset()  # a hand that comes back is evaluated at once
             return made
         parts = made.gains[None] if made.parts is None else made.parts
         peak = self.find_peak(parts, skins, made.samples, limit, again=again)

@@ -275,6 +275,22 @@ def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPa
     assert renderer.report.skipped["solve, nothing moved"] > 10
 
 
+def test_a_hand_that_comes_back_is_evaluated_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks: list[int] = []
+    hand = HAND.transform(HIGH)
+    ball = pc.Volume(
+        shape=pc.Sphere(0.02), pose=pc.Pose((*CENTRE[:2], 0.19)), radiation_pressure=3.0
+    )
+    made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solved.rows[0]
+    limit = SkinLimit(pc.Session(ONE, AIR))
+    monkeypatch.setattr(limit, "_evaluate_peak", lambda *given: float(looks.append(1) or 1.0))
+    skin: Any = object()
+    for skins, evaluated in (((skin,), 1), ((skin,), 0), ((), 0), ((skin,), 1)):
+        before = len(looks)
+        limit.enforce(made, skins, 100.0)
+        assert len(looks) - before == evaluated
+
+
 def test_far_below_the_limit_only_every_eighth_solution_is_evaluated_and_each_that_may_press_more(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -54,7 +54,7 @@ def test_the_rule_gives_the_right_to_who_sits_there_whoever_made_the_device() ->
         place = it.places()[0]
         told = users.settled(place)
         assert told["ID_USB_INTERFACES"] == ":ff4101:"
-        # udev may handle a device by the rules from before the reload
+        # once, udev had not tagged the device when it was plugged in; the rule's first lines tell users to trigger it
         until(lambda: "uaccess" in users.triggered(place)["TAGS"])
         until(lambda: users.may_open(users.SOMEONE, place))
         assert not users.may_open(users.OTHER, place)
