@@ -41,7 +41,7 @@ class Row(NamedTuple):
     marked: bool = False
 
 
-def page(width: float, height: float) -> tuple[Figure, Axes]:
+def make_page(width: float, height: float) -> tuple[Figure, Axes]:
     """Return an empty drawing, width x height [px], whose origin is at the upper left."""
     made = figure(width / INCH, height / INCH)
     made.set_layout_engine("none")
@@ -51,13 +51,13 @@ def page(width: float, height: float) -> tuple[Figure, Axes]:
     return made, axes
 
 
-def note(axes: Axes, text: str) -> None:
+def write_note(axes: Axes, text: str) -> None:
     """Write at the bottom what the drawing is."""
     low = axes.get_ylim()[0]
     axes.text(MARGIN, low - 8.0, text, fontsize=FINE, color=GREY, va="bottom")
 
 
-def box(axes: Axes, at: Point, size: Point, fill: str, edge: str = "none") -> None:
+def draw_box(axes: Axes, at: Point, size: Point, fill: str, edge: str = "none") -> None:
     axes.add_patch(
         FancyBboxPatch(
             at,
@@ -70,13 +70,13 @@ def box(axes: Axes, at: Point, size: Point, fill: str, edge: str = "none") -> No
     )
 
 
-def terminal(sessions: Sequence[tuple[str, str]]) -> Figure:
+def draw_terminal(sessions: Sequence[tuple[str, str]]) -> Figure:
     """Draw a terminal for each command, with what it printed."""
     heights = [LINE * (2 + said.count("\n")) + 2 * MARGIN for _, said in sessions]
-    made, axes = page(WIDTH, sum(heights) + MARGIN * (len(sessions) + 1))
+    made, axes = make_page(WIDTH, sum(heights) + MARGIN * (len(sessions) + 1))
     top = MARGIN
     for (command, said), height in zip(sessions, heights, strict=True):
-        box(axes, (MARGIN, top), (WIDTH - 2 * MARGIN, height), DARK)
+        draw_box(axes, (MARGIN, top), (WIDTH - 2 * MARGIN, height), DARK)
         for k, line in enumerate([f"$ {command}", *said.split("\n")]):
             colour = GREEN if k == 0 else "#dfe6ee"
             at = top + MARGIN + LINE * (k + 0.5)
@@ -85,71 +85,73 @@ def terminal(sessions: Sequence[tuple[str, str]]) -> Figure:
     return made
 
 
-def menu(axes: Axes, at: Point, width: float, items: Iterable[str], marked: Sequence[str]) -> None:
+def draw_menu(
+    axes: Axes, at: Point, width: float, items: Iterable[str], marked: Sequence[str]
+) -> None:
     """Draw a menu; items that the reader chooses are marked, with their order."""
     items = list(items)
-    box(axes, at, (width, LINE * len(items) + 12.0), PANEL, EDGE)
+    draw_box(axes, at, (width, LINE * len(items) + 12.0), PANEL, EDGE)
     for k, item in enumerate(items):
         x, y = at[0], at[1] + 6.0 + LINE * k
         chosen = item.rstrip(" ▸") in marked
         if chosen:
-            box(axes, (x + 4.0, y), (width - 8.0, LINE), PICK)
+            draw_box(axes, (x + 4.0, y), (width - 8.0, LINE), PICK)
         axes.text(x + 14.0, y + LINE / 2, item, fontsize=TEXT, color=INK, va="center")
         if chosen and len(marked) > 1:
-            badge(axes, (x + width - 18.0, y + LINE / 2), str(marked.index(item) + 1))
+            draw_badge(axes, (x + width - 18.0, y + LINE / 2), str(marked.index(item) + 1))
 
 
-def badge(axes: Axes, at: Point, text: str) -> None:
+def draw_badge(axes: Axes, at: Point, text: str) -> None:
     axes.add_patch(Circle(at, 9.0, color=BLUE))
     axes.text(*at, text, fontsize=FINE, color="white", ha="center", va="center_baseline")
 
 
-def height_of(rows: Sequence[Row]) -> float:
+def compute_height(rows: Sequence[Row]) -> float:
     """Return the height of a panel with these rows [px]."""
     return LINE * (len(rows) + 1) + MARGIN
 
 
-def panel(axes: Axes, at: Point, width: float, title: str, rows: Sequence[Row]) -> None:
+def draw_panel(axes: Axes, at: Point, width: float, title: str, rows: Sequence[Row]) -> None:
     """Draw a panel with fields, as inspectors have."""
     x, y = at
-    box(axes, at, (width, height_of(rows)), PANEL, EDGE)
+    draw_box(axes, at, (width, compute_height(rows)), PANEL, EDGE)
     axes.text(
         x + 12.0, y + LINE / 2 + 4.0, title, fontsize=TEXT, weight="bold", color=INK, va="center"
     )
     for k, row in enumerate(rows):
         top = y + LINE * (k + 1) + 8.0
         if row.marked:
-            box(axes, (x + 4.0, top), (width - 8.0, LINE), PICK)
+            draw_box(axes, (x + 4.0, top), (width - 8.0, LINE), PICK)
         fold = "▸ " if row.kind == "fold" else ""
         axes.text(x + 14.0, top + LINE / 2, fold + row.label, fontsize=TEXT, color=INK, va="center")
-        _value(axes, row, x + 0.45 * width, top, 0.55 * width - 12.0)
+        _draw_value(axes, row, x + 0.45 * width, top, 0.55 * width - 12.0)
 
 
-def panels(
+def draw_panels(
     first: tuple[str, Sequence[Row]],
     second: tuple[str, Sequence[Row]],
     about: str,
     hint: Sequence[str] = (),
 ) -> Figure:
     """Draw two panels side by side, each a title and its rows. hint: lines below the second. about: what it is."""
-    left, right = height_of(first[1]), height_of(second[1])
-    made, axes = page(WIDTH, max(left, right + LINE * len(hint)) + 4 * MARGIN)
+    left, right = compute_height(first[1]), compute_height(second[1])
+    made, axes = make_page(WIDTH, max(left, right + LINE * len(hint)) + 4 * MARGIN)
     half = (WIDTH - 3 * MARGIN) / 2
-    panel(axes, (MARGIN, MARGIN), half, *first)
-    panel(axes, (2 * MARGIN + half, MARGIN), half, *second)
+    draw_panel(axes, (MARGIN, MARGIN), half, *first)
+    draw_panel(axes, (2 * MARGIN + half, MARGIN), half, *second)
     for k, line in enumerate(hint):
         y = MARGIN + right + LINE * (k + 1)
         axes.text(3 * MARGIN + half, y, line, fontsize=TEXT, color=INK, va="center")
-    note(axes, about)
+    write_note(axes, about)
     return made
 
 
-def _value(axes: Axes, row: Row, x: float, top: float, width: float) -> None:
+def _draw_value(axes: Axes, row: Row, x: float, top: float, width: float) -> None:
     middle, text = top + LINE / 2, row.value
     if row.kind == "fold":
         return
     if row.kind == "check":
-        box(axes, (x, top + 5.0), (14.0, 14.0), FIELD, EDGE)
+        draw_box(axes, (x, top + 5.0), (14.0, 14.0), FIELD, EDGE)
         if text:
             axes.plot(
                 [x + 3, x + 6, x + 11], [middle, middle + 3.5, middle - 4], color=BLUE, lw=1.8
@@ -161,7 +163,7 @@ def _value(axes: Axes, row: Row, x: float, top: float, width: float) -> None:
         axes.add_patch(Circle((x + float(text) * width, middle), 6.0, color=BLUE))
         return
     if row.kind != "text":
-        box(axes, (x, top + 2.0), (width, LINE - 4.0), FIELD, EDGE)
+        draw_box(axes, (x, top + 2.0), (width, LINE - 4.0), FIELD, EDGE)
     if row.kind == "choice":
         right = x + width - 16.0
         corners = [(right, middle - 2.5), (right + 8.0, middle - 2.5), (right + 4.0, middle + 3.0)]
@@ -172,13 +174,13 @@ def _value(axes: Axes, row: Row, x: float, top: float, width: float) -> None:
     axes.text(x + indent, middle, text, fontsize=TEXT, color=INK, va="center")
 
 
-def place(heights: dict[str, float], unit: str, axis: str) -> Figure:
+def draw_place(heights: dict[str, float], unit: str, axis: str) -> Figure:
     """Draw the array, a ball and a hand above it, from the side and to scale.
 
     heights: of the ball's middle and of the palm above the array, in a unit. axis: the name of the upward one.
     """
-    made, axes = page(WIDTH, 450.0)
-    note(axes, "Drawn to scale, from the side.")
+    made, axes = make_page(WIDTH, 450.0)
+    write_note(axes, "Drawn to scale, from the side.")
     scale, middle, floor = 1500.0, 400.0, 370.0  # [px/m], [px], [px]
     ball, palm = (0.01 * h if unit == "cm" else h for h in heights.values())
 
@@ -201,7 +203,7 @@ def place(heights: dict[str, float], unit: str, axis: str) -> Figure:
         ("#a67c5b", 2.5),
         ("#e2bd9c", 0.0),
     ):  # the outline, and the skin before it
-        for pair in _bones():
+        for pair in _list_bones():
             corners = np.concatenate([circles[k] for k in pair])
             corners = corners[ConvexHull(corners).vertices]
             axes.add_patch(Polygon(corners, facecolor=colour, edgecolor=colour, lw=width))
@@ -222,7 +224,7 @@ def place(heights: dict[str, float], unit: str, axis: str) -> Figure:
     return made
 
 
-def _bones() -> list[tuple[int, int]]:
+def _list_bones() -> list[tuple[int, int]]:
     """Return the joints that bones connect, in OpenXR's order."""
     fingers = [range(2, 6), *(range(k, k + 5) for k in (6, 11, 16, 21))]
     return [

@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,14 +19,9 @@ from typing import TYPE_CHECKING
 from PIL import Image
 
 from pacinian.plot import save
-from pacinian.scene.setup import Units
-from pacinian.serving.settings import Safety, Settings
-from pacinian.testing.server import run_server
-from pacinian.viewing import slices
+from pacinian.serving.settings import Safety
 
-from ..viewing.browser import chromium, seen
-from ..viewing.pictures import reduced, settle, take
-from ..viewing.watching import viewer
+from ..viewing.pictures import open_viewer, reduced, settle, take
 from . import tools, unity, unreal
 from .drawing import (
     INK,
@@ -33,15 +29,15 @@ from .drawing import (
     TEXT,
     WIDTH,
     Row,
-    badge,
-    box,
-    menu,
-    note,
-    page,
-    panel,
-    panels,
-    place,
-    terminal,
+    draw_badge,
+    draw_box,
+    draw_menu,
+    draw_panel,
+    draw_panels,
+    draw_place,
+    draw_terminal,
+    make_page,
+    write_note,
 )
 from .game import Game
 from .level import MIRROR, level, numbers
@@ -59,7 +55,7 @@ UNITY_NOTE = "Drawn from the package's names and defaults. This is not a screens
 UNREAL_NOTE = "Drawn from the plugin's names and defaults. This is not a screenshot of Unreal."
 
 
-def words(name: str) -> str:
+def spell_name(name: str) -> str:
     """Return a field's name as the engines show it, such as Radiation Pressure."""
     name = re.sub(r"^b(?=[A-Z])", "", name)
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name[:1].upper() + name[1:])
@@ -69,8 +65,8 @@ def words(name: str) -> str:
 
 
 @contextmanager
-def serving(folder: Path) -> Iterator[dict[str, str]]:
-    """Run `pacinian serve` as a user does; yield the environment that finds it, and its line in `ready`."""
+def run_serve(folder: Path) -> Iterator[tuple[str, dict[str, str]]]:
+    """Run `pacinian serve` as a user does; yield the line that it prints, and the environment that finds it."""
     environment = {**os.environ, "PACINIAN_CONNECTION": str(folder / "connection.json")}
     server = subprocess.Popen(
         [PROGRAM, "serve"], env=environment, text=True,
@@ -78,13 +74,13 @@ def serving(folder: Path) -> Iterator[dict[str, str]]:
     )  # fmt: skip
     assert server.stdout is not None
     try:
-        yield {**environment, "ready": server.stdout.readline().strip()}
+        yield server.stdout.readline().strip(), environment
     finally:
         server.terminate()
         server.wait()
 
 
-def said(command: str, folder: Path, environment: dict[str, str] | None = None) -> str:
+def run_command(command: str, folder: Path, environment: dict[str, str] | None = None) -> str:
     """Return what a command of Pacinian prints, without trailing spaces."""
     done = subprocess.run(
         [PROGRAM, *command.split()[1:]], cwd=folder, env=environment, text=True,
@@ -93,28 +89,30 @@ def said(command: str, folder: Path, environment: dict[str, str] | None = None) 
     return "\n".join(line.rstrip() for line in done.stdout.strip().split("\n"))
 
 
-def server_terminal() -> Figure:
+def draw_server() -> Figure:
     """Draw the start of a server, and its status before a game connects."""
-    with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as environment:
-        ready = environment.pop("ready").replace(folder, "…")
-        status = said("pacinian status", Path(folder), environment).split("\n")[:4]
-    return terminal([("pacinian serve", ready), ("pacinian status", "\n".join([*status, "…"]))])
+    with tempfile.TemporaryDirectory() as folder, run_serve(Path(folder)) as (line, environment):
+        ready = line.replace(folder, "…")
+        status = run_command("pacinian status", Path(folder), environment).split("\n")[:4]
+    return draw_terminal(
+        [("pacinian serve", ready), ("pacinian status", "\n".join([*status, "…"]))]
+    )
 
 
-def install_terminal(command: str, *files: str) -> Figure:
+def draw_installation(command: str, *files: str) -> Figure:
     """Draw the installation into a new project; files: of that project, empty but for what the command reads."""
     with tempfile.TemporaryDirectory() as folder:
         for file in files:
             made = Path(folder, "Game", file)
             made.parent.mkdir(parents=True, exist_ok=True)
             made.write_text("m_EditorVersion: 2021.3.0f1\n" if made.suffix == ".txt" else "{}\n")
-        return terminal([(f"{command} Game", said(f"{command} Game", Path(folder)))])
+        return draw_terminal([(f"{command} Game", run_command(f"{command} Game", Path(folder)))])
 
 
 # Unity
 
 
-def unity_rows(name: str, shown: Sequence[str] = (), **given: str) -> list[Row]:
+def read_unity_fields(name: str, shown: Sequence[str] = (), **given: str) -> list[Row]:
     """Return the fields of a component, as its inspector has them. shown: only these. given: what the reader sets."""
     sources = (unity.PACKAGE / "Runtime").glob(f"{name}*.cs")
     text = "".join(
@@ -126,12 +124,12 @@ def unity_rows(name: str, shown: Sequence[str] = (), **given: str) -> list[Row]:
         r"\[SerializeField[^;]*?private ([\w.\[\]]+) (\w+)(?: = ([^;]*))?;", text
     ):
         if not shown or field in shown:
-            rows.append(_row(words(field), kind, value, given.get(field)))
+            rows.append(_make_row(spell_name(field), kind, value, given.get(field)))
     return rows
 
 
-def _row(label: str, kind: str, value: str, given: str | None) -> Row:
-    last = words(re.split(r"::|\.", value)[-1])
+def _make_row(label: str, kind: str, value: str, given: str | None) -> Row:
+    last = spell_name(re.split(r"::|\.", value)[-1])
     if kind == "bool":
         row = Row(label, "x" if value == "true" else "", "check")
     elif kind in {"float", "int", "int32"}:
@@ -144,11 +142,11 @@ def _row(label: str, kind: str, value: str, given: str | None) -> Row:
         row = Row(label, kind="fold")
     else:
         bare = re.sub(r"TObjectPtr<U?|>", "", kind)
-        row = Row(label, f"None ({words(bare)})", "object")
+        row = Row(label, f"None ({spell_name(bare)})", "object")
     return row if given is None else row._replace(value=given, marked=True)
 
 
-def unity_menu() -> Figure:
+def draw_unity_menu() -> Figure:
     """Draw the menu that makes a scene, and the objects that it makes."""
     text = (unity.PACKAGE / "Editor" / "Creating.cs").read_text(encoding="utf-8")
     found = re.findall(r'MenuItem\("GameObject/Pacinian/([^"]+)", false, (\d+)\)', text)
@@ -160,19 +158,19 @@ def unity_menu() -> Figure:
         if (match := re.search(rf'void {name}\(.*?Made\(command, "([^"]+)"', text, re.DOTALL))
     ]
     below = [Row(f"      {name}") for name in re.findall(r'Hand\(hands, "(\w+)"', text)]
-    made, axes = page(WIDTH, 230.0)
-    menu(axes, (MARGIN, MARGIN), 190.0, ["GameObject:", "…", "Pacinian  ▸"], ["Pacinian"])
-    menu(axes, (MARGIN + 200.0, MARGIN), 290.0, items, chosen)
-    panel(axes, (540.0, MARGIN), 404.0, "Hierarchy", [Row("Main Camera"), *objects, *below])
-    note(axes, UNITY_NOTE)
+    made, axes = make_page(WIDTH, 230.0)
+    draw_menu(axes, (MARGIN, MARGIN), 190.0, ["GameObject:", "…", "Pacinian  ▸"], ["Pacinian"])
+    draw_menu(axes, (MARGIN + 200.0, MARGIN), 290.0, items, chosen)
+    draw_panel(axes, (540.0, MARGIN), 404.0, "Hierarchy", [Row("Main Camera"), *objects, *below])
+    write_note(axes, UNITY_NOTE)
     return made
 
 
-def unity_inspector() -> Figure:
+def draw_unity_inspector() -> Figure:
     """Draw the inspector of the ball, and of its envelope."""
     effect = [
         row
-        for row in unity_rows("HapticEffect", envelope="Envelope (Haptic Envelope)")
+        for row in read_unity_fields("HapticEffect", envelope="Envelope (Haptic Envelope)")
         if row.label != "Force"
     ]
     pressure = float(next(row.value for row in effect if row.label == "Radiation Pressure"))
@@ -183,11 +181,11 @@ def unity_inspector() -> Figure:
     slider = Row(label, str(pressure / float(full[1])), "slider")
     editor = (unity.PACKAGE / "Editor" / "HapticEnvelopeEditor.cs").read_text(encoding="utf-8")
     sine = next(line for line in editor.split("\n") if '"frequency", "low", "high" }' in line)
-    return panels(
-        ("Haptic Volume, of Haptic Ball", [*effect, *unity_rows("HapticVolume"), slider]),
+    return draw_panels(
+        ("Haptic Volume, of Haptic Ball", [*effect, *read_unity_fields("HapticVolume"), slider]),
         (
             "Envelope (Haptic Envelope)",
-            unity_rows("HapticEnvelope", ["kind", *re.findall(r'"(\w+)"', sine)]),
+            read_unity_fields("HapticEnvelope", ["kind", *re.findall(r'"(\w+)"', sine)]),
         ),
         UNITY_NOTE,
         [
@@ -197,35 +195,28 @@ def unity_inspector() -> Figure:
     )
 
 
-def game_windows(texts: dict[str, str]) -> Figure:
+def draw_game_windows(texts: dict[str, str]) -> Figure:
     """Draw the game's window for each act, with the text on its screen."""
-    made, axes = page(WIDTH, 220.0)
+    made, axes = make_page(WIDTH, 220.0)
     width = (WIDTH - MARGIN * (len(texts) + 1)) / len(texts)
     for k, (act, text) in enumerate(texts.items()):
         x = MARGIN + k * (width + MARGIN)
-        box(axes, (x, MARGIN), (width, 120.0), "#3c4653")
-        lines = [text[i:j] for i, j in _wrapped(text, 46)]
-        axes.text(x + 12.0, MARGIN + 12.0, "\n".join(lines), fontsize=TEXT, color="white", va="top")
-        badge(axes, (x + 10.0, MARGIN + 142.0), str(k + 1))
+        draw_box(axes, (x, MARGIN), (width, 120.0), "#3c4653")
+        axes.text(
+            x + 12.0, MARGIN + 12.0, textwrap.fill(text, 46), fontsize=TEXT, color="white", va="top"
+        )
+        draw_badge(axes, (x + 10.0, MARGIN + 142.0), str(k + 1))
         axes.text(x + 26.0, MARGIN + 142.0, act, fontsize=TEXT, color=INK, va="center")
-    note(axes, "Drawn. The texts are those that Haptic Status showed while the components ran.")
+    write_note(
+        axes, "Drawn. The texts are those that Haptic Status showed while the components ran."
+    )
     return made
-
-
-def _wrapped(text: str, width: int) -> Iterator[tuple[int, int]]:
-    start = 0
-    while start < len(text):
-        end = min(len(text), start + width)
-        if end < len(text):
-            end = text.rindex(" ", start, end) + 1
-        yield start, end
-        start = end
 
 
 # Unreal
 
 
-def unreal_rows(header: str, **given: str) -> list[Row]:
+def read_unreal_fields(header: str, **given: str) -> list[Row]:
     """Return the properties of a class, as the details panel has them. given: what the reader sets."""
     (each,) = unreal.classes(unreal.SOURCE / "Pacinian" / "Public" / f"{header}.h")
     rows, values, advanced = [], [], False
@@ -242,39 +233,39 @@ def unreal_rows(header: str, **given: str) -> list[Row]:
         advanced = advanced or "AdvancedDisplay" in member.specifiers
         if "AdvancedDisplay" not in member.specifiers:
             unit = re.search(r'Units = "(\w+)"', member.specifiers)
-            row = _row(words(name), kind, value, given.get(name))
+            row = _make_row(spell_name(name), kind, value, given.get(name))
             row = row._replace(kind="choice") if row.kind == "object" else row
             rows.append(row._replace(value=f"{row.value} {unit[1]}") if unit else row)
     return [*rows, Row("Advanced", kind="fold")] if advanced else rows
 
 
-def unreal_actor() -> Figure:
+def draw_unreal_actor() -> Figure:
     """Draw where the array is found, and its components."""
     text = (unreal.SOURCE / "Pacinian" / "Private" / "HapticArray.cpp").read_text(encoding="utf-8")
     parts = re.findall(r"CreateDefaultSubobject<U(\w+)Component>\(TEXT\(\"(\w+)\"\)\)", text)
     found = [Row("Search", "haptic", "number", marked=True), Row("Haptic Array")]
-    return panels(
+    return draw_panels(
         ("Place Actors", found),
-        ("Haptic Array: its components", [Row(name, words(kind)) for kind, name in parts]),
+        ("Haptic Array: its components", [Row(name, spell_name(kind)) for kind, name in parts]),
         UNREAL_NOTE,
     )
 
 
-def unreal_details() -> Figure:
+def draw_unreal_details() -> Figure:
     """Draw the details of the ball's component, and of its envelope."""
-    rows = unreal_rows("HapticEffectComponent", Envelope="Hum") + unreal_rows(
+    rows = read_unreal_fields("HapticEffectComponent", Envelope="Hum") + read_unreal_fields(
         "HapticVolumeComponent"
     )
     rows.sort(key=lambda row: row.label == "Advanced")
-    return panels(
+    return draw_panels(
         ("Haptic Volume, of the sphere", rows),
-        ("Hum (Haptic Envelope)", unreal_rows("HapticEnvelope")),
+        ("Hum (Haptic Envelope)", read_unreal_fields("HapticEnvelope")),
         UNREAL_NOTE,
         ["Content Browser: Miscellaneous, Data Asset,", "Haptic Envelope. Choose it as Envelope."],
     )
 
 
-def unreal_play(status: dict[str, object]) -> Figure:
+def draw_unreal_play(status: dict[str, object]) -> Figure:
     """Draw the details of the hand, and the status of the server while the level plays."""
     text = (unreal.SOURCE / "PacinianEditor" / "Private" / "HapticServerDetails.cpp").read_text(
         "utf-8"
@@ -282,13 +273,13 @@ def unreal_play(status: dict[str, object]) -> Figure:
     names = re.findall(r'Add\(LOCTEXT\("\w+", "([^"]+)"\)', text)
     armed = ", armed" if status["armed"] else ""
     values = [
-        words(str(status["status"])), words(str(status["output"])) + armed, str(status["silence"]),
+        spell_name(str(status["status"])), spell_name(str(status["output"])) + armed, str(status["silence"]),
         f"{1e3 * float(str(status['latency'])):.3f} ms", str(status["problem"]),
     ]  # fmt: skip
-    return panels(
+    return draw_panels(
         (
             "Haptic Hand, of an actor above the ball",
-            unreal_rows("HapticHandComponent", Source="Mouse"),
+            read_unreal_fields("HapticHandComponent", Source="Mouse"),
         ),
         (
             "Haptics Status, of the Haptic Array",
@@ -302,17 +293,12 @@ def unreal_play(status: dict[str, object]) -> Figure:
 
 
 @contextmanager
-def watched(start: Callable[[Path], Game]) -> Iterator[tuple[Game, Callable[[], Image.Image]]]:
+def play_before_viewer(
+    start: Callable[[Path], Game],
+) -> Iterator[tuple[Game, Callable[[], Image.Image]]]:
     """Play a game against a server; yield it, and a function that takes a picture of the viewer."""
-    settings = Settings(array=Units(3, 3), safety=Safety(lease=10.0, stale=1.0))
-    slices.CALM = 0  # compute fields even if the machine is busy
-    with (
-        run_server(settings) as server,
-        viewer(server.connection) as url,
-        chromium() as browser,
-        seen(browser, url, SIZE) as shown,
-        start(server.connection) as game,
-    ):
+    safety = Safety(lease=10.0, stale=1.0)
+    with open_viewer(safety, SIZE) as (server, shown), start(server.connection) as game:
 
         def view() -> Image.Image:
             settle(shown, "ball")
@@ -322,17 +308,17 @@ def watched(start: Callable[[Path], Game]) -> Iterator[tuple[Game, Callable[[], 
         game.end()
 
 
-def unity_story() -> Iterator[tuple[str, Figure | Image.Image]]:
+def tell_unity_story() -> Iterator[tuple[str, Figure | Image.Image]]:
     """Yield the pictures of the story for Unity."""
-    yield "server", server_terminal()
+    yield "server", draw_server()
     project = "Assets/empty", "ProjectSettings/ProjectVersion.txt"
-    yield "package", install_terminal("pacinian unity", *project)
-    yield "menu", unity_menu()
-    yield "place", place({"ball": BALL[2], "palm": PALM[2]}, "m", "y")
-    yield "inspector", unity_inspector()
+    yield "package", draw_installation("pacinian unity", *project)
+    yield "menu", draw_unity_menu()
+    yield "place", draw_place({"ball": BALL[2], "palm": PALM[2]}, "m", "y")
+    yield "inspector", draw_unity_inspector()
     with tempfile.TemporaryDirectory() as folder:
         player = unity.build(Path(folder)).player
-        with watched(lambda file: Game(["mono", player, file, "0"])) as (game, view):
+        with play_before_viewer(lambda file: Game(["mono", player, file, "0"])) as (game, view):
             game.do("play")
             game.event("connected")
             game.do("wave off")
@@ -341,33 +327,36 @@ def unity_story() -> Iterator[tuple[str, Figure | Image.Image]]:
             game.do("mouse 960 648 1")
             sounds = game.until(lambda s: s["screen"] == "Sounding" and s["force"] > 0.5)["screen"]
             texts = {"Press play": silent, "Hold the left mouse button, and move": sounds}
-            yield "play", game_windows(texts)
+            yield "play", draw_game_windows(texts)
             yield "felt", view()
 
 
-def unreal_story() -> Iterator[tuple[str, Figure | Image.Image]]:
+def tell_unreal_story() -> Iterator[tuple[str, Figure | Image.Image]]:
     """Yield the pictures of the story for Unreal."""
-    yield "server", server_terminal()
-    yield "plugin", install_terminal("pacinian unreal", "Game.uproject", "Source/Game.Target.cs")
-    yield "actor", unreal_actor()
-    yield "place", place({"ball": 100.0 * BALL[2], "palm": 100.0 * PALM[2]}, "cm", "z")
-    yield "details", unreal_details()
+    yield "server", draw_server()
+    yield "plugin", draw_installation("pacinian unreal", "Game.uproject", "Source/Game.Target.cs")
+    yield "actor", draw_unreal_actor()
+    yield "place", draw_place({"ball": 100.0 * BALL[2], "palm": 100.0 * PALM[2]}, "cm", "z")
+    yield "details", draw_unreal_details()
     unreal.generate(tools.CPP / "build" / "watched" / "headers")
     program = tools.watched("play") / "play"
-    with watched(lambda file: Game([program, file], tools.environment())) as (game, view):
+    with play_before_viewer(lambda file: Game([program, file], tools.environment())) as (
+        game,
+        view,
+    ):
         game.event("connected")
         game.do(f"place array {numbers(level([0.0, 0.0, 0.0]))} 30 1")
         game.do(f"place ball {numbers(100.0 * MIRROR @ BALL)} 0 1")
         game.do(f"open {numbers(level(PALM))}")
         game.do("mouse 960 540 1")  # the middle of the window
         status = game.until(lambda s: s["output"] == "sounding" and s["force"] > 0.5)
-        yield "play", unreal_play(status)
+        yield "play", draw_unreal_play(status)
         yield "felt", view()
 
 
 if __name__ == "__main__":
     only = sys.argv[2:]
-    for engine, story in {"unity": unity_story, "unreal": unreal_story}.items():
+    for engine, story in {"unity": tell_unity_story, "unreal": tell_unreal_story}.items():
         if only and engine not in only:
             continue
         for name, drawn in story():

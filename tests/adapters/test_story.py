@@ -45,7 +45,7 @@ def test_each_step_of_a_story_has_its_picture(engine: str) -> None:
 
 
 def test_the_menu_is_the_packages() -> None:
-    said = texts(story.unity_menu())
+    said = texts(story.draw_unity_menu())
     for name in ("Array", "Ball", "Hands", "Quiet Zone"):  # the menu's
         assert name in said
     for name in ("Haptic Array", "Haptic Ball", "Haptic Hands"):  # the objects that it makes
@@ -54,17 +54,17 @@ def test_the_menu_is_the_packages() -> None:
 
 
 def test_inspectors_have_the_fields_and_defaults_of_the_sources() -> None:
-    rows = {row.label: row for row in story.unity_rows("HapticHand")}
+    rows = {row.label: row for row in story.read_unity_fields("HapticHand")}
     assert rows["Source"].value == "Tracker"
     assert rows["Mouse Reach"].value == "0.15"
     assert (rows["Predict Motion"].kind, rows["Predict Motion"].value) == ("check", "x")
-    assert "Relative strength (8.0 of 20 Pa)" in texts(story.unity_inspector())
+    assert "Relative strength (8.0 of 20 Pa)" in texts(story.draw_unity_inspector())
 
 
 def test_details_hide_what_the_editor_hides() -> None:
-    rows = {row.label: row for row in story.unreal_rows("HapticEffectComponent")}
+    rows = {row.label: row for row in story.read_unreal_fields("HapticEffectComponent")}
     assert rows["Radiation Pressure"].value == "8"
     assert rows["Technique"].kind == "fold"
     assert "Force" not in rows  # the strength is a pressure
     assert "Stiffness" not in rows  # advanced
-    assert story.unreal_rows("HapticHandComponent", Source="Mouse")[1].marked
+    assert story.read_unreal_fields("HapticHandComponent", Source="Mouse")[1].marked

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Event, Thread
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from PIL import Image
 import pacinian as pc
 from pacinian.scene.setup import Units
 from pacinian.serving.settings import Safety, Settings
-from pacinian.testing.server import run_server
+from pacinian.testing.server import Running, run_server
 from pacinian.viewing import slices
 
 from .browser import chromium, seen
@@ -72,16 +72,22 @@ class Game:
         self._thread.join()
 
 
-def pictures() -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the PNG data of each picture."""
-    settings = Settings(array=Units(3, 3), safety=Safety(lease=10.0))
+@contextmanager
+def open_viewer(safety: Safety, size: tuple[int, int]) -> Iterator[tuple[Running, Seen]]:
+    """Start a server of nine units, and a viewer in a browser window of this size [px]."""
     slices.CALM = 0  # compute fields even if the machine is busy
     with (
-        run_server(settings) as server,
+        run_server(Settings(array=Units(3, 3), safety=safety)) as server,
         viewer(server.connection) as url,
         chromium() as browser,
-        seen(browser, url, SIZE) as shown,
+        seen(browser, url, size) as shown,
     ):
+        yield server, shown
+
+
+def pictures() -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the PNG data of each picture."""
+    with open_viewer(Safety(lease=10.0), SIZE) as (server, shown):
         page = shown.page
         with Game(server.connection, BALL, HAND):
             settle(shown, "ball")
