@@ -124,12 +124,15 @@ def turn(given: Floats, group: Longs, z: Complexes, phi: Floats) -> None:
     Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `join`.
     """
 
-def carry(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, made: Complexes, reach: float, phases: Floats) -> None:
+def carry(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, multipliers: Complexes, made: Complexes, near: float, still: float, phases: Floats, y: Complexes) -> int:
     """
-    Write the phase of the nearest earlier point of its kind (isolated, or in a region) to `phases`, (M,) [rad].
+    Write the phases, (M,) [rad], and multipliers y, (M,), that points take over from earlier points of their kind.
 
-    q, now: points, (M, 3) [m], and their regions. before, were, asked: earlier points, (K, 3) [m], their regions and
-    phases. reach: distance from which on the phase of the pressure `made`, (M,), counts instead [m].
+    Kinds are: in a region, isolated, beside regions. The multiplier is that of the same point, the phase is that of the
+    same or the nearest point; without one, they are 0 and the phase of the pressure `made`, (M,). The same point is where
+    a point was if its whole region has moved alike, within `still` [m]. near: distance from which on there is no nearest
+    point [m]. q, now: points, (M, 3) [m], and their regions. before, were, asked, multipliers: earlier points, (K, 3) [m],
+    with their regions, phases [rad] and multipliers. Returns how many points have a multiplier.
     """
 
 def choose(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, p: Complexes, free: Flags) -> float:

@@ -3,6 +3,7 @@
 // Common arguments: regions: of each sample, (M,); ISOLATED, BESIDE, or from 0 on. given: phases [rad], NaN where free, (M,).
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pacinian/neighbours.hpp"
@@ -99,33 +100,64 @@ inline void turn(View<const f8, 1> given, View<const i8, 1> group, View<const c1
         if (given[m] != given[m]) phi[m] += std::arg(z[group[m]]);
 }
 
-inline void carry(View<const f8, 2> q, View<const i8, 1> now, View<const f8, 2> before, View<const i8, 1> were, View<const f8, 1> asked,
-                  View<const c16, 1> made, f8 reach, View<f8, 1> phases) {
+// Return the median of each coordinate of displacements, (count, 3), which it reorders.
+inline std::array<f8, 3> median(std::vector<std::array<f8, 3>>& displacements) {
+    std::array<f8, 3> out{};
+    const auto middle = displacements.begin() + static_cast<Index>(displacements.size() / 2);
+    for (int x = 0; x < 3 && middle != displacements.end(); ++x) {
+        std::nth_element(displacements.begin(), middle, displacements.end(), [x](const auto& a, const auto& b) { return a[x] < b[x]; });
+        out[x] = (*middle)[x];
+    }
+    return out;
+}
+
+inline Index carry(View<const f8, 2> q, View<const i8, 1> now, View<const f8, 2> before, View<const i8, 1> were,
+                   View<const f8, 1> asked, View<const c16, 1> multipliers, View<const c16, 1> made, f8 near, f8 still,
+                   View<f8, 1> phases, View<c16, 1> y) {
     const Index M = q.shape[0], K = before.shape[0];
     require(q.shape[1] == 3 && before.shape[1] == 3 && now.size() == M && were.size() == K, "carry: the shapes differ");
-    require(asked.size() == K && made.size() == M && phases.size() == M, "carry: the shapes differ");
-    for (Index m = 0; m < M; ++m) phases[m] = std::arg(made[m]);
+    require(asked.size() == K && multipliers.size() == K && made.size() == M && phases.size() == M && y.size() == M,
+            "carry: the shapes differ");
+    for (Index m = 0; m < M; ++m) phases[m] = std::arg(made[m]), y[m] = 0.0;
+    i8 last = ISOLATED;
+    for (Index m = 0; m < M; ++m) last = std::max(last, now[m]);
     std::vector<Index> there;
     std::vector<f8> points;
-    for (const bool region : {false, true}) {
-        const auto is_kind = [&](i8 number) { return region ? number >= 0 : number == ISOLATED; };
+    std::vector<std::array<f8, 3>> moves;
+    Index found = 0;
+    for (const i8 kind : {BESIDE, ISOLATED, i8(0)}) {  // 0: any region
         there.clear();
         points.clear();
         for (Index i = 0; i < K; ++i)
-            if (is_kind(were[i])) {
+            if (std::min<i8>(were[i], 0) == kind) {
                 there.push_back(i);
                 points.insert(points.end(), before.row(i), before.row(i) + 3);
             }
-        const Index count = static_cast<Index>(there.size());
-        if (!count) continue;
-        const neighbours::Tree tree({points.data(), {count, 3}});
-        for (Index m = 0; m < M; ++m) {
-            if (!is_kind(now[m])) continue;
+        if (there.empty()) continue;
+        const neighbours::Tree tree({points.data(), {static_cast<Index>(there.size()), 3}});
+        for (i8 region = kind; region <= (kind ? kind : last); ++region) {
             f8 squared;
-            const Index i = there[tree.nearest(q.row(m), squared)];
-            if (std::sqrt(squared) < reach) phases[m] = asked[i];
+            moves.clear();
+            for (Index m = 0; m < M; ++m) {
+                if (now[m] != region) continue;
+                const Index i = there[tree.nearest(q.row(m), squared)];
+                if (std::sqrt(squared) >= near) continue;
+                phases[m] = asked[i];
+                moves.push_back({q(m, 0) - before(i, 0), q(m, 1) - before(i, 1), q(m, 2) - before(i, 2)});
+            }
+            const auto move = median(moves);
+            for (Index m = 0; m < M; ++m) {
+                if (now[m] != region) continue;
+                const f8 came[3] = {q(m, 0) - move[0], q(m, 1) - move[1], q(m, 2) - move[2]};
+                const Index i = there[tree.nearest(came, squared)];
+                if (std::sqrt(squared) >= still) continue;
+                phases[m] = asked[i];
+                y[m] = multipliers[i];
+                ++found;
+            }
         }
     }
+    return found;
 }
 
 inline void define_groups(nb::module_& m) {
@@ -146,10 +178,13 @@ inline void define_groups(nb::module_& m) {
     kernel(m, "turn", &turn, "Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `join`.", "given", "group", "z",
            "phi");
     kernel(m, "carry", &carry,
-           "Write the phase of the nearest earlier point of its kind (isolated, or in a region) to `phases`, (M,) [rad].\n\n"
-           "q, now: points, (M, 3) [m], and their regions. before, were, asked: earlier points, (K, 3) [m], their regions and\n"
-           "phases. reach: distance from which on the phase of the pressure `made`, (M,), counts instead [m].",
-           "q", "now", "before", "were", "asked", "made", "reach", "phases");
+           "Write the phases, (M,) [rad], and multipliers y, (M,), that points take over from earlier points of their kind.\n\n"
+           "Kinds are: in a region, isolated, beside regions. The multiplier is that of the same point, the phase is that of the\n"
+           "same or the nearest point; without one, they are 0 and the phase of the pressure `made`, (M,). The same point is where\n"
+           "a point was if its whole region has moved alike, within `still` [m]. near: distance from which on there is no nearest\n"
+           "point [m]. q, now: points, (M, 3) [m], and their regions. before, were, asked, multipliers: earlier points, (K, 3) [m],\n"
+           "with their regions, phases [rad] and multipliers. Returns how many points have a multiplier.",
+           "q", "now", "before", "were", "asked", "multipliers", "made", "near", "still", "phases", "y");
 }
 
 }  // namespace pacinian::solving

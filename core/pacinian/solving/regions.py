@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices
 
 
-STILL = 5e-4  # samples that moved by less than this keep their solution [m]
+STILL = 5e-4  # samples that moved by less than this, except as their whole region moved, are the same [m]
 CARRY_DISTANCE = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
 ON_SKIN = 0.8  # the same for samples on skin, which are less even
@@ -204,23 +204,29 @@ def carry_phases(
 ) -> Solution:
     """Return the last solution carried over to the present points, although samples may have come and gone.
 
-    before: the points of `warm`, (M', 3) [m]. Each point takes over the phase of the nearest earlier point of its kind
-    (isolated, or in a region), if that is less than 3 mm away, and otherwise the phase of the present sound there.
-    Multipliers are kept only if the samples are the same. Multipliers of other samples are worse than none, because
-    they vary strongly between samples that the array hardly resolves.
+    before: the points of `warm`, (M', 3) [m]. A point takes over the phase and the multiplier of the same point, that
+    is, from where it was if its whole region has moved alike. A new point takes over the phase of the nearest earlier
+    point of its kind (in a region, isolated, or beside regions) within 3 mm, or else that of the present sound there,
+    and its multiplier is 0 (decision 72).
     """
     q, asked = propagator.points, warm.asked_phases
     now, were = targets.regions, warm.targets.regions
     assert asked is not None
     assert now is not None
     assert were is not None
-    same = len(q) == len(before) and np.array_equal(now, were)
+    M = len(q)
+    same = len(before) == M and np.array_equal(now, were)
     if same and float(np.abs(q - before).max()) < STILL:
         return warm
-    p, phases = propagator.apply(warm.gains), np.empty(len(q))
-    kernels.carry(q, now, before, were, asked, p, CARRY_DISTANCE, phases)
+    p, phases, y = propagator.apply(warm.gains), np.empty(M), np.empty(M, np.complex128)
+    last = np.zeros(len(before), np.complex128) if warm.multipliers is None else warm.multipliers
+    found = kernels.carry(
+        q, now, before, were, asked, last, p, CARRY_DISTANCE, STILL, phases, y
+    )  # fmt: skip
     made = object.__new__(Solution)  # `dataclasses.replace` takes as long as a kernel
-    made.__dict__.update(warm.__dict__, sound_pressure=p, asked_phases=phases, multipliers=None)
+    made.__dict__.update(
+        warm.__dict__, sound_pressure=p, asked_phases=phases, multipliers=y if found else None
+    )
     return made
 
 

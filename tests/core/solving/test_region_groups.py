@@ -1,7 +1,6 @@
 """Kernels of regions and groups agree with NumPy."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -107,33 +106,56 @@ def test_phases_are_settled_as_numpy_does(seed, M, warm):
 
 
 @given(SEEDS, st.integers(1, 30), st.integers(1, 30))
-def test_phases_are_carried_from_the_nearest_of_its_kind(seed, M, K):
+def test_a_point_takes_over_from_the_same_or_the_nearest_of_its_kind(seed, M, K):
+    """As NumPy finds them; each region, the isolated points and those beside have moved in their own way."""
     rng, q, now, _, _ = draw(seed, M)
     _, before, were, _, _ = draw(seed + 1, K)
+    now, were = number_regions(M, now), number_regions(K, were)
+    if now is None or were is None:
+        return
+    moves = 1.5e-3 * rng.standard_normal((now.max() + 3, 3))
     near = min(M, K) // 2
-    before[:near] = q[:near] + 1e-3 * rng.standard_normal((near, 3))
+    before[:near] = q[:near] - moves[now[:near] + 2] + 2e-4 * rng.standard_normal((near, 3))
     asked, made = rng.uniform(-9, 9, K), rng.standard_normal(M) + 1j * rng.standard_normal(M)
-    phases = np.empty(M)
-    kernels.carry(q, now, before, were, asked, made, 3e-3, phases)
-    for m in range(M):
-        alike = (were == -1) if now[m] == -1 else (were >= 0) & (now[m] >= 0)
-        away = np.where(alike, np.linalg.norm(before - q[m], axis=1), np.inf)
-        expected = asked[away.argmin()] if away.min() < 3e-3 else np.angle(made[m])
-        assert phases[m] == pytest.approx(expected, abs=1e-12)
+    last = rng.standard_normal(K) + 1j * rng.standard_normal(K)
+    phases, y = np.empty(M), np.empty(M, complex)
+    found = kernels.carry(q, now, before, were, asked, last, made, 3e-3, 5e-4, phases, y)
+
+    expected, multipliers = np.angle(made), np.zeros(M, complex)
+    for region in set(now.tolist()):
+        own = np.flatnonzero(now == region)
+        there = np.flatnonzero(np.minimum(were, 0) == min(region, 0))
+        if not len(there):
+            continue
+        away = np.linalg.norm(q[own, None] - before[there], axis=2)
+        close, nearest = away.min(axis=1) < 3e-3, there[away.argmin(axis=1)]
+        expected[own[close]] = asked[nearest[close]]
+        moved = np.sort((q[own] - before[nearest])[close], axis=0)
+        came = q[own] - (moved[len(moved) // 2] if len(moved) else 0.0)
+        away = np.linalg.norm(came[:, None] - before[there], axis=2)
+        same, which = away.min(axis=1) < 5e-4, there[away.argmin(axis=1)]
+        expected[own[same]], multipliers[own[same]] = asked[which[same]], last[which[same]]
+    np.testing.assert_allclose(phases, expected, atol=1e-12)
+    np.testing.assert_array_equal(y, multipliers)
+    assert found == np.count_nonzero(multipliers)
 
 
-def test_a_solution_is_carried_without_its_multipliers_unless_nothing_moved():
+def test_a_solution_is_carried_as_it_is_if_nothing_moved_and_else_point_by_point():
     q = np.c_[0.004 * np.arange(9) - 0.016, np.zeros(9), np.full(9, 0.15)]
     session = pc.Session(ARRAY, solver="lagrange")
     solution = session.solve(q, np.full(9, 10.0), regions=np.zeros(9, int))
-    same = carry_phases(session.propagator, solution.targets, solution, q + 1e-4)
-    moved = carry_phases(
-        session.propagator, solution.targets, solution, q + np.array([0.001, 0.0, 0.0])
-    )
-    assert same is solution
-    assert moved.multipliers is None
+
+    def carry(points):
+        session.propagator.set_points(points)
+        return carry_phases(session.propagator, solution.targets, solution, q)
+
+    assert carry(q + 1e-4) is solution
+    moved = carry(q + np.array([0.001, 0.0, 0.0]))
+    np.testing.assert_array_equal(moved.multipliers, solution.multipliers)
+    np.testing.assert_array_equal(moved.asked_phases, solution.asked_phases)
+    np.testing.assert_array_equal(moved.sound_pressure, session.propagator.apply(solution.gains))
     assert moved.gains is solution.gains
-    assert moved.asked_phases.shape == (9,)
+    assert carry(q + np.array([0.5, 0.0, 0.0])).multipliers is None
 
 
 @given(SEEDS, st.integers(1, 40), st.integers(0, 5), st.integers(0, 5))

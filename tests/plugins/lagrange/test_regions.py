@@ -1,5 +1,6 @@
 """`lagrange` at regions: optimal by CVXPY, even between the samples, warm as cold."""
 
+import dataclasses
 import itertools
 import math
 
@@ -294,6 +295,45 @@ def test_where_samples_come_and_go_a_region_is_as_asked_from_step_to_step(array,
             change = [phases[k] - before[k] for k in phases.keys() & before.keys()]
             assert np.abs(np.angle(np.exp(1j * np.array(change)))).max() < 0.6
         before = phases
+
+
+@pytest.mark.parametrize("strength", [60.0, 240.0])
+def test_at_the_limit_a_moved_region_starts_from_its_multipliers(strength):
+    """It needs few steps for the optimum, and is near it without time for any more."""
+    disc, t = ringed(0.018), pc.sound_pressure(strength, AIR)
+    at_limit, hurried = pc.Session(NINE, AIR), pc.Session(NINE, AIR)
+    at_limit.corrections = 0
+    for k in range(4):
+        q = at(disc + np.array([1e-3 * k, 5e-4 * k]))
+        amplitudes = np.full(len(q), t)
+        moved = at_limit.solve(q, amplitudes, regions=whole(q), deadline=1e9)
+        late = hurried.solve(q, amplitudes, regions=whole(q), deadline=0.0 if k else 1e9)
+        cold = pc.Session(NINE, AIR).solve(q, amplitudes, regions=whole(q), deadline=1e9)
+        assert moved.saturation > 0.1
+        assert moved.objective == pytest.approx(cold.objective, rel=0.01)
+        assert late.objective < 1.1 * cold.objective
+        if k:
+            assert moved.iterations <= cold.iterations / 2
+
+
+@pytest.mark.parametrize("strength", [16.0, 240.0])
+def test_multipliers_that_mislead_are_not_used(strength):
+    """Samples that only look as if they had moved, with other multipliers: no more pressure than from nothing."""
+    q = at(ringed(0.018))
+    amplitudes = pc.sound_pressure(np.full(len(q), strength), AIR)
+    session = pc.Session(NINE, AIR)
+    session.corrections = 0
+    cold = session.solve(q, amplitudes, regions=whole(q), deadline=0.0)
+    session.forget()
+    good = session.solve(q, amplitudes, regions=whole(q), deadline=1e9)
+    rng = np.random.default_rng(3)
+    wrong = rng.permutation(good.multipliers) * np.exp(1j * rng.uniform(-3.0, 3.0, len(q)))
+    session.last = dataclasses.replace(good, multipliers=wrong)
+    session._base = None
+    misled = session.solve(q + 1e-3, amplitudes, regions=whole(q), deadline=0.0)
+    P = [pc.radiation_pressure(s.field(s.points), AIR) for s in (cold, misled)]
+    assert misled.error < 1.05 * cold.error
+    assert P[1].max() < 1.1 * P[0].max()
 
 
 @pytest.mark.parametrize("M", [3, 60, 399, 401])

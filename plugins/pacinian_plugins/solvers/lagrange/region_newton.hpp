@@ -25,6 +25,7 @@ constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
+constexpr f8 MAX_GAP = 0.25;           // largest duality gap of the given multipliers, relative to that of none, to start from them
 constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_values.AT_LIMIT`
 
 struct Sum {
@@ -293,8 +294,9 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     for (Index m = 0; m < M; ++m) size += power(p[m]);
     size = std::sqrt(size);
     Vector at(y.data, y.data + M), F(M), d(M), none(M);
-    f8 value = ascent.look(at, 0.0, none, F);
-    if (value < 0.0) {  // farther from the optimum than no multipliers
+    f8 value = ascent.look(at, 0.0, none, F), silence = 0.0;
+    for (Index m = 0; m < M; ++m) silence += 0.5 * power(p[m]) / D[m];
+    if (Primal::measure(ascent) - value > MAX_GAP * silence) {  // no better a start than no multipliers
         at = none;
         value = ascent.look(at, 0.0, none, F);
     }
