@@ -118,6 +118,10 @@ class Cycle:
         self._tilted = self._tilted and not self._banded and most >= len(TILTS)
         self._arrange()
 
+    def forget(self) -> None:
+        """Note that solutions from outside the cycle are played, so that no earlier one comes back when it begins."""
+        self._first.solved = None
+
     def consider(self, solved: CachedSolution) -> None:
         """Decide from a solve whether there is time for several frames, and whether to use two or one.
 

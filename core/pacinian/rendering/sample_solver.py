@@ -141,6 +141,7 @@ class SampleSolver:
             self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
             return self._in_turn(samples, t, limits, solver, deadline)
+        self.cycle.forget()
         last = self._last
         if last is not None and last.rows[0].rests(t) and not last.brief:
             self.skipped["solve, nothing moved"] += 1

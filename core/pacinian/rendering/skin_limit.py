@@ -1,8 +1,8 @@
 """Keep the radiation pressure on the skin that is seen below a limit, also where no target was set.
 
-The skin is that of the hands in the scene, as far as it faces the array. It is evaluated at points half a wavelength
-apart, then near the strongest of these at points closer and closer together. Without a hand, no skin is seen, and
-nothing is evaluated.
+The skin is that of the hands in the scene, where they were last seen, as far as a transducer may see it. It is
+evaluated at points half a wavelength apart, then near the strongest of these at points closer and closer together.
+Without a hand, no skin is seen, and nothing is evaluated.
 
 While the highest pressure is far below the limit, only every eighth solution that is like the last is evaluated. The
 others are not final: if nothing moves any more, they are solved again, and evaluated.
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -37,11 +38,14 @@ if TYPE_CHECKING:
 
 SPACING = 0.58  # of the first points, over the wavelength
 HIDDEN = 8.0  # largest ratio of a peak between these points to the pressure at the nearest of them
-AWAY = -0.3  # cosine of the angle from a normal to the array's centre, below which skin faces away
-FINEST = (
-    3,
-    0.05,
-)  # rings of points around the strongest at last, and their spacing over the wavelength
+AWAY = (
+    -0.5
+)  # least cosine of an angle to a normal for the first points, whose neighbours face other ways
+SEEN_BY = (
+    32  # number of transducers that stand for all if a point may see them, with the array's corners
+)
+RINGS = 3  # of points around the strongest at last
+FINEST = 0.05  # their spacing, over the wavelength; more on a large hand
 PEAKS = 16  # most points around which to look at last
 NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
 CHUNK = 64  # points that are evaluated at a time
@@ -75,6 +79,12 @@ class SkinLimit:
         self._wavelength = medium.wavelength(array.transducer.frequency)  # [m]
         self._response = 1.0 if array.response is None else np.abs(array.response)
         self._positions = array.positions
+        low, high = array.positions.min(axis=0), array.positions.max(axis=0)
+        corners = list(product(*zip(low, high, strict=True)))
+        every = -(-len(array) // SEEN_BY)
+        self._some = np.concatenate(
+            [corners, array.positions[::every]]
+        )  # stand for all, (V, 3) [m]
         self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
         self.reset()
 
@@ -137,53 +147,72 @@ class SkinLimit:
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
     ) -> float:
         """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to the limit."""
-        found = self._find_strong(parts, skins, samples, limit)
-        if found is None or samples.capsules is None:
+        capsules = np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])
+        skins = [
+            skin for skin in skins if not self._is_below(parts, skin.box[:3], skin.box[3:], limit)
+        ]
+        if not skins:
             return 0.0
-        points, normals, P = found
+        points, normals, owner, P = self._find_strong(parts, skins, samples, limit, capsules)
         peak = float(P.max(initial=0.0))
         best = np.argsort(P)[-PEAKS:]
         best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
         if len(best):
-            rings, spacing = FINEST
-            points, normals = spread(points[best], normals[best], rings, spacing * self._wavelength)
-            facing = SkinFacing.of(normals, samples.capsules)
+            apart = max(_stretch(skin) * float(skin.skin.levels[0]) for skin in skins)
+            spacing = max(FINEST * self._wavelength, apart / (2.0 * RINGS))
+            points, normals = spread(points[best], normals[best], RINGS, spacing)
+            owner = np.repeat(owner[best], len(points) // len(best))
+            for k, skin in enumerate(
+                skins
+            ):  # sound at a slant presses much more where the skin turns towards it
+                own = owner == k
+                points[own], normals[own], _ = skin.closest(points[own])
+            facing = SkinFacing.of(normals, capsules)
             peak = max(peak, float(self._evaluate(parts, points, facing).max()))
         return MARGIN * peak
 
     def _find_strong(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
-    ) -> tuple[Floats, Floats, Floats] | None:
-        """Return points of skin near those whose pressure is high, and of samples: points, normals, pressures [Pa].
+        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+        capsules: Floats,
+    ) -> tuple[Floats, Floats, Indices, Floats]:  # fmt: skip
+        """Return points of skin near those whose pressure is high, and isolated samples.
 
-        None without a hand, or if all pressures are clearly below the limit.
+        Returns points, normals, the index of each point's skin, -1 for samples, and pressures [Pa]. capsules: of all
+        hands, (C, 8) [m].
         """
-        skins = [
-            skin for skin in skins if not self._is_below(parts, skin.box[:3], skin.box[3:], limit)
-        ]
-        if not skins or samples.capsules is None:
-            return None
         alone = samples.regions == ISOLATED
         found = [(samples.positions[alone], samples.normals[alone])]
         for skin in skins:
-            level = skin.skin.level(SPACING * self._wavelength)
+            level = skin.skin.level(round(SPACING * self._wavelength / _stretch(skin), 6))
             nodes, owners = skin.skin.counts[level], skin.skin.share[level].indices
             P = np.zeros(nodes)
-            faces = self._faces(skin, slice(nodes))
-            P[faces] = self._evaluate(parts, skin.points[:nodes][faces])
+            shown = self._find_shown(skin, np.arange(nodes), AWAY)
+            P[shown] = self._evaluate(parts, skin.points[shown])
             near = np.flatnonzero((limit / HIDDEN <= P)[owners].any(axis=1))
-            near = near[self._faces(skin, near)]
+            near = self._find_shown(skin, near, 0.0)
             found.append((skin.points[near], skin.normals[near]))
+        owner = np.repeat(np.arange(-1, len(skins)), [len(points) for points, _ in found])
         points, normals = (np.concatenate(each) for each in zip(*found, strict=True))
-        facing = SkinFacing.of(normals, samples.capsules)
-        return points, normals, self._evaluate(parts, points, facing)
+        P = self._evaluate(parts, points, SkinFacing.of(normals, capsules))
+        return points, normals, owner, P
 
-    def _faces(self, skin: PosedSkin, which: Indices | slice) -> Flags:
-        """Return whether the points `which`, (I,), are on the outside and do not face away from the array, (I,)."""
-        d = self._wave.origin - skin.points[which]
-        along = np.einsum("ij,ij->i", skin.normals[which], d)
-        faces = along > AWAY * np.sqrt(np.einsum("ij,ij->i", d, d))
-        return np.asarray(faces & ~skin.skin.hidden[which])
+    def _find_shown(self, skin: PosedSkin, which: Indices, least: float) -> Indices:
+        """Return those of the points `which`, (I,), that are on the outside and that a transducer may see.
+
+        least: cosine of the angle between their normal and the direction to it.
+        """
+        which = which[self._may_see(skin, which, least)]
+        return which[skin.find_exposed(which)]
+
+    def _may_see(self, skin: PosedSkin, which: Indices, least: float) -> Flags:
+        """Return whether the cosine of a normal and the direction to a transducer exceeds `least`, about, (I,).
+
+        which: points, (I,).
+        """
+        q, n, r = skin.points[which], skin.normals[which], self._some
+        along = n @ r.T - np.einsum("ij,ij->i", n, q)[:, None]
+        squared = (q * q).sum(axis=1)[:, None] + (r * r).sum(axis=1) - 2.0 * (q @ r.T)
+        return np.asarray((along > least * np.sqrt(np.maximum(squared, 0.0))).any(axis=1))
 
     def _is_below(self, parts: Gains, low: Floats, high: Floats, limit: float) -> bool:
         """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
@@ -221,6 +250,11 @@ class SkinLimit:
                 kernels.apply(B, part, out)
             p[first : first + CHUNK] = np.abs(z[0]) if len(parts) == 1 else sum_up(z)
         return radiation_pressure(p, self._medium)
+
+
+def _stretch(skin: PosedSkin) -> float:
+    """Return how much farther apart the points of a hand are than those of a hand of usual size, at least 1."""
+    return max(1.0, math.sqrt(float(skin.area.sum() / skin.skin.area.sum())))
 
 
 def sum_up(z: Complexes) -> Floats:

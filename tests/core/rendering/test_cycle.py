@@ -332,3 +332,34 @@ def test_each_row_of_a_cycle_says_which_frame_it_is() -> None:
                 assert np.array_equal(same, row)
     assert len(frames) == parts
     assert not np.array_equal(frames[0], frames[1])
+
+
+def test_when_a_cycle_begins_again_no_earlier_frame_comes_back() -> None:
+    """Between two cycles, one frame renders a weak ball, while the hands may have moved anywhere."""
+    array = pc.autd()
+    x, y, _ = array.centre
+
+    def scene(t: float) -> pc.Scene:
+        k = round(1000.0 * t)
+        pressure = 0.2 if 20 <= k < 40 else 60.0  # only the strong one needs two frames
+        here = pc.Pose((x + 1e-4 * k, y, 0.18))
+        ball = pc.Volume(shape=pc.Sphere(0.015), pose=here, radiation_pressure=pressure)
+        return pc.Scene((ball,))
+
+    made: dict[int, int] = {}
+    kept, counts = list[object](), list[int]()
+    sampler = pc.Sampler(ramp=0.0)
+    with pc.Renderer(
+        array, scene, clock=ManualClock(), governed=False, rate=1000.0, sampler=sampler
+    ) as renderer:
+        for k in range(60):
+            renderer.tick(k * renderer.period)
+            solver = renderer.sample_solver
+            for one in solver.fresh:
+                made[id(one)] = k
+                kept.append(one)  # so that no other gets its id
+            counts.append(solver.cycle.count)
+            assert all(k - made[id(row)] <= 2 for row in renderer.played.rows)
+    assert counts[19] == 2
+    assert counts[39] == 1
+    assert counts[59] == 2

@@ -13,6 +13,7 @@ from pacinian.rendering.deviations import SKIN_LIMITED
 from pacinian.rendering.envelope_groups import EnvelopeGroups
 from pacinian.rendering.skin_limit import SkinLimit, spread, sum_up
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
+from pacinian.scene.sampling.posed_skin import PosedSkin
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.solving.status import Status
 from pacinian.testing import ManualClock
@@ -47,19 +48,20 @@ def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]
     n = (q - axis) / np.linalg.norm(q - axis, axis=1)[:, None]
     q = axis + (own[:, 6] + s * (own[:, 7] - own[:, 6]))[:, None] * n
     deep = distance_to_skin(capsules, q)
-    out = (deep > -5e-4) & (((CENTRE - q) * n).sum(axis=1) > 0.0)
+    out = deep > -5e-4
     return (q - deep[:, None] * n)[out], n[out], own[out]
 
 
-def highest(gains: Array, hand: pc.Hand, seed: int) -> float:
-    """Return the highest pressure at random points of the skin that faces the array [Pa]."""
+def highest(gains: Array, hand: pc.Hand, seed: int, others: tuple[pc.Hand, ...] = ()) -> float:
+    """Return the highest pressure at random points of the skin [Pa]. others: hands that also cast a shadow."""
     rng, capsules = np.random.default_rng(seed), make_capsules(hand)
+    shadow = np.concatenate([capsules, *(make_capsules(other) for other in others)])
     own = np.repeat(capsules, 300, axis=0)
     middle = own[:, :3] + rng.uniform(0, 1, (len(own), 1)) * (own[:, 3:6] - own[:, :3])
     q, n, own = on_skin(capsules, own, middle + 0.1 * rng.normal(size=middle.shape))
     peak = 0.0
     for width in (2e-3, 7e-4, 0.0):
-        facing = pc.SkinFacing(n, np.empty((0, 8)) if len(q) > 1000 else capsules)
+        facing = pc.SkinFacing(n, np.empty((0, 8)) if len(q) > 1000 else shadow)
         P = press(gains, q, facing)
         best = np.argsort(P)[-NEAR:]
         peak = float(P[best[-1]])
@@ -69,8 +71,10 @@ def highest(gains: Array, hand: pc.Hand, seed: int) -> float:
     return peak
 
 
-def render(scene: pc.Scene, ticks: int = 4, **settings: Any) -> pc.Renderer:
-    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), medium=AIR, governed=False, **settings)
+def render(scene: pc.Scene, ticks: int = 4, array: pc.Array = ONE, **settings: Any) -> pc.Renderer:
+    renderer = pc.Renderer(
+        array, scene, clock=ManualClock(), medium=AIR, governed=False, **settings
+    )
     with renderer:
         for k in range(ticks):
             renderer.clock.time = k * renderer.period  # type: ignore[attr-defined]
@@ -144,6 +148,105 @@ def test_a_peak_beside_the_samples_is_limited_and_named() -> None:
     assert f"limit of {asked:.3g} Pa" in one.solution.note
     loose = render(scene, peak=200.0)
     np.testing.assert_array_equal(loose.played.rows[-1].gains, free.played.rows[-1].gains)
+
+
+def bend(hand: pc.Hand, finger: int, degrees: tuple[float, float, float]) -> pc.Hand:
+    """Bend a finger (1: index) of a hand in the pose of rest at its three joints."""
+    joints = hand.joints.copy()  # type: ignore[union-attr]
+    chain = range(6 + 5 * (finger - 1), 6 + 5 * finger)
+    for joint, angle in zip(chain[1:], np.radians(degrees), strict=False):
+        turn = np.array(
+            [[1, 0, 0], [0, np.cos(angle), np.sin(angle)], [0, -np.sin(angle), np.cos(angle)]]
+        )
+        beyond = [k for k in chain if k > joint]
+        joints[beyond] = joints[joint] + (joints[beyond] - joints[joint]) @ turn.T
+    return pc.Hand(joints, hand.radii, side=hand.side)
+
+
+def test_skin_that_bending_uncovers_is_limited() -> None:
+    """The back of a joint is inside the flesh of a straight finger. Here it points at the array."""
+    straight = pc.Hand.open("right")
+    hand = bend(straight, 2, (60.0, 100.0, 30.0))
+    down = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    joints = hand.joints @ down.T  # type: ignore[operator]
+    joints += np.array([*CENTRE[:2], 0.15]) - joints[13]
+    hand = pc.Hand(joints, hand.radii, side="right")
+    low = 0.15 - float(hand.radii[13])  # type: ignore[index]
+    ball = pc.Volume(
+        shape=pc.Sphere(0.003), pose=pc.Pose((*CENTRE[:2], low)), radiation_pressure=60.0
+    )
+    gains = render(pc.Scene((ball,), hands=(hand,)), peak=3.0).played.rows[-1].gains
+    assert 0.5 * 3.0 < highest(gains, hand, 0) <= 3.0 * (1.0 + TOLERANCE)
+
+
+@given(st.integers(0, 10**6), st.sampled_from([0.5, 1.0, 2.0, 4.0]))
+@settings(deadline=None, max_examples=120)
+def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
+    """On bent fingers, low beside the array, on large hands: wherever sound reaches the skin."""
+    rng = np.random.default_rng(seed)
+    hand = pc.Hand.open("right")
+    for finger in range(1, 5):
+        hand = bend(hand, finger, tuple(rng.uniform(0.0, 100.0, 3)))
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    joints = scale * (hand.joints @ turn.T)  # type: ignore[operator]
+    low = (joints[:, 2] - scale * hand.radii).min()  # type: ignore[operator]
+    joints += CENTRE + np.array([*rng.uniform(-0.15, 0.15, 2), rng.uniform(0.03, 0.2) - low])
+    hand = pc.Hand(joints, scale * hand.radii)  # type: ignore[operator]
+    capsules = make_capsules(hand)
+    own = np.repeat(capsules[3:], 4, axis=0)  # not the ball of the thumb
+    q, n, _ = on_skin(capsules, own, own[:, :3] + scale * 0.03 * rng.normal(size=(len(own), 3)))
+    facing = pc.SkinFacing(n, capsules)
+    heard = facing.weights(q, ONE.positions).sum(axis=1)
+    if not len(q) or heard.max() < 0.1 * len(ONE):
+        return
+    reached = np.flatnonzero(heard >= 0.1 * len(ONE))
+    towards = ((CENTRE - q) * n).sum(axis=1) / np.linalg.norm(CENTRE - q, axis=1)
+    least = reached[np.argmin(towards[reached])]  # turned away from the centre, or nearly
+    place = q[least if seed % 2 else rng.choice(reached)]
+    ahead = distance_to_skin(capsules, place + 1e-6 * np.eye(3))
+    normal = (ahead - distance_to_skin(capsules, place - 1e-6 * np.eye(3)))[None] / 2e-6
+    gains = pc.Session(ONE, AIR, "single-focus").solve(place, 1e3).gains
+    gains = (gains / np.abs(gains).max()).astype(np.complex64)
+    P = float(press(gains, place[None], pc.SkinFacing(normal, capsules))[0])
+    limit = SkinLimit(pc.Session(ONE, AIR))
+    far = no_samples().changed(
+        positions=np.ones((1, 3)), normals=np.zeros((1, 3)), regions=np.zeros(1, np.int64)
+    )
+    samples = far.changed(radiation_pressure=np.zeros(1), capsules=capsules)
+    found = limit.find_peak(gains[None], [PosedSkin(hand)], samples, 0.5 * P)
+    assert found is not None
+    assert found > P / (1.0 + TOLERANCE)
+
+
+@pytest.mark.parametrize("speed", [0.3, 1.0, 3.0])
+def test_a_second_hand_without_velocities_is_limited_where_it_was_seen(speed: float) -> None:
+    """It crosses the beam to a hand at rest; it is drawn to its new place within 10 ms, but is there at once."""
+    right = pc.Hand.open("right", pc.Pose((*CENTRE[:2], 0.25)))
+    ball = pc.Volume(
+        shape=pc.Sphere(0.02), pose=pc.Pose((*CENTRE[:2], 0.228)), radiation_pressure=40.0
+    )
+    begin = CENTRE[0] - 0.02 - 0.008 * speed
+
+    def scene(t: float) -> pc.Scene:
+        left = pc.Hand.open("left", pc.Pose((begin + speed * t, CENTRE[1], 0.19)))
+        return pc.Scene((ball,), hands=(right, left))
+
+    renderer = pc.Renderer(
+        ONE, scene, clock=ManualClock(), medium=AIR, governed=False, peak=10.0, rate=1000.0
+    )
+    reached = 0.0
+    with renderer:
+        for k in range(16):
+            t = k * renderer.period
+            renderer.clock.time = t  # type: ignore[attr-defined]
+            renderer.tick(t)
+            if k % 4 == 3:
+                hands = scene(t).hands
+                row = renderer.sent.gains(renderer.backend.capability)[-1]
+                for hand, other in (hands, hands[::-1]):
+                    reached = max(reached, highest(row, hand, k, others=(other,)))
+    assert reached <= 10.0 * (1.0 + TOLERANCE)
 
 
 def test_without_a_hand_no_skin_is_seen_and_nothing_is_scaled_down() -> None:

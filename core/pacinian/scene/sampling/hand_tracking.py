@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 HOLD, FADE = 0.05, 0.1  # a lost hand stays for HOLD, and then fades within FADE [s]
+SLIGHT = 5e-4  # largest distance of a blended hand from where it was seen that is ignored [m]
 
 
 class HandTrack:
@@ -61,6 +62,14 @@ class HandTrack:
             same = kind is not None and kind.hand.faces is hand.faces
             self._touchable = PosedSkin(hand, kind.skin if kind and same else self._skin)
         return self._touchable
+
+    def pose_seen(self, skin: PosedSkin, t: float) -> PosedSkin:
+        """Return the skin where the last update puts it at time t [s], without the blend. skin: from `pose_skin`."""
+        f = 1.0 - (t - self._since) / BLEND
+        d = self._offset
+        if d is None or self._last is None or f * f * (d * d).sum(axis=1).max() < SLIGHT * SLIGHT:
+            return skin
+        return PosedSkin(self._extrapolate(self._last, t), skin.skin)
 
     def can_move(self, t: float) -> bool:
         """Return whether the hand may move or fade after time t [s] without an update."""

@@ -149,7 +149,7 @@ class Sampler:
         self._asked: tuple[object, ...] = ()
         self._target = no_samples()
         self.skins: tuple[PosedSkin, ...] = ()
-        """The skins of the hands in the scene at the last call of `sample`; none while they are lost."""
+        """The skins of the hands at the last call of `sample`, where they were seen, not blended; no lost hands."""
         self.sample_counts = SampleCounts()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
@@ -194,8 +194,8 @@ class Sampler:
     def _make_samples(self, scene: Scene, t: float, counts: SampleCounts) -> Samples:
         skin = bool(scene.hands)
         hands = self._track_hands(scene, t, counts)
-        self.skins = tuple(hand for hand, _ in hands)
-        capsules = _all([hand.capsules for hand in self.skins]) if skin else None
+        self.skins = tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand, _ in hands)
+        capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
         self.skipped["objects away from hands"] += len(scene.objects) - len(found)
