@@ -379,6 +379,7 @@ def test_there_is_silence_when_a_page_that_armed_says_nothing_any_more(
         page.say("arm")
         assert page.next("refused")["message"] == "the lease was not renewed in time: silence"
         page.until(lambda: page.output == "silent" and not page.newest["state"]["armed"])
+        page.until(lambda: not page.newest["state"]["owner"])  # others need not take it over
 
 
 def test_a_game_that_takes_the_output_back_is_not_disturbed_by_a_page_that_is_alive(

@@ -234,6 +234,9 @@ class Bridge:
             due = was or now - self._renewed > UNARMED_RENEWAL
         if due:
             self._renew(client)
+        if was and not self._armed:
+            with suppress(Refused):  # another client has the output
+                client.disarm()  # no page can renew this: leave the output to others
 
     def _renew(self, client: Client) -> None:
         self._renewed = time.perf_counter()
