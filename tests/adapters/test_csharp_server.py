@@ -110,13 +110,21 @@ def test_a_whole_program_that_stood_still_is_told_apart_from_a_long_frame(
     """As at a breakpoint, where the client's own thread stands still, too."""
     if whole:
         player.do("hold")
-    since = time.perf_counter()
-    player.stand_still()
-    wait_for_expiry(real, since, stood=2.0 * LEASE)
-    player.say("status")
-    still = player.event("stood still")
-    assert (still["whole"], still["seconds"] > LEASE) == (whole, True)
-    assert ("breakpoint" in still["text"]) is whole
+
+    def stand_still() -> bool:
+        since = time.perf_counter()
+        player.stand_still()
+        wait_for_expiry(real, since, stood=2.0 * LEASE)
+        player.say("status")
+        still = player.event("stood still")
+        assert still["seconds"] > LEASE
+        assert ("breakpoint" in still["text"]) is still["whole"]
+        return bool(still["whole"])
+
+    if whole:
+        assert stand_still()
+    else:  # on a busy machine, the client's thread may stand still as well
+        eventually(lambda: not stand_still(), player.sounding)
     if whole:
         player.do("release")
     player.until(lambda s: s["armed"] and s["output"] == "sounding")

@@ -6,6 +6,7 @@ import random
 import threading
 from contextlib import ExitStack
 from pathlib import Path
+from socket import create_connection
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -207,6 +208,16 @@ def test_a_publisher(bind: Bind, start: Start) -> None:
             thread.join()
 
 
+def refuses(address: str) -> bool:
+    """Return whether nobody listens at an address."""
+    host, port = address.removeprefix("tcp://").rsplit(":", 1)
+    try:
+        create_connection((host, int(port)), PATIENCE).close()
+    except ConnectionRefusedError:
+        return True
+    return False
+
+
 def test_who_is_refused(bind: Bind, start: Start) -> None:
     plain, at_plain = bind(zmq.ROUTER, plain=True)
     null, at_null = bind(zmq.ROUTER)
@@ -227,6 +238,7 @@ def test_who_is_refused(bind: Bind, start: Start) -> None:
     for socket in (plain, null):
         assert not socket.poll(0)
     publisher.close()
+    eventually(lambda: refuses(at_publisher))  # libzmq closes the port in its own thread
     with start("Dealer", at_publisher) as game:
         assert ended(game) == (NOBODY, "")
 
