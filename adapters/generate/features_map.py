@@ -34,6 +34,7 @@ ONLY_UNITY = {
         "Options",
         "Transport",
     ): "both have their own sockets; for CURVE, C# uses libzmq or NetMQ, and C++ libzmq",
+    ("MouseInput", "Held"): "for scripts; Unreal's player controller has it",
 }
 ONLY_UNREAL = {
     (

@@ -140,6 +140,17 @@ def test_touches_begin_move_and_end(server: Fake, game: Game) -> None:
     game.event("lost")
 
 
+def test_a_client_that_has_ended_lists_no_touch(server: Fake, game: Game) -> None:
+    subscribed(server, game)
+    touch = TouchState(
+        object="a", hand="left", position=(0.0, 0.0, 0.2), pressure=1.0, strength=1.0
+    )
+    server.publish(state(1, scene=game.status()["scene"], touches=(touch,)))
+    game.until(lambda s: s["touches"] == 1)
+    game.do("dispose")
+    assert game.status()["touches"] == 0
+
+
 def test_one_bad_object_refuses_itself_by_name(server: Fake, game: Game) -> None:
     """It is not sent, so that no other object is rejected with it."""
     for line, path, says in (

@@ -111,6 +111,18 @@ def test_a_server_that_was_killed_is_told_apart(start: Callable[..., Game], tmp_
     start(str(program)).until(lambda s: s["problem"] == "the server was killed (signal 9)")
 
 
+@pytest.mark.parametrize("error", ["", "error: no device"])
+def test_only_an_error_of_the_log_is_told(
+    start: Callable[..., Game], tmp_path: Path, error: str
+) -> None:
+    program = tmp_path / "pacinian"
+    lines = f"echo 'ready: c.json'\necho '{error}'\necho '[info] closed'\nexit 3\n"
+    program.write_text("#!/bin/sh\nexec >&2\n" + lines)
+    program.chmod(0o755)
+    told = "the server has ended, with exit code 3" + (error and f": {error}")
+    start(str(program)).until(lambda s: s["problem"] == told)
+
+
 @pytest.mark.parametrize("start", [pytest.param("csharp", marks=CSHARP)], indirect=True)
 def test_a_log_that_the_game_does_not_name_has_a_random_name_and_is_deleted(
     start: Callable[..., Game], tmp_path: Path

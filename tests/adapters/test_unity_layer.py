@@ -357,8 +357,12 @@ def test_touches_are_told_to_server_and_effect_where_they_are(game: Game) -> Non
     assert game.until(felt)["screen"] == "Sounding"
     game.do("mouse 960 540 0")
     game.until(lambda s: s["cause"] == "hand not seen")
+    game.do("mouse 960 540 1")
+    game.until(lambda s: s["heard"] == 1)
     game.do("disconnect")
-    assert "not connected" in game.status()["screen"]
+    status = game.status()
+    assert "not connected" in status["screen"]
+    assert (status["heard"], status["left"]) == (0, status["began"])
 
 
 def test_an_emergency_stop_stays_until_reset(real: Server, game: Game) -> None:

@@ -170,6 +170,19 @@ def test_a_page_without_a_game_plays_a_demonstration(
         time.sleep(0.05)
 
 
+def test_there_is_nothing_to_give_back_to_a_demonstration(browser: Browser, url: str) -> None:
+    with seen(browser, url) as shown:
+        page = shown.page
+        page.click("#demonstrate")
+        shown.until(lambda: shown.text("#owner") == "demonstration")
+        shown.until(lambda: shown.text("#arm") == "Take over …")
+        page.click("#arm")
+        assert "“Disarm” ends that" in shown.text("#take-text")
+        page.click("#take-yes")
+        shown.until(lambda: page.is_enabled("#disarm"))
+        assert shown.text("#disarm") == "Disarm"
+
+
 def _tab(shown: Seen) -> dict[str, tuple[str, bool]]:
     """Return what the Tab key reaches: name for screen readers, and whether the focus is visible."""
     found: dict[str, tuple[str, bool]] = {}

@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { Ray, Vector3 } from "three";
+
 import type { Arrayed, Bytes, Frame } from "../src/feed/messages";
+import { Hands } from "../src/space/hands";
 import { radii } from "../src/space/ring-sizes";
 import { Quads } from "../src/space/quads";
 import { Transducers } from "../src/space/transducers";
@@ -88,4 +91,17 @@ test("rings of samples close together are small; a single sample has the largest
   const found = [...radii(points, [0, 0, 0, 0, 1, 2, 2, 2], 0.0045)].map((each) => Math.round(1e5 * each));
   assert.deepEqual(found, [220, 220, 220, 220, 450, 70, 70, 70]);
   assert.deepEqual([...radii(Float32Array.of(1, 2, 3), [], 0.001)].map((each) => Math.round(1e5 * each)), [100]);
+});
+
+test("a hand covers what lies on a line through its skin, or beside it within the margin", () => {
+  Object.assign(globalThis, { document: { createElement: () => ({ getContext: () => null }) } });
+  const hands = new Hands();
+  const seen = (x: number, margin: number): boolean => {
+    const eye = new Vector3(0, -1, 0);
+    return hands.covers(new Ray(eye, new Vector3(x, 1, 0).sub(eye).normalize()), margin);
+  };
+  assert.ok(!seen(0, 0)); // no hand
+  hands.show(packed(Array.from({ length: 26 * 3 }, () => 0))); // all joints at the origin: a ball of 2 cm
+  assert.deepEqual([0, 0.038, 0.044, -0.038].map((x) => seen(x, 0)), [true, true, false, true]);
+  assert.deepEqual([0.044, 0.058, 0.064].map((x) => seen(x, 0.01)), [true, true, false]);
 });

@@ -141,7 +141,7 @@ namespace Pacinian.Tests
                 "output", state.Output.ToString().ToLowerInvariant(), "objects", seen ? state.Objects.Count : -1,
                 "solver", state.Solver, "backend", state.Backend, "intensity", state.Intensity,
                 "cause", _client.Silence.Cause ?? "", "why", _client.Silence.ToString(),
-                "touched", _moved.Object ?? "", "strength", _moved.Strength, "height", _moved.Position.Z,
+                "touches", _client.Touches.Count, "touched", _moved.Object ?? "", "strength", _moved.Strength, "height", _moved.Position.Z,
                 "points", state.Points.Count / 12, "hands", state.Hands.Count / 312, "sequence", state.Sequence);
         }
 

@@ -42,6 +42,8 @@ namespace Pacinian.Tests
             Same(remove, session, () => _outbox.Write(1, Kind.Remove, "a", null, ref movement, 0.25));
             Same(put, session, () => Write(Kind.Put, "a", put.Objects.Value(0)));
             Same(move, session, () => _outbox.Write(1, Kind.Move, "a", null, ref movement, 0.25));
+            movement.Rotation = new Quat(); // as in `new Movement { Position = ... }`; the server refuses zeros
+            Same(move, session, () => _outbox.Write(1, Kind.Move, "a", null, ref movement, 0.25));
             movement.Moving = true;
             movement.Velocity = new Vec3(1.0, 2.0, 3.0);
             move.Velocities.Add(movement.Velocity);

@@ -28,10 +28,10 @@ namespace Pacinian.Tests
             Pauses(0.1, 0.2, 0.4, 0.5, 0.5);
             _problem = "";
             _wire.End = Ending.Nobody;
-            Pauses(1.0, 2.0, 2.0);
+            Pauses(0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0);
             ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.Standing.Status);
             _wire.End = Ending.Denied;
-            Pauses(2.0);
+            Pauses(0.1);
             ClientUnit.Equal(ClientStatus.Refused, _shared.Inbox.Standing.Status);
             ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("token or key"));
             ClientUnit.Equal("", TakeNotices());

@@ -102,7 +102,9 @@ namespace Pacinian.Haptics
             _session = 0;
             if (client != null)
             {
+                List<HandTouch> touches = new List<HandTouch>(client.Touches);
                 client.Dispose();
+                touches.ForEach(OnTouchEnded); // because Dispose raises no events
             }
         }
 

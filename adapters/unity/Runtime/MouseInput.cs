@@ -6,7 +6,7 @@ using UnityEngine.InputSystem;
 namespace Pacinian.Haptics
 {
     /// <summary>The mouse, with either of Unity's input systems.</summary>
-    internal static class MouseInput
+    public static class MouseInput
     {
         /// <summary>
         /// Returns whether the left button is down. place: of the mouse in the window, from (-1, -1) at the lower left to

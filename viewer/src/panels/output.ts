@@ -3,6 +3,7 @@
 import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { unready } from "./advice";
+import { DEMONSTRATION } from "./demonstration";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./format";
 
@@ -92,7 +93,11 @@ export class OutputPanel {
       ? `Then the scene “${scene}” is felt, for as long as this page is open and in view.`
       : "Then nothing is felt: this viewer's own scene is empty.";
     say(element("take-title"), `Take the output from “${others}”?`);
-    say(element("take-text"), `Its sound ends, and it receives a message. ${then} “Give back” ends that, and “${others}” can arm again.`);
+    const text =
+      others === DEMONSTRATION
+        ? `The demonstration ends. ${then} “Disarm” ends that.`
+        : `Its sound ends, and it receives a message. ${then} “Give back” ends that, and “${others}” can arm again.`;
+    say(element("take-text"), text);
     button("take-no").focus();
   }
 
@@ -142,9 +147,11 @@ export class OutputPanel {
     enable("arm", no || (held && NOT.held) || (mine && NOT.mine), others ? take : own);
     say(button("arm"), others ? "Take over …" : "Arm");
     if (!others || no || held) this.ask(false);
-    const back = `End this, so that ${this.taken} can arm again.`;
-    enable("disarm", no || (!mine && NOT.other), this.taken ? back : "Silence, softly.");
-    say(button("disarm"), this.taken ? "Give back" : "Disarm");
+    // a demonstration ends when another client takes its output
+    const back = this.taken !== DEMONSTRATION && state?.clients.some(({ name }) => name === this.taken);
+    const does = back ? `End this, so that ${this.taken} can arm again.` : "Silence, softly.";
+    enable("disarm", no || (!mine && NOT.other), does);
+    say(button("disarm"), back ? "Give back" : "Disarm");
     enable("reset", no || (!held && NOT.free), "End the emergency stop or the fault. Nothing is armed by it.");
     if (!state) return;
     const names = [...new Set(state.clients.map(({ scene }) => scene))].filter(named);

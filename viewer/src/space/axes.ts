@@ -7,9 +7,11 @@ import {
   Group,
   LineBasicMaterial,
   LineSegments,
+  Ray,
   Vector3,
 } from "three";
 
+import type { Hands } from "./hands";
 import { Label } from "./labels";
 
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
@@ -35,6 +37,7 @@ export class Axes extends Group {
   readonly labels: Label[] = [];
   /** The box that the axes enclose [m]. */
   readonly box = new Box3();
+  private readonly ray = new Ray();
 
   /** Draw the axes around an array. */
   place({ low, high }: Extent): void {
@@ -73,12 +76,18 @@ export class Axes extends Group {
     this.label("z [mm]", left, far, top + 1.6 * away, true);
   }
 
-  /** Hide numbers that would cover a name or another number. project: returns where a point is on the page [px]. */
-  separate(project: (point: Vector3) => { x: number; y: number }): void {
+  /**
+   * Hide labels that would cover a hand, and numbers that would cover a name or another number. project: returns where
+   * a point is on the page [px].
+   */
+  separate(project: (point: Vector3) => { x: number; y: number }, camera: Vector3, hands: Hands): void {
     const kept: { x: number; y: number; label: Label }[] = [];
     for (const label of [...this.labels.slice(-NAMES), ...this.labels.slice(0, -NAMES)]) {
       const { x, y } = project(label.position);
-      label.visible = kept.every((other) => label.clears(other.label, Math.abs(x - other.x), Math.abs(y - other.y)));
+      this.ray.set(camera, this.ray.direction.subVectors(label.position, camera).normalize());
+      label.visible =
+        !hands.covers(this.ray, label.scale.x / 2) &&
+        kept.every((other) => label.clears(other.label, Math.abs(x - other.x), Math.abs(y - other.y)));
       if (label.visible) kept.push({ x, y, label });
     }
   }

@@ -9,6 +9,7 @@ import {
   Group,
   Matrix4,
   NearestFilter,
+  type Ray,
   RedFormat,
   Vector3,
   Vector4,
@@ -107,6 +108,7 @@ class Hand extends Translucent implements Turned {
   readonly middle = new Vector3();
   private readonly base: Vector4[];
   private readonly tip: Vector3[];
+  private readonly from = new Vector3();
 
   constructor(geometry: BufferGeometry, painting: Painting) {
     const base = THICK.map((thick) => new Vector4(0, 0, 0, thick));
@@ -126,6 +128,14 @@ class Hand extends Translucent implements Turned {
       this.tip[k]?.set(middle(l, m, 0), middle(l, m, 1), middle(l, m, 2));
     }
     this.middle.fromArray(joints, 3 * PALM);
+  }
+
+  /** Return whether a ray passes the skin within a distance [m]. */
+  isNear(ray: Ray, distance: number): boolean {
+    return this.base.some(({ x, y, z, w }, k) => {
+      const tip = this.tip[k];
+      return tip && ray.distanceSqToSegment(this.from.set(x, y, z), tip) < (w + distance) ** 2;
+    });
   }
 }
 
@@ -175,6 +185,12 @@ export class Hands {
 
   get painted(): boolean {
     return this.count > 0 && this.painting.top.value > 0;
+  }
+
+  /** Return whether a ray passes a hand within a distance. margin: that distance over the hand's from the ray's origin. */
+  covers(ray: Ray, margin: number): boolean {
+    const near = (hand: Hand): boolean => hand.isNear(ray, margin * hand.middle.distanceTo(ray.origin));
+    return this.all.slice(0, this.count).some(near);
   }
 
   /** Show hands. data: joints, (hands, 26, 3) float32 [m]. */

@@ -308,7 +308,7 @@ export class Space {
     takeTurns(this.things, this.view.camera);
     const pixel = this.view.pixel;
     for (const label of this.axes.labels) label.fit(pixel);
-    this.axes.separate((point) => this.view.project(point));
+    this.axes.separate((point) => this.view.project(point), this.view.camera.position, this.hands);
     for (const { label } of this.objects.all.values()) label.fit(pixel);
     this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
   }

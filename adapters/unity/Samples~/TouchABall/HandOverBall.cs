@@ -1,7 +1,5 @@
+using Pacinian.Haptics;
 using UnityEngine;
-#if ENABLE_INPUT_SYSTEM && PACINIAN_INPUT_SYSTEM
-using UnityEngine.InputSystem;
-#endif
 
 namespace Pacinian.Samples
 {
@@ -18,30 +16,12 @@ namespace Pacinian.Samples
         {
             float side = amplitude * Mathf.Sin(2f * Mathf.PI * Time.time / period), forward = -0.03f;
             Vector2 mouse;
-            if (Pressed(out mouse))
+            if (MouseInput.Held(out mouse))
             {
-                side = 0.3f * (mouse.x / Screen.width - 0.5f);
-                forward = 0.3f * (mouse.y / Screen.height - 0.5f) - 0.03f;
+                side = 0.15f * mouse.x;
+                forward = 0.15f * mouse.y - 0.03f;
             }
             transform.position = ball.position + new Vector3(side, height, forward);
-        }
-
-        /// <summary>
-        /// Returns whether the mouse's left button is down; writes its position [pixels]. Supports both of Unity's
-        /// input systems.
-        /// </summary>
-        private static bool Pressed(out Vector2 mouse)
-        {
-            mouse = Vector2.zero;
-#if ENABLE_INPUT_SYSTEM && PACINIAN_INPUT_SYSTEM
-            mouse = Mouse.current == null ? mouse : Mouse.current.position.ReadValue();
-            return Mouse.current != null && Mouse.current.leftButton.isPressed;
-#elif ENABLE_LEGACY_INPUT_MANAGER
-            mouse = new Vector2(Input.mousePosition.x, Input.mousePosition.y);
-            return Input.GetMouseButton(0);
-#else
-            return false;
-#endif
         }
     }
 }

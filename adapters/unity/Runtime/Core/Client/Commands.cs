@@ -86,7 +86,7 @@ namespace Pacinian
             {
                 moving |= movement.Moving;
                 _poses.Add(movement.Position);
-                _poses.Add(movement.Rotation);
+                _poses.Add(movement.Rotation.Normalised);
                 _velocities.Add(movement.Moving ? movement.Velocity : new Vec3());
                 _velocities.Add(movement.Moving ? movement.AngularVelocity : new Vec3());
             }

@@ -127,6 +127,7 @@ namespace Pacinian
                 return;
             }
             _ended = true;
+            _touches.End();
             GC.SuppressFinalize(this);
             double due = SteadyClock.Now() + End;
             _worker.End();

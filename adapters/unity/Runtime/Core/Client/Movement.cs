@@ -6,7 +6,7 @@ namespace Pacinian
         /// <summary>The position [m].</summary>
         public Vec3 Position;
 
-        /// <summary>The rotation.</summary>
+        /// <summary>The rotation. All zeros, the default of C#, are no rotation.</summary>
         public Quat Rotation;
 
         /// <summary>The velocity [m/s], and the angular velocity about the frame's axes [rad/s].</summary>

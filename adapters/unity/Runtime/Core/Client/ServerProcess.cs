@@ -170,17 +170,18 @@ namespace Pacinian
 
         private void Bury(double now)
         {
-            string said = LastLine();
-            int code = _process.ExitCode;
-            Problem = code == NotFound || code == NotFoundByWindows
-                ? "the program " + _program + " was not found: install Pacinian, or give the program's full path (" + said + ")"
-                : Describe(code) + (said.Length > 0 ? ": " + said : "");
+            string error = LastError();
+            Problem = Describe(_process.ExitCode) + (error.Length > 0 ? ": " + error : "");
             Forget();
             Rest(now);
         }
 
-        private static string Describe(int code)
+        private string Describe(int code)
         {
+            if (code == NotFound || code == NotFoundByWindows)
+            {
+                return "the program " + _program + " was not found: install Pacinian, or give the program's full path";
+            }
             return code == Killed && !Windows ? "the server was killed (signal 9)"
                 : "the server has ended, with exit code " + code.ToString(CultureInfo.InvariantCulture);
         }
@@ -210,7 +211,8 @@ namespace Pacinian
             }
         }
 
-        private string LastLine()
+        /// <summary>Returns the last line of the log that reports an error; "" if there is none.</summary>
+        private string LastError()
         {
             try
             {
@@ -218,8 +220,9 @@ namespace Pacinian
                 using (StreamReader reader = new StreamReader(file))
                 {
                     file.Seek(-Math.Min(Tail, file.Length), SeekOrigin.End);
-                    string[] lines = reader.ReadToEnd().TrimEnd().Split('\n');
-                    return lines[lines.Length - 1].Trim();
+                    string[] lines = reader.ReadToEnd().Split('\n');
+                    string last = Array.FindLast(lines, line => line.IndexOf("error", StringComparison.OrdinalIgnoreCase) >= 0);
+                    return last == null ? "" : last.Trim();
                 }
             }
             catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)

@@ -8,16 +8,14 @@ namespace Pacinian
     /// </summary>
     internal sealed class Sessions
     {
-        private const double Shortest = 0.1, Longest = 2.0; // [s] pauses
-        private const double Unasked = 0.5; // [s] longest pause if no server was asked, because reading a file costs little
         private const double Asleep = 0.05; // [s] between two polls of what brings no message
 
         private readonly SharedState _shared;
         private readonly ITransport _transport;
         private readonly ConnectionReader _read;
         private readonly MessageBuffers _buffers;
+        private readonly ReconnectBackoff _backoff = new ReconnectBackoff();
         private ServerSession _session;
-        private double _due = double.NegativeInfinity, _pause = Shortest / 2.0;
         private int _count;
 
         /// <summary>read: reads the connection file.</summary>
@@ -32,7 +30,7 @@ namespace Pacinian
         /// <summary>Connects, or runs the session. ticked: the time of the game's last tick; both [s].</summary>
         public void Step(double now, double ticked)
         {
-            if (_session == null && now >= _due)
+            if (_session == null && now >= _backoff.Due)
             {
                 Connect(now);
             }
@@ -43,14 +41,14 @@ namespace Pacinian
             _session.Step(now, ticked);
             if (_session.Over.Length > 0)
             {
-                ScheduleRetry(_session.Over, _session.Refused, _session.Begun, Longest, now);
+                ScheduleRetry(_session.Over, _session.Refused, _session.Begun, ReconnectBackoff.Longest, now);
             }
         }
 
         /// <summary>Returns how long only messages need work [s].</summary>
         public double Patience(double now)
         {
-            return _session != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _due - now));
+            return _session != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _backoff.Due - now));
         }
 
         /// <summary>Says goodbye if there is a session. Returns whether an answer will come.</summary>
@@ -75,7 +73,7 @@ namespace Pacinian
             }
             if (problem.Length > 0)
             {
-                ScheduleRetry(problem, false, false, Unasked, now);
+                ScheduleRetry(problem, false, false, ReconnectBackoff.Unasked, now);
                 return;
             }
             _session = new ServerSession(_shared, _transport, _buffers, file.Control, ++_count, now);
@@ -85,8 +83,11 @@ namespace Pacinian
         {
             _transport.Close();
             _session = null;
-            _pause = begun ? Shortest : Math.Min(2.0 * _pause, longest);
-            _due = now + _pause;
+            if (begun)
+            {
+                _backoff.RecordSuccess();
+            }
+            _backoff.RecordFailure(problem, now, longest);
             _shared.EndSession(problem, refused, begun);
         }
     }

@@ -11,6 +11,7 @@ namespace Pacinian
     internal sealed class Touches
     {
         private readonly List<HandTouch> _now = new List<HandTouch>();
+        private bool _ended;
 
         /// <summary>The present touches.</summary>
         public IReadOnlyList<HandTouch> Now
@@ -31,7 +32,7 @@ namespace Pacinian
                     ended?.Invoke(old);
                 }
             }
-            for (int i = 0; i < count; i++)
+            for (int i = 0; i < count && !_ended; i++)
             {
                 HandTouch touch = HandTouch.Of(state.Touches[i]);
                 int known = Find(state.Touches[i]);
@@ -46,6 +47,13 @@ namespace Pacinian
                     moved?.Invoke(touch);
                 }
             }
+        }
+
+        /// <summary>Forgets the touches, and reports none from now on. A handler of a touch may call it.</summary>
+        public void End()
+        {
+            _now.Clear();
+            _ended = true;
         }
 
         private static int Find(State state, int count, HandTouch touch)

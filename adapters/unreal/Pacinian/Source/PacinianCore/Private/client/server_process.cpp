@@ -21,14 +21,14 @@ constexpr std::streamoff tail = 2000;         // [bytes] of a log
 constexpr char advice[] = "install Pacinian, or give the program's full path";
 constexpr int killed = -9;                    // exit code of a child that SIGKILL ended
 
-/// Returns the last line of a log; empty if there is none.
-std::string last_line(const std::string& path) {
+/// Returns the last line of a log that reports an error; empty if there is none.
+std::string last_error(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(0, std::ios::end);
   file.seekg(std::max<std::streamoff>(0, file.tellg() - tail));
   std::string line, last;
   while (std::getline(file, line))
-    if (!line.empty()) last = line;
+    if (line.find("rror") != std::string::npos) last = line;  // error or Error
   return last;
 }
 
@@ -57,10 +57,10 @@ struct ServerProcess::Impl {
   }
 
   void bury(double now) {
-    const std::string said = options.log.empty() ? "" : last_line(options.log);
+    const std::string error = options.log.empty() ? "" : last_error(options.log);
     problem = child->code() == killed ? "the server was killed (signal 9)"
                                       : "the server has ended, with exit code " + std::to_string(child->code());
-    problem += said.empty() ? "" : ": " + said;
+    problem += error.empty() ? "" : ": " + error;
     child.reset();
     rest(now);
   }
