@@ -110,5 +110,6 @@ def make_table(state: State) -> Table:
     faulty = {"faults", "restarts", *(f"  {i + 1}" for i in range(len(state.faults)))}
     colours |= dict.fromkeys(faulty, "red")
     for name, value in state.summarise().items():
-        made.add_row(Text(name), Text(value, style=colours.get(name, "")))
+        shown = "".join(c if c.isprintable() else "?" for c in value)  # clients choose their names
+        made.add_row(Text(name), Text(shown, style=colours.get(name, "")))
     return made

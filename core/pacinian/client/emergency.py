@@ -31,7 +31,7 @@ def emergency_stop(
     Refused.
     """
     given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
-    if given.stop and request_stop(given.stop, given.secret, timeout):
+    if given.stop and request_stop(given.stop, given.secret, timeout / 2.0):
         return
     _stop_by_connection(given, deadline, timeout)
 
@@ -48,7 +48,7 @@ def _stop_by_connection(given: Connection, deadline: float, timeout: float) -> N
         poller = zmq.Poller()
         poller.register(link.socket, zmq.POLLIN)
         poller.register(link.monitor, zmq.POLLIN)
-        sent = link.send(encode(Stop(id=1)), timeout)
+        sent = link.send(encode(Stop(id=1)), max(0.0, deadline - time.perf_counter()))
         while sent and (left := deadline - time.perf_counter()) > 0.0:
             ready = dict(poller.poll(milliseconds(left)))
             for reply in link.receive() if link.socket in ready else ():

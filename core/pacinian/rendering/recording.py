@@ -19,7 +19,7 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array_record import from_map, to_map
 from pacinian.checks import check_number
-from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error
+from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error, shorten
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.rendering.environment import describe_environment
@@ -174,7 +174,9 @@ class Recording:
         if version != VERSION:
             older = isinstance(version, int) and version < VERSION
             remedy = "record it again" if older else "update Pacinian"
-            raise RecordingError(self.path, f"has version {version}, not {VERSION}: {remedy}")
+            raise RecordingError(
+                self.path, f"has version {shorten(repr(version))}, not {VERSION}: {remedy}"
+            )
         try:
             self.positions: Floats = np.frombuffer(header["positions"], "<f8").reshape(-1, 3)
             self.normals: Floats = np.frombuffer(header["normals"], "<f8").reshape(-1, 3)

@@ -15,7 +15,13 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.rendering import deviations as named
-from pacinian.rendering.deviations import MAX_LABELS, MAX_SPANS, Deviations, Total
+from pacinian.rendering.deviations import (
+    MAX_LABELS,
+    MAX_NAMED,
+    MAX_SPANS,
+    Deviations,
+    Total,
+)
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.sampling.sample_counts import (
@@ -279,3 +285,16 @@ def test_a_texture_finer_than_the_array_resolves_is_a_warning_with_figures(
     for text in warnings:
         assert re.search(rf"'plate' has a period of {1e3 * period * resolved:.1f} mm", text)
         assert re.search(r"resolves \d+\.\d mm there.*longer period", text)
+
+
+def test_spans_that_name_many_objects_are_fewer() -> None:
+    found = Deviations()
+    for tick in range(200):
+        found.add(tick, 1e-3 * tick, {f"point {k}": {"late": tick} for k in range(1000)})
+    assert sum(len(span.objects) for span in found.spans) <= MAX_NAMED
+    assert found.spans[-1].tick == 199
+    assert found.ticks == 200
+    assert found.totals["point 0"]["late"].ticks == 200
+    more = {f"point {k}": {"late": 1} for k in range(2 * MAX_NAMED)}
+    found.add(200, 0.2, more)
+    assert [span.tick for span in found.spans] == [200]

@@ -13,6 +13,7 @@ from zmq.auth import load_certificate
 
 from pacinian.cli.keys import keys as command
 from pacinian.errors import ArgumentError, ServerError
+from pacinian.serving.ipc import auth
 from pacinian.serving.ipc.auth import (
     Authenticator,
     make_key_pair,
@@ -136,3 +137,26 @@ def test_the_command_makes_keys(tmp_path: Path) -> None:
     assert "tablet.json" in told.output
     assert load_certificate(tmp_path / "keys" / "tablet.key_secret")[1].decode() not in told.output
     assert run(command, ["client", "x", "--folder", folder, "--host", "a"]).exit_code == 2
+
+
+def test_a_message_of_too_many_parts_is_skipped_a_few_at_a_time() -> None:
+    """So that its receiver can stop the output, and end, in between."""
+    with (
+        zmq.Context() as context,
+        context.socket(zmq.ROUTER) as router,
+        context.socket(zmq.DEALER) as dealer,
+    ):
+        dealer.sndhwm = dealer.linger = 0
+        router.bind("inproc://parts")
+        dealer.connect("inproc://parts")
+        dealer.send_multipart([b""] * (3 * auth.MAX_SKIPPED))
+        dealer.send(b"next")
+        taken = [auth.receive(router) for _ in range(3)]
+        assert taken[:2] == [None, None]
+        assert taken[2] is not None
+        assert taken[2][2] == b"next"
+        dealer.send_multipart([b"two", b"parts"])
+        whole = auth.receive(router)
+        assert whole is not None
+        assert whole[2] == b""
+        assert auth.receive(router) is None
