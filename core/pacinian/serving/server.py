@@ -228,7 +228,7 @@ def _free(host: str, port: int) -> int:
 
 @contextlib.contextmanager
 def _signals(ending: threading.Event) -> Generator[None]:
-    """Let SIGTERM and Ctrl-C end the server in order, instead of anywhere."""
+    """Let SIGTERM, Ctrl-C and the end of a terminal end the server in order, instead of anywhere."""
 
     def asked(number: int, frame: FrameType | None) -> None:
         ending.set()
@@ -237,6 +237,8 @@ def _signals(ending: threading.Event) -> Generator[None]:
         yield
         return
     names = [getattr(signal, n) for n in ("SIGTERM", "SIGINT", "SIGBREAK") if hasattr(signal, n)]
+    if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # nohup
+        names.append(signal.SIGHUP)
     before = {name: signal.signal(name, asked) for name in names}
     try:
         yield

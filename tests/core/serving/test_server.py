@@ -234,3 +234,16 @@ def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
     eventually(lambda: not any(map(runs, pids.values())))
     with shared_memory.folder():
         assert not remains(folder)
+
+
+@posix
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT", "SIGHUP"])
+def test_a_signal_ends_the_server_in_order(launch: Launch, tmp_path: Path, name: str) -> None:
+    """SIGHUP comes when the terminal is closed."""
+    connection = tmp_path / "c.json"
+    process = launch(connection)
+    eventually(connection.exists)
+    process.send_signal(getattr(signal, name))
+    process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0
+    assert not connection.exists()

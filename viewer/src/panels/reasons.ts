@@ -1,6 +1,6 @@
 /**
  * The reasons why the server leaves work out: saved work and problems, each with its meaning. Keep them equal to
- * docs/touch.md ("Reasons in skipped") and to pacinian/rendering/skip_reasons.py.
+ * docs/skipped.md and to pacinian/rendering/skip_reasons.py.
  */
 
 const SAVED: Record<string, string> = {

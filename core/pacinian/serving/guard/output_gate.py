@@ -1,4 +1,7 @@
-"""The guard's decision in each round: send the frame to the device, or silence the device."""
+"""The guard's decision in each round: send the frame to the device, or silence the device.
+
+How old a frame may be is `Safety.stale` in settings.py.
+"""
 
 from __future__ import annotations
 

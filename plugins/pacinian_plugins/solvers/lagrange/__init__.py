@@ -38,7 +38,7 @@ class Lagrange(pc.Solver):
     again in `constrained`. starts: additional starting phases to try if up to 16 points cannot be met, or are to be
     as strong as possible; ignored in a loop, which continues from the previous phases.
 
-    Under the gain limit alone, phases and gains are found together (`phase_free`). Then the other limits are
+    Under the gain limit alone, phases and gains are found together (`gain_limited`). Then the other limits are
     checked. If one is broken, or if there are more samples than transducers, `constrained` solves a sequence of
     convex problems, one for each choice of phases. If no limit is reached, the solution is the regularised
     pseudo-inverse. Targets with regions have all their phases given and are solved by `regions`.
