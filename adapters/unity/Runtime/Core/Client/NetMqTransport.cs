@@ -7,7 +7,7 @@ using NetMQ.Sockets;
 namespace Pacinian
 {
     /// <summary>
-    /// Uses NetMQ 4.0.1 or newer over TCP, for platforms without a native library. It supports only CURVE keys, because
+    /// Uses NetMQ 4.0.1.6 or newer over TCP, for platforms without a native library. It supports only CURVE keys, because
     /// NetMQ has no PLAIN. It does not report why a server refuses, and allocates for each message. On Windows, call
     /// AsyncIO.ForceDotNet.Force() first.
     /// </summary>
