@@ -31,7 +31,7 @@ PURE = "client_outbox", "client_session", "client_felt"
 ONLY = {"csharp_core", "csharp_driver"}  # fixtures for C# alone
 OTHER = {
     "test_one_that_is_forgotten_says_goodbye",  # no finaliser in C++
-    "test_a_client_that_has_ended_lists_no_touch",  # a client in C++ has no list
+    "test_a_client_that_has_ended_lists_no_touch",  # the game in C++ does not tell how many
 }
 
 
