@@ -241,7 +241,11 @@ def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
 def test_a_signal_ends_the_server_in_order(launch: Launch, tmp_path: Path, name: str) -> None:
     """SIGHUP comes when the terminal is closed."""
     connection = tmp_path / "c.json"
-    process = launch(connection)
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)  # ignored under nohup
+    try:
+        process = launch(connection)
+    finally:
+        signal.signal(signal.SIGHUP, before)
     eventually(connection.exists)
     process.send_signal(getattr(signal, name))
     process.communicate(timeout=PATIENCE)
