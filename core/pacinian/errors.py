@@ -52,6 +52,11 @@ def shorten(text: str) -> str:
     return text[:MAX_TEXT].encode(errors="replace").decode()
 
 
+def replace_unprintable(text: str) -> str:
+    """Return a text with a question mark for each character that cannot be printed, or that moves a cursor."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
 class PacinianError(Exception):
     """Base class of all errors raised by Pacinian. They can be pickled with their attributes."""
 

@@ -27,7 +27,7 @@ from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
-from pacinian.solving.regions import carry_phases, settle_phases
+from pacinian.solving.regions import carry_solution, settle_phases
 from pacinian.solving.relaxation import MAX_POINTS
 from pacinian.solving.solution import Solution
 from pacinian.solving.status import Status
@@ -181,7 +181,7 @@ class Session:
     def _carry_over(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
         """Return the last solution carried over to the points q, (M, 3) [m]; None if they differ too much."""
         if warm.asked_phases is not None and targets.regions is not None:
-            return carry_phases(self.propagator, targets, warm, warm.points)
+            return carry_solution(self.propagator, targets, warm, warm.points)
         M = len(warm.sound_pressure)
         if len(q) == M:
             return warm

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.errors import replace_unprintable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -110,6 +111,6 @@ def make_table(state: State) -> Table:
     faulty = {"faults", "restarts", *(f"  {i + 1}" for i in range(len(state.faults)))}
     colours |= dict.fromkeys(faulty, "red")
     for name, value in state.summarise().items():
-        shown = "".join(c if c.isprintable() else "?" for c in value)  # clients choose their names
-        made.add_row(Text(name), Text(shown, style=colours.get(name, "")))
+        label, shown = replace_unprintable(name), replace_unprintable(value)  # clients choose names
+        made.add_row(Text(label), Text(shown, style=colours.get(name, "")))
     return made

@@ -31,6 +31,7 @@ def emergency_stop(
     Refused.
     """
     given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
+    # half of the time is left for the other way
     if given.stop and request_stop(given.stop, given.secret, timeout / 2.0):
         return
     _stop_by_connection(given, deadline, timeout)

@@ -119,7 +119,7 @@ class Cycle:
         self._arrange()
 
     def forget(self) -> None:
-        """Note that solutions from outside the cycle are played, so that no earlier one comes back when it begins."""
+        """Discard what the frames played: while one frame renders all samples, that grows old."""
         self._first.solved = None
 
     def consider(self, solved: CachedSolution) -> None:

@@ -31,7 +31,7 @@ BY_TICK = frozenset(
 )  # fmt: skip
 """Reasons that count ticks, not samples."""
 MAX_SPANS = 10_000  # spans that are kept
-MAX_NAMED = 50_000  # objects that these name, all together: a scene of many objects has fewer spans
+MAX_NAMED = 50_000  # objects in all of them together: a scene of many objects keeps fewer spans
 MAX_LABELS = 1000  # objects with totals of their own
 OTHERS = "other objects"
 NOTHING: Reasons = {}
@@ -73,7 +73,7 @@ class Deviations:
     """
 
     def __init__(self) -> None:
-        self.spans: deque[Deviation] = deque(maxlen=MAX_SPANS)
+        self.spans: deque[Deviation] = deque()
         self.ticks = 0
         self._totals: dict[str, dict[str, Total]] = {}  # without the last span
         self._named = 0  # number of objects in the spans
@@ -89,11 +89,9 @@ class Deviations:
                 last.ticks, last.until = last.ticks + 1, time
                 return
             _add_span(self._totals, last)
-        if len(self.spans) == MAX_SPANS:
-            self._named -= len(self.spans.popleft().objects)
         self.spans.append(Deviation(tick, 1, time, time, objects))
         self._named += len(objects)
-        while self._named > MAX_NAMED and len(self.spans) > 1:
+        while len(self.spans) > MAX_SPANS or (self._named > MAX_NAMED and len(self.spans) > 1):
             self._named -= len(self.spans.popleft().objects)
 
     @property

@@ -38,14 +38,11 @@ if TYPE_CHECKING:
 
 SPACING = 0.58  # of the first points, over the wavelength
 HIDDEN = 8.0  # largest ratio of a peak between these points to the pressure at the nearest of them
-AWAY = (
-    -0.5
-)  # least cosine of an angle to a normal for the first points, whose neighbours face other ways
-SEEN_BY = (
-    32  # number of transducers that stand for all if a point may see them, with the array's corners
-)
+AWAY = -0.5  # cosine from a normal to every transducer, below which a first point is skipped
+SEEN_BY = 32  # transducers that stand for all in this, besides the corners of the array's box
 RINGS = 3  # of points around the strongest at last
-FINEST = 0.05  # their spacing, over the wavelength; more on a large hand
+FINEST = 0.05  # their spacing, over the wavelength
+LARGE = 1.25  # size of a hand, over the usual one, from which there are wider rings first
 PEAKS = 16  # most points around which to look at last
 NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
 CHUNK = 64  # points that are evaluated at a time
@@ -82,9 +79,8 @@ class SkinLimit:
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
         corners = list(product(*zip(low, high, strict=True)))
         every = -(-len(array) // SEEN_BY)
-        self._some = np.concatenate(
-            [corners, array.positions[::every]]
-        )  # stand for all, (V, 3) [m]
+        some = array.positions[::every]
+        self._some = np.concatenate([corners, some])  # stand for all, (V, 3) [m]
         self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
         self.reset()
 
@@ -154,21 +150,22 @@ class SkinLimit:
         if not skins:
             return 0.0
         points, normals, owner, P = self._find_strong(parts, skins, samples, limit, capsules)
-        peak = float(P.max(initial=0.0))
-        best = np.argsort(P)[-PEAKS:]
-        best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
-        if len(best):
-            apart = max(_stretch(skin) * float(skin.skin.levels[0]) for skin in skins)
-            spacing = max(FINEST * self._wavelength, apart / (2.0 * RINGS))
-            points, normals = spread(points[best], normals[best], RINGS, spacing)
+        peak, stretch = float(P.max(initial=0.0)), max(map(_stretch, skins))
+        for step in (stretch, 1.0) if stretch > LARGE else (1.0,):
+            best = np.argsort(P)[-PEAKS:]
+            best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
+            if not len(best):
+                break
+            points, normals = spread(
+                points[best], normals[best], RINGS, step * FINEST * self._wavelength
+            )
             owner = np.repeat(owner[best], len(points) // len(best))
-            for k, skin in enumerate(
-                skins
-            ):  # sound at a slant presses much more where the skin turns towards it
+            # where skin turns towards sound at a slant, that presses much more
+            for k, skin in enumerate(skins):
                 own = owner == k
                 points[own], normals[own], _ = skin.closest(points[own])
-            facing = SkinFacing.of(normals, capsules)
-            peak = max(peak, float(self._evaluate(parts, points, facing).max()))
+            P = self._evaluate(parts, points, SkinFacing.of(normals, capsules))
+            peak = max(peak, float(P.max()))
         return MARGIN * peak
 
     def _find_strong(
@@ -188,7 +185,8 @@ class SkinLimit:
             P = np.zeros(nodes)
             shown = self._find_shown(skin, np.arange(nodes), AWAY)
             P[shown] = self._evaluate(parts, skin.points[shown])
-            near = np.flatnonzero((limit / HIDDEN <= P)[owners].any(axis=1))
+            # what bending uncovers has none of the first points near it
+            near = np.flatnonzero((limit / HIDDEN <= P)[owners].any(axis=1) | skin.skin.hidden)
             near = self._find_shown(skin, near, 0.0)
             found.append((skin.points[near], skin.normals[near]))
         owner = np.repeat(np.arange(-1, len(skins)), [len(points) for points, _ in found])

@@ -199,7 +199,7 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     return np.asarray(np.angle(p), np.float64)
 
 
-def carry_phases(
+def carry_solution(
     propagator: Propagator, targets: Targets, warm: Solution, before: Floats
 ) -> Solution:
     """Return the last solution carried over to the present points, although samples may have come and gone.

@@ -115,6 +115,14 @@ def test_a_terminal_has_colours_unless_they_are_refused(
     assert bool(green) is not no_color
 
 
+def test_names_that_clients_choose_cannot_move_the_cursor() -> None:
+    console = make_console()
+    with console.capture() as shown:
+        console.print(make_table(state(**{**FULL, "owner": "\x1b[2J\r\nsilent"})))
+    assert "\x1b[2J" not in shown.get()
+    assert "?[2J??silent" in shown.get()
+
+
 def test_a_pipe_has_neither_colours_nor_broken_sentences(server: Fake, path: str) -> None:
     fault = "the device went away " * 6
     answer(

@@ -40,6 +40,15 @@ def press(gains: Array, q: Array, facing: pc.SkinFacing | None = None) -> Array:
     return np.asarray(pc.radiation_pressure(np.abs((w * B) @ gains.astype(complex)), AIR))
 
 
+def find_normals(capsules: Array, q: Array) -> Array:
+    """Return the outward normals of the skin at points, (M, 3), by differences of the distance to it."""
+    step = 1e-6 * np.eye(3)
+    n = np.column_stack(
+        [distance_to_skin(capsules, q + e) - distance_to_skin(capsules, q - e) for e in step]
+    )
+    return np.asarray(n / np.linalg.norm(n, axis=1)[:, None])
+
+
 def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]:
     """Move points, (M, 3), onto the outside of their capsules `own`. Return points, normals and `own`."""
     a, e = own[:, :3], own[:, 3:6] - own[:, :3]
@@ -49,7 +58,8 @@ def on_skin(capsules: Array, own: Array, q: Array) -> tuple[Array, Array, Array]
     q = axis + (own[:, 6] + s * (own[:, 7] - own[:, 6]))[:, None] * n
     deep = distance_to_skin(capsules, q)
     out = deep > -5e-4
-    return (q - deep[:, None] * n)[out], n[out], own[out]
+    q = (q - deep[:, None] * n)[out]
+    return q, find_normals(capsules, q), own[out]
 
 
 def highest(gains: Array, hand: pc.Hand, seed: int, others: tuple[pc.Hand, ...] = ()) -> float:
@@ -150,9 +160,16 @@ def test_a_peak_beside_the_samples_is_limited_and_named() -> None:
     np.testing.assert_array_equal(loose.played.rows[-1].gains, free.played.rows[-1].gains)
 
 
+def bones(hand: pc.Hand) -> tuple[Array, Array]:
+    """Return a hand's joints, (26, 3), and their radii, (26,) [m]."""
+    assert hand.joints is not None
+    assert hand.radii is not None
+    return hand.joints, hand.radii
+
+
 def bend(hand: pc.Hand, finger: int, degrees: tuple[float, float, float]) -> pc.Hand:
     """Bend a finger (1: index) of a hand in the pose of rest at its three joints."""
-    joints = hand.joints.copy()  # type: ignore[union-attr]
+    joints = bones(hand)[0].copy()
     chain = range(6 + 5 * (finger - 1), 6 + 5 * finger)
     for joint, angle in zip(chain[1:], np.radians(degrees), strict=False):
         turn = np.array(
@@ -168,10 +185,11 @@ def test_skin_that_bending_uncovers_is_limited() -> None:
     straight = pc.Hand.open("right")
     hand = bend(straight, 2, (60.0, 100.0, 30.0))
     down = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-    joints = hand.joints @ down.T  # type: ignore[operator]
+    joints, radii = bones(hand)
+    joints = joints @ down.T
     joints += np.array([*CENTRE[:2], 0.15]) - joints[13]
-    hand = pc.Hand(joints, hand.radii, side="right")
-    low = 0.15 - float(hand.radii[13])  # type: ignore[index]
+    hand = pc.Hand(joints, radii, side="right")
+    low = 0.15 - float(radii[13])
     ball = pc.Volume(
         shape=pc.Sphere(0.003), pose=pc.Pose((*CENTRE[:2], low)), radiation_pressure=60.0
     )
@@ -189,10 +207,11 @@ def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
         hand = bend(hand, finger, tuple(rng.uniform(0.0, 100.0, 3)))
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    joints = scale * (hand.joints @ turn.T)  # type: ignore[operator]
-    low = (joints[:, 2] - scale * hand.radii).min()  # type: ignore[operator]
+    joints, radii = (scale * each for each in bones(hand))
+    joints = joints @ turn.T
+    low = (joints[:, 2] - radii).min()
     joints += CENTRE + np.array([*rng.uniform(-0.15, 0.15, 2), rng.uniform(0.03, 0.2) - low])
-    hand = pc.Hand(joints, scale * hand.radii)  # type: ignore[operator]
+    hand = pc.Hand(joints, radii)
     capsules = make_capsules(hand)
     own = np.repeat(capsules[3:], 4, axis=0)  # not the ball of the thumb
     q, n, _ = on_skin(capsules, own, own[:, :3] + scale * 0.03 * rng.normal(size=(len(own), 3)))
@@ -203,12 +222,10 @@ def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
     reached = np.flatnonzero(heard >= 0.1 * len(ONE))
     towards = ((CENTRE - q) * n).sum(axis=1) / np.linalg.norm(CENTRE - q, axis=1)
     least = reached[np.argmin(towards[reached])]  # turned away from the centre, or nearly
-    place = q[least if seed % 2 else rng.choice(reached)]
-    ahead = distance_to_skin(capsules, place + 1e-6 * np.eye(3))
-    normal = (ahead - distance_to_skin(capsules, place - 1e-6 * np.eye(3)))[None] / 2e-6
-    gains = pc.Session(ONE, AIR, "single-focus").solve(place, 1e3).gains
+    m = least if seed % 2 else int(rng.choice(reached))
+    gains = pc.Session(ONE, AIR, "single-focus").solve(q[m], 1e3).gains
     gains = (gains / np.abs(gains).max()).astype(np.complex64)
-    P = float(press(gains, place[None], pc.SkinFacing(normal, capsules))[0])
+    P = float(press(gains, q[m : m + 1], pc.SkinFacing(n[m : m + 1], capsules))[0])
     limit = SkinLimit(pc.Session(ONE, AIR))
     far = no_samples().changed(
         positions=np.ones((1, 3)), normals=np.zeros((1, 3)), regions=np.zeros(1, np.int64)
@@ -216,7 +233,7 @@ def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
     samples = far.changed(radiation_pressure=np.zeros(1), capsules=capsules)
     found = limit.find_peak(gains[None], [PosedSkin(hand)], samples, 0.5 * P)
     assert found is not None
-    assert found > P / (1.0 + TOLERANCE)
+    assert found >= P / (1.0 + TOLERANCE)
 
 
 @pytest.mark.parametrize("speed", [0.3, 1.0, 3.0])
@@ -232,14 +249,15 @@ def test_a_second_hand_without_velocities_is_limited_where_it_was_seen(speed: fl
         left = pc.Hand.open("left", pc.Pose((begin + speed * t, CENTRE[1], 0.19)))
         return pc.Scene((ball,), hands=(right, left))
 
+    clock = ManualClock()
     renderer = pc.Renderer(
-        ONE, scene, clock=ManualClock(), medium=AIR, governed=False, peak=10.0, rate=1000.0
+        ONE, scene, clock=clock, medium=AIR, governed=False, peak=10.0, rate=1000.0
     )
     reached = 0.0
     with renderer:
         for k in range(16):
             t = k * renderer.period
-            renderer.clock.time = t  # type: ignore[attr-defined]
+            clock.time = t
             renderer.tick(t)
             if k % 4 == 3:
                 hands = scene(t).hands

@@ -9,7 +9,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.native import solving as kernels
 from pacinian.solving.problem import Targets, number_regions
 from pacinian.solving.propagator import Propagator, gram_matrix
-from pacinian.solving.regions import carry_phases, settle_phases
+from pacinian.solving.regions import carry_solution, settle_phases
 
 ARRAY = pc.autd()
 SEEDS = st.integers(0, 10**6)
@@ -147,7 +147,7 @@ def test_a_solution_is_carried_as_it_is_if_nothing_moved_and_else_point_by_point
 
     def carry(points):
         session.propagator.set_points(points)
-        return carry_phases(session.propagator, solution.targets, solution, q)
+        return carry_solution(session.propagator, solution.targets, solution, q)
 
     assert carry(q + 1e-4) is solution
     moved = carry(q + np.array([0.001, 0.0, 0.0]))

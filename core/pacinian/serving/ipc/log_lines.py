@@ -7,7 +7,7 @@ import traceback
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from pacinian.errors import describe_error, shorten
+from pacinian.errors import describe_error, replace_unprintable, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,7 +70,7 @@ def make_printable(value: Any) -> Any:
     """Return a text, such as a client's name, bounded and without characters that cannot be printed."""
     if not isinstance(value, str):
         return value
-    return "".join(c if c.isprintable() else "?" for c in shorten(value))
+    return replace_unprintable(shorten(value))
 
 
 def _quote(value: Any) -> str:
