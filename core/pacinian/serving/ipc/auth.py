@@ -65,7 +65,7 @@ class Authenticator:
     def __init__(self, context: zmq.Context[Any], given: dict[str, str], keys: str = "") -> None:
         self._secrets, self._clients = given, Path(keys) / "clients"
         self._names: dict[bytes, str] = {}
-        self._stamp: tuple[tuple[str, int], ...] = ()
+        self._stamp: tuple[tuple[str, int, int], ...] = ()
         log = logging.getLogger("pacinian.zap")
         log.setLevel(logging.INFO)  # lower levels would log the token
         self._zap = ZapThread(context, log)
@@ -136,16 +136,16 @@ class Authenticator:
         return seen
 
     def _read_client_keys(self) -> dict[bytes, str]:
-        # A key was just removed, or the folder cannot be read: nobody is let in.
+        """Return the names of the clients by their public keys; nobody's if the folder cannot be read."""
         try:
             files = sorted(self._clients.glob("*.key"))
-            stamp = tuple((file.name, file.stat().st_mtime_ns) for file in files)
-            if stamp != self._stamp:
-                self._names = {_read_public(file): file.stem for file in files}
-                self._stamp = stamp
         except OSError:
-            self._names, self._stamp = {}, ()
-        self._names.pop(b"", None)
+            files = []
+        stamp = tuple((file.name, *_stamp(file)) for file in files)
+        if stamp != self._stamp:
+            self._names = {_read_public(file): file.stem for file in files}
+            self._names.pop(b"", None)
+            self._stamp = stamp
         return self._names
 
 
@@ -246,9 +246,18 @@ def _read_pair(file: Path) -> tuple[str, str]:
     return public.decode(), secret.decode()
 
 
+def _stamp(file: Path) -> tuple[int, int]:
+    """Return what changes if a file's content or its permissions do; 0 and 0 if it is not there."""
+    try:
+        found = file.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_ctime_ns
+
+
 def _read_public(file: Path) -> bytes:
-    """Return a client's public key; empty if the file has none."""
+    """Return a client's public key; empty if the file has none, or cannot be read."""
     try:
         return load_certificate(file)[0]
-    except ValueError:
+    except (OSError, ValueError):
         return b""

@@ -106,6 +106,9 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
         assert gate.callback("", key)
         assert gate.name(key.decode()) == "tablet"
         (tmp_path / "clients" / "broken.key").write_text("nothing")
+        (tmp_path / "clients" / "folder.key").mkdir()
+        if os.name == "posix":
+            (tmp_path / "clients" / "nowhere.key").symlink_to(tmp_path / "nowhere")
         assert gate.callback("", key), "one broken file keeps nobody else out"
         assert not gate.callback("", b"")
         public.unlink()
