@@ -137,6 +137,14 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
         path.write_bytes(content or b"")
         with pytest.raises(pc.RecordingError, match=problem):
             FeedFile(path)
+    for content, problem in (
+        (b"hello", "is no recording of a viewer or of a renderer"),
+        (msgpack.packb({"format": "pacinian recording", "version": 99}), "update Pacinian"),
+        (msgpack.packb({"format": "pacinian recording", "version": 1})[:-1], "not a Pacinian rec"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(pc.RecordingError, match=problem), open_view(path):
+            pass
     for missing in (tmp_path / "y", tmp_path):
         with pytest.raises(pc.RecordingError, match="cannot be read"), open_view(missing):
             pass

@@ -159,6 +159,15 @@ class Recorder:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
 
 
+def is_recording(path: Path) -> bool:
+    """Return whether a file begins as a recording does, although it may be damaged; False if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return FORMAT.encode() in file.read(2 * len(FORMAT))
+    except OSError:
+        return False
+
+
 class Recording:
     """Reads a recording: the array, the device's capability, and the ticks.
 

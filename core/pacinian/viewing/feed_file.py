@@ -154,7 +154,7 @@ class FeedFile:
         try:
             head = next(reader, None)
             if not isinstance(head, dict) or head.get("format") != FORMAT:
-                raise RecordingError(self.path, "is no recording of a viewer")
+                raise RecordingError(self.path, "is no recording of a viewer or of a renderer")
             if head.get("version") != VERSION:
                 raise RecordingError(self.path, f"has version {head['version']}: update Pacinian")
             for at, kind, data in reader:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pacinian.client.server_session import read_version
-from pacinian.errors import ArgumentError, MissingExtra, RecordingError, ServerError
+from pacinian.errors import ArgumentError, MissingExtra, ServerError
 from pacinian.viewing.app import make_app
 from pacinian.viewing.bridge import Bridge
 from pacinian.viewing.feed_file import SUFFIX, FeedFile, FeedRecorder, FeedWriter
@@ -103,21 +103,17 @@ async def _serve(made: ASGIApp, listening: socket.socket, ended: asyncio.Event |
 @contextlib.contextmanager
 def open_view(path: Path, *, samples: bool = False) -> Generator[FeedFile]:
     """Open a recording of a viewer or a renderer. samples: include the renderer's. Raises RecordingError."""
-    from pacinian.rendering.recording import Recording
+    from pacinian.rendering.recording import Recording, is_recording
 
     with contextlib.ExitStack() as stack:
-        try:
-            found = FeedFile(path)
-        except RecordingError as error:
-            try:
-                rendered = Recording(path)
-            except RecordingError:
-                raise error from None
+        if is_recording(path):
+            rendered = Recording(path)
             kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pacinian-")))
             with contextlib.closing(FeedWriter(kept / f"feed{SUFFIX}")) as writer:
                 for at, kind, data in convert_recording(rendered, samples=samples):
                     writer.write(at, kind, data)
-            found = FeedFile(writer.path)
+            path = writer.path
+        found = FeedFile(path)
         stack.callback(found.close)
         yield found
 
