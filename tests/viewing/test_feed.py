@@ -15,9 +15,9 @@ import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.viewing import feed, run
 from pacinian.viewing.app import make_app
+from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.feed import PageConnection
 from pacinian.viewing.hub import Drive, Hub
-from pacinian.viewing.model import Model
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from pacinian.viewing.messages import Slice, Volume
 
-MODEL = Model(pc.autd(), pc.Air())
+MODEL = ArrayModel(pc.autd(), pc.Air())
 SLICE: dict[str, Any] = {
     "type": "slice", "centre": [0.0, 0.0, 0.1], "u": [1.0, 0.0, 0.0], "v": [0.0, 1.0, 0.0],
     "size": [0.1, 0.1], "shape": [2, 2],

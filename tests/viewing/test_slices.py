@@ -20,9 +20,9 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.viewing import slices
+from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import Slice, Volume
-from pacinian.viewing.model import Model
 from pacinian.viewing.region_error import Regions, compute_error
 from pacinian.viewing.slices import (
     MAX_FIELDS,
@@ -47,7 +47,7 @@ RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5,
 ARRAY = pc.Array(UNIT.positions, UNIT.normals, UNIT.transducer, RESPONSE)
 AIR = pc.Air(attenuation="absorbing", temperature=25.0)
 GAINS = np.exp(1j * np.arange(len(ARRAY))).astype(np.complex64)
-DRIVE = Drive(Model(ARRAY, AIR), GAINS.tobytes(), 1.0)
+DRIVE = Drive(ArrayModel(ARRAY, AIR), GAINS.tobytes(), 1.0)
 HERE = Slice(
     id=1, centre=(0.0, 0.01, 0.1), u=(0.0, 1.0, 0.0), v=(0.0, 0.0, 1.0), size=(0.1, 0.06), shape=(30, 40)
 )  # fmt: skip
@@ -278,7 +278,7 @@ ENDLESS = """
 import asyncio, pathlib, sys, time
 import pacinian as pc
 from pacinian.viewing.hub import Drive
-from pacinian.viewing.model import Model
+from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.slices import MAX_FIELDS, FieldWorker
 
 def for_ever(model, gains, begun):
@@ -289,7 +289,7 @@ def for_ever(model, gains, begun):
 async def main():
     fields = FieldWorker()
     try:
-        await fields._run(for_ever, Drive(Model(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
+        await fields._run(for_ever, Drive(ArrayModel(pc.autd(), pc.Air()), bytes(8), 0.0), sys.argv[1])
     finally:
         fields.close()
 

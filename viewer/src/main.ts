@@ -1,7 +1,7 @@
 /** The page: passes messages from the feed through the store to space and panels, and the user's actions back. */
 
 import { SurfaceBox } from "./field/surface-box";
-import { Scale } from "./field/scale";
+import { AutoScale } from "./field/auto-scale";
 import { SkinPlane } from "./field/skin-plane";
 import { SlicePlane } from "./field/slice-plane";
 import { address, Feed } from "./feed/feed";
@@ -35,7 +35,7 @@ const feed = new Feed(address(location), {
 const send = (message: ToServer): void => void feed.send(message);
 const slicePlane = new SlicePlane(send);
 const surfaceBox = new SurfaceBox(send);
-const scales = { pressure: new Scale(), error: new Scale() };
+const scales = { pressure: new AutoScale(), error: new AutoScale() };
 
 /**
  * Acknowledge slices, volumes and skin maps that are shown, so that the viewer sends the next ones. A hidden page

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { Ray, Vector3 } from "three";
 
-import { round, Scale } from "../src/field/scale";
+import { round, AutoScale } from "../src/field/auto-scale";
 import type { Plane, Triple } from "../src/feed/messages";
 import { ticks } from "../src/space/axes";
 import { across, AXES, hit, number, peak, range, value } from "../src/space/planes";
@@ -72,7 +72,7 @@ test("scales are round and not below the values seen", () => {
 });
 
 test("a scale grows at once, shrinks slowly, and stays if it is fixed", () => {
-  const scale = new Scale();
+  const scale = new AutoScale();
   assert.ok(scale.see(11, 0));
   assert.equal(scale.most, 15);
   assert.ok(!scale.see(9, 0.5));

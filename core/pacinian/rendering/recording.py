@@ -22,7 +22,7 @@ from pacinian.checks import check_number
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error, shorten
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.rendering.environment import describe_environment
+from pacinian.rendering.library_versions import list_versions
 from pacinian.rendering.scene_log import Reader, TickInput, Writer
 from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
 
@@ -95,7 +95,7 @@ class Recorder:
                 "amplitudes": capability.amplitudes,
                 "rate": capability.rate,
                 "settings": settings,
-                "made": describe_environment(),
+                "made": list_versions(),
             }
         )
 

@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
-from pacinian.rendering.environment import compare, describe_environment
+from pacinian.rendering.library_versions import compare_versions, list_versions
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
@@ -111,7 +111,7 @@ def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
             for label, what in _compare_objects(tick, renderer.sample_counts):
                 objects.setdefault(label, what)
         ticks += 1
-    environment = compare(recording.environment, describe_environment())
+    environment = compare_versions(recording.environment, list_versions())
     changes = () if array is None else recording.compare_array(array)
     return Rerendering(ticks, different, environment, changes, objects)
 

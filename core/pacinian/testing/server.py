@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from pacinian.serving.settings import Settings
 
-START = 300.0  # time until all processes are ready, including compilation [s]
-END = 10.0  # time for the server to end after SIGTERM [s]
+READY_TIMEOUT = 300.0  # time until all processes are ready, including compilation [s]
+END_TIMEOUT = 10.0  # time for the server to end after SIGTERM [s]
 POLL_INTERVAL = 0.02  # polling period [s]
 EXCERPT_LENGTH = 2000  # length of the log excerpt in an error [characters]
 COMMAND = sys.executable, "-m", "pacinian", "serve"
@@ -82,7 +82,9 @@ class Running:
 
 
 @contextmanager
-def run_server(settings: Settings | None = None, *, limit: float = START) -> Generator[Running]:
+def run_server(
+    settings: Settings | None = None, *, limit: float = READY_TIMEOUT
+) -> Generator[Running]:
     """Start `pacinian serve`, wait until it is ready, and finally end it with all of its processes.
 
     settings: settings of the server; its defaults if None. The connection file is always a private one. Raises
@@ -143,11 +145,11 @@ def _end(running: Running, children: set[psutil.Process]) -> None:
     children = children | _list_children(running)
     running.process.terminate()
     try:
-        running.process.wait(END)
+        running.process.wait(END_TIMEOUT)
     except subprocess.TimeoutExpired:
         running.process.kill()
         running.process.wait()
-    _, left = psutil.wait_procs(children, timeout=END)
+    _, left = psutil.wait_procs(children, timeout=END_TIMEOUT)
     for child in left:
         with suppress(psutil.Error):
             child.kill()

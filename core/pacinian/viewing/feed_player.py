@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from msgspec import Raw
 
+from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.history import collect_history
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import (
@@ -24,7 +25,6 @@ from pacinian.viewing.messages import (
     SceneryMessage,
     encode_message,
 )
-from pacinian.viewing.model import Model
 from pacinian.viewing.recent_frames import MODULATED_SPAN, RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scene_mirror import SceneMirror
@@ -63,7 +63,7 @@ class FeedPlayer:
         self._times = [entry.at for entry in recorded.entries]
         self._place = 0  # index of the first entry that has not been shown
         self._scenery = SceneMirror()
-        self._model: Model | None = None
+        self._model: ArrayModel | None = None
         self._recent = RecentFrames()
         self._regions: Regions | None = None
         self._time = 0.0  # of the newest state or frame, by the server's clock [s]
@@ -156,7 +156,7 @@ class FeedPlayer:
                         self._model = None
                         self._recent.clear()
                         hub.put("array", array)
-                        self._model = Model.of(array)
+                        self._model = ArrayModel.of(array)
                 case "lost":
                     self._regions = None
                     self._recent.clear()

@@ -14,14 +14,14 @@ from pacinian.wire.state import FrameState
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from pacinian.viewing.array_model import ArrayModel
     from pacinian.viewing.feed_file import Entry, FeedFile
-    from pacinian.viewing.model import Model
 
 SPAN = 30.0  # time that the charts show [s]
 MAX_MESSAGES = 240  # maximum number of messages that are read, per kind
 
 
-def collect_history(recorded: FeedFile, before: Sequence[Entry], model: Model) -> History:
+def collect_history(recorded: FeedFile, before: Sequence[Entry], model: ArrayModel) -> History:
     """Collect the last `SPAN` seconds of the entries `before` a time. Damaged messages are skipped."""
     begin = before[-1].at - SPAN if before else 0.0
     late = [entry for entry in before if entry.at >= begin]

@@ -15,8 +15,8 @@ from pacinian.viewing.scene_mirror import SceneMirror
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from pacinian.viewing.array_model import ArrayModel
     from pacinian.viewing.messages import AnyAsked, ServerMessage, Volume
-    from pacinian.viewing.model import Model
     from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # values that all others depend on, so they are sent first
@@ -33,7 +33,7 @@ class Drive(NamedTuple):
     regions are known. shares: share of the time of each frame, (K,); empty if all shares are equal.
     """
 
-    model: Model
+    model: ArrayModel
     gains: bytes
     time: float
     regions: Regions | None = None

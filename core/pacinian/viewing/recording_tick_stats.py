@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.rendering.rerender import are_equal
 from pacinian.viewing.messages import Histogram
-from pacinian.viewing.model import EDGES
+from pacinian.viewing.tick_histogram import EDGES
 
 if TYPE_CHECKING:
     from pacinian.rendering.recording import Tick

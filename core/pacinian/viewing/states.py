@@ -11,12 +11,13 @@ from msgspec import Raw
 
 from pacinian.client.link import connect, make_socket
 from pacinian.errors import ConnectionLost, Refused
+from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.hub import Drive
 from pacinian.viewing.messages import WRONG, ArrayMessage, SilenceMessage
-from pacinian.viewing.model import Model, make_histogram
 from pacinian.viewing.recent_frames import RecentFrames
 from pacinian.viewing.region_error import Regions
 from pacinian.viewing.scene_mirror import POSE, SceneMirror
+from pacinian.viewing.tick_histogram import make_histogram
 from pacinian.wire.codec import decode_state
 from pacinian.wire.state import FRAME, STATE, FrameState, State
 
@@ -122,7 +123,7 @@ class StateReader:
     def _array(self, now: float) -> None:
         backend = self._client.status().backend  # first, so that the reply is not older
         capabilities = self._client.capabilities()
-        self._capabilities, self._model = capabilities, Model.of(capabilities)
+        self._capabilities, self._model = capabilities, ArrayModel.of(capabilities)
         self._asked, self._backend = now, backend
         # The server may still be listing them.
         self._changed = not (capabilities.solvers and capabilities.backends)

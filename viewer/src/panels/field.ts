@@ -1,7 +1,7 @@
 /** Controls of the field: slice, isosurface, colour scale. */
 
 import type { SurfaceBox } from "../field/surface-box";
-import { round, type Scale } from "../field/scale";
+import { round, type AutoScale } from "../field/auto-scale";
 import type { SlicePlane } from "../field/slice-plane";
 import { SCALE_LAWS } from "../field/scale-law";
 import type { Over, Quantity } from "../feed/messages";
@@ -20,7 +20,7 @@ export class FieldPanel {
     private readonly space: Space,
     private readonly slicePlane: SlicePlane,
     private readonly surfaceBox: SurfaceBox,
-    private readonly scales: Record<Quantity, Scale>,
+    private readonly scales: Record<Quantity, AutoScale>,
     store: Store,
   ) {
     this.listenSlice();
@@ -116,7 +116,7 @@ export class FieldPanel {
   }
 
   /** The colour scale of the chosen quantity. */
-  private get scale(): Scale {
+  private get scale(): AutoScale {
     return this.scales[this.slicePlane.of];
   }
 

@@ -5,7 +5,7 @@ import { Box3, Vector3 } from "three";
 import { css } from "../colours/maps";
 import type { SurfaceBox } from "../field/surface-box";
 import type { ScaleLaw } from "../field/scale-law";
-import { round, type Scale } from "../field/scale";
+import { round, type AutoScale } from "../field/auto-scale";
 import type { SlicePlane } from "../field/slice-plane";
 import type { Arrayed, Frame, Plane, Quantity, Slice, State, Triple, Volume } from "../feed/messages";
 import { floats, same } from "../feed/numbers";
@@ -67,7 +67,7 @@ export class Space {
     store: Store,
     private readonly slicePlane: SlicePlane,
     private readonly surfaceBox: SurfaceBox,
-    private readonly scales: Record<Quantity, Scale>,
+    private readonly scales: Record<Quantity, AutoScale>,
   ) {
     this.view = new View(element);
     this.slice = new FieldSlice(this.view.smooth);
@@ -159,7 +159,7 @@ export class Space {
   }
 
   /** The colour scale of the slice shown. */
-  get scale(): Scale {
+  get scale(): AutoScale {
     return this.scales[this.slice.of];
   }
 

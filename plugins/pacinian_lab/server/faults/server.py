@@ -17,6 +17,7 @@ import psutil
 
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import SPARE
+from pacinian.testing.server import READY_TIMEOUT
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
 from pacinian_lab.server.faults.logging_device import Log, Other, Probe
 from pacinian_lab.server.faults.plugins import install
@@ -24,7 +25,6 @@ from pacinian_lab.server.faults.plugins import install
 if TYPE_CHECKING:
     from types import TracebackType
 
-START = 300.0  # [s]
 CONFIGURATION = """backend = "probe"
 connection = "connection.json"
 [array]
@@ -67,7 +67,7 @@ class Server:
                 command, env=self._environment, stdin=subprocess.DEVNULL,
                 stdout=errors, stderr=errors, cwd=self.folder,
             )  # fmt: skip
-        end = time.monotonic() + START
+        end = time.monotonic() + READY_TIMEOUT
         while not (self.file.exists() and self.parts().keys() >= set(PARTS)):
             if self._process.poll() is not None or time.monotonic() > end:
                 raise ServerError(f"the server did not start: {self.read_output()[-2000:]}")

@@ -13,7 +13,7 @@ from pacinian.solving.phases import choose_phases
 from pacinian.solving.propagator import gram_matrix
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
 from pacinian_plugins.solvers.lagrange.convex.gram_scale import mean_square
-from pacinian_plugins.solvers.lagrange.phase_search import optimise_free_phases
+from pacinian_plugins.solvers.lagrange.strongest_phases import optimise_free_phases
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
 from pacinian_plugins.solvers.lagrange.convex.dual_ascent import ascend_dual
 from pacinian_plugins.solvers.lagrange.convex.newton_step import Newton
-from pacinian_plugins.solvers.lagrange.convex.start import begin
+from pacinian_plugins.solvers.lagrange.convex.starting_points import begin
 
 if TYPE_CHECKING:
     from collections.abc import Callable

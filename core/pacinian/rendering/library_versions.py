@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_info
 from pacinian.native import VARIANT
 
 
-def describe_environment() -> dict[str, str]:
+def list_versions() -> dict[str, str]:
     """Return versions of Pacinian and of what computes for it, the variant of the kernels, and that of BLAS."""
     blas = {
         f"{library['internal_api']} {library['version']} {library.get('architecture', '')}".rstrip()
@@ -29,8 +29,8 @@ def describe_environment() -> dict[str, str]:
     }
 
 
-def compare(before: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:
-    """Return in words what differs between two descriptions."""
+def compare_versions(before: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:
+    """Return in words what differs between two lists."""
     names = [*before, *(name for name in now if name not in before)]
     return tuple(
         f"{name}: {before.get(name, 'unknown')} when recorded, {now.get(name, 'unknown')} now"

@@ -1,4 +1,4 @@
-"""The array and medium of the field computation, as a server describes them; the histogram of tick times."""
+"""The array and medium of the field computation, as a server describes them."""
 
 from __future__ import annotations
 
@@ -14,18 +14,15 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.transducer import Transducer
 from pacinian.devices.description import DIRECTIVITIES
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.viewing.messages import Histogram
 
 if TYPE_CHECKING:
     from pacinian.viewing.messages import ArrayMessage
     from pacinian.wire.replies import Abilities
     from pacinian.wire.state import FrameState
 
-EDGES = tuple(float(f"{edge:.4g}") for edge in 10.0 ** (np.arange(65) / 16.0 - 2.0))  # [ms]
-
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ArrayModel:
     """An array in a medium. sizes: amplitudes of the device's levels; empty if they are evenly spaced."""
 
     array: Array
@@ -71,9 +68,3 @@ class Model:
         capability = Capability(frame.phases, self.sizes or frame.amplitudes)
         made = Frame(frame.sequence, frame.time, phase, amplitude).gains(capability)
         return made.tobytes()
-
-
-def make_histogram(counts: bytes, rate: float) -> Histogram:
-    """Make the histogram of `State.tick_counts`. rate: ticks per second [Hz]."""
-    bins = tuple(np.frombuffer(counts, "<u4").tolist())
-    return Histogram(edges_ms=EDGES[: len(bins) + 1], counts=bins, deadline_ms=1e3 / rate)

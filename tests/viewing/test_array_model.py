@@ -12,7 +12,8 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.serving.control.status import describe_sound
-from pacinian.viewing.model import EDGES, Model, make_histogram
+from pacinian.viewing.array_model import ArrayModel
+from pacinian.viewing.tick_histogram import EDGES, make_histogram
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities
 from pacinian.wire.state import FrameState
@@ -41,7 +42,7 @@ def abilities(array: pc.Array, medium: pc.Air, **fields: Any) -> Abilities:
     ids=["spherical", "none", "absorbing"],
 )  # fmt: skip
 def test_its_field_is_the_servers(array: pc.Array, medium: pc.Air) -> None:
-    model = Model.of(abilities(array, medium))
+    model = ArrayModel.of(abilities(array, medium))
     assert model is not None
     gains = np.exp(2j * np.arange(len(array)))
     wanted = pc.field(array, gains, AT, medium)
@@ -55,16 +56,16 @@ def test_its_field_is_the_servers(array: pc.Array, medium: pc.Air) -> None:
 
 def test_a_server_that_does_not_tell_has_no_field() -> None:
     told = abilities(UNIT, pc.Air())
-    assert Model.of(replace(told, sound=None)) is None
+    assert ArrayModel.of(replace(told, sound=None)) is None
     assert told.sound is not None
-    assert Model.of(replace(told, sound=replace(told.sound, directivity="horn"))) is None
+    assert ArrayModel.of(replace(told, sound=replace(told.sound, directivity="horn"))) is None
     piston = pc.Transducer(directivity=pc.Piston(0.004, 740.0))
     assert describe_sound(UNIT.replace_transducer(piston), pc.Air()).directivity == ""
 
 
 @pytest.mark.parametrize("sizes", [(), (0.0, 0.25, 0.75, 1.0)])
 def test_levels_are_what_the_device_makes_of_them(sizes: tuple[float, ...]) -> None:
-    model = Model(UNIT, pc.Air(), sizes)
+    model = ArrayModel(UNIT, pc.Air(), sizes)
     random = np.random.default_rng(2)
     phase, amplitude = random.integers(0, 16, len(UNIT)), random.integers(0, 4, len(UNIT))
     levels = {

@@ -12,7 +12,7 @@ export function round(x: number): number {
   return Number((found * power).toPrecision(2));
 }
 
-export class Scale {
+export class AutoScale {
   /** Top of the scale. */
   most = 1;
   /** Whether the scale follows the values seen. */
