@@ -298,6 +298,42 @@ if __name__ == "__main__":
 """
 
 
+UNREAD = """
+import asyncio, psutil
+import pacinian as pc
+from pacinian.viewing.hub import Drive
+from pacinian.viewing.array_model import ArrayModel
+from pacinian.viewing.slices import FieldWorker
+
+def measure(model, gains):
+    return str(len(gains)).encode()
+
+async def main():
+    fields = FieldWorker()
+    drive = Drive(ArrayModel(pc.autd(), pc.Air()), bytes(4_000_000), 0.0)
+    tasks = [asyncio.create_task(fields._run(measure, drive)) for _ in range(3)]
+    await asyncio.sleep(0.05)  # the first is being written, and the last waits
+    tasks[2].cancel()
+    for child in psutil.Process().children():
+        if "resource_tracker" not in str(child.cmdline()):
+            child.kill()
+    assert await asyncio.gather(*tasks[:2]) == [b"4000000"] * 2
+    fields.close()
+
+if __name__ == "__main__":
+    asyncio.run(main())
+"""
+
+
+def test_a_killed_process_is_replaced_and_the_viewer_ends_although_a_page_has_left(
+    tmp_path: Path,
+) -> None:
+    program = tmp_path / "unread.py"
+    program.write_text(UNREAD)
+    command = [sys.executable, str(program)]
+    subprocess.run(command, check=True, timeout=LIMIT, stderr=subprocess.DEVNULL)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals are of POSIX")
 def test_a_slice_that_takes_for_ever_does_not_keep_the_viewer_from_its_end(tmp_path: Path) -> None:
     begun, program = tmp_path / "begun", tmp_path / "endless.py"

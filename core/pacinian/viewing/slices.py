@@ -108,9 +108,9 @@ class FieldWorker:
         for _ in range(2):
             pool = self._start()
             try:
-                return await loop.run_in_executor(
-                    pool, work, drive.model.packed, drive.gains, *about
-                )
+                made = loop.run_in_executor(pool, work, drive.model.packed, drive.gains, *about)
+                # if cancelled work waits when its process is killed, the pool does not end
+                return await asyncio.shield(made)
             except BrokenProcessPool:
                 if pool is self._pool:
                     self._kill()
