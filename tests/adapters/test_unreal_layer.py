@@ -147,6 +147,9 @@ def test_effects_come_and_go(play: Callable[..., Game], server: Server) -> None:
     eventually(lambda: bool(np.frombuffer(look(server).asked, "<f4") == [3.0]))
     game.do("place point 2 0 22 0 1")
     eventually(lambda: abs(np.frombuffer(look(server).points, "<f4")[1] - 0.02) < 1e-4)
+    for step in range(100):  # a slow movement adds up, although each step is too short to be sent
+        game.do(f"place point {2.0 + 1e-5 * (step + 1)} 0 22 0 1")
+    eventually(lambda: abs(np.frombuffer(look(server).points, "<f4")[1] - 0.02001) < 1.5e-6)
     game.do("tremble point 80")
     game.do("solver lagrange")
     game.do("intensity 0.5")

@@ -12,7 +12,7 @@ namespace Pacinian.Haptics
         private int _known, _there; // the sessions in which it was last prepared, and in which the server has it
         private bool _changed;
         private double _begin;
-        private Velocity _velocity;
+        private MotionTracker _tracker;
         private HapticEnvelope _told;
         private int _version;
 
@@ -81,7 +81,7 @@ namespace Pacinian.Haptics
                 client.Remove(_name);
             }
             _there = 0;
-            _velocity.Forget();
+            _tracker.Forget();
         }
 
         private void Put(HapticClient client, int session, Rigid pose, double now)
@@ -103,7 +103,7 @@ namespace Pacinian.Haptics
                 return;
             }
             Movement movement;
-            _velocity.Next(pose, now, out movement);
+            _tracker.Next(pose, now, out movement);
             _there = client.Put(_name, felt) ? session : 0;
         }
 
@@ -115,7 +115,7 @@ namespace Pacinian.Haptics
                 client.Envelope(_name, Shape());
             }
             Movement movement;
-            if (_velocity.Next(pose, now, out movement))
+            if (_tracker.Next(pose, now, out movement))
             {
                 movement.Moving = movement.Moving && predictMotion;
                 client.Move(_name, movement);

@@ -114,7 +114,7 @@ namespace Pacinian.Haptics
             own = own.Length > longest ? own.Substring(0, longest) : own;
             _name = effectName.Length > 0 ? own : own + " " + s_count;
             _known = _there = 0;
-            _velocity.Forget();
+            _tracker.Forget();
             All.Add(this);
             if (playOnEnable)
             {

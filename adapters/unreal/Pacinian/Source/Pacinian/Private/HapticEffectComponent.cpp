@@ -126,10 +126,10 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   }
   const USceneComponent* Owner = GetShapeOwner();
   const bool bScaled = !Owner->GetComponentScale().Equals(Sent->Scale, 1e-4);
-  const pacinian::Rigid Before = Sent->Pose;
-  Sent->Pose = Frame.Space.Into(Owner->GetComponentTransform());
+  const pacinian::Rigid Before = Sent->Pose, Now = Frame.Space.Into(Owner->GetComponentTransform());
   const uint64 Fingerprint = GetShapeFingerprint();
   if (Session != Frame.Session || bReshaped || bScaled || Fingerprint != Sent->Fingerprint) {
+    Sent->Pose = Now;
     Sent->Scale = Owner->GetComponentScale();
     Sent->Fingerprint = Fingerprint;
     bReshaped = bEnveloped = bMoving = false;
@@ -140,9 +140,10 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
   if (!bShown) return;
   if (bEnveloped) Frame.Client.envelope(Sent->Name, Haptic::ToWire(Envelope));
   bEnveloped = false;
-  const bool bMoves = Haptic::Moved(Before, Sent->Pose);
+  const bool bMoves = Haptic::Moved(Before, Now);
   if (!bMoves && !bMoving) return;
-  const wire::Motion Motion = Haptic::MotionOf(Before, Sent->Pose, Frame.Elapsed);
+  Sent->Pose = Now;  // otherwise the last one that was sent, so that a slow movement adds up
+  const wire::Motion Motion = Haptic::MotionOf(Before, Now, Frame.Elapsed);
   bMoving = bMoves && bPredictMotion;
   Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
 }

@@ -3,11 +3,14 @@ using System;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// Estimates the velocity of a frame from its poses, so that the server can extrapolate between two frames of the
-    /// game.
+    /// Decides whether a pose is sent, and estimates its velocity from the poses before, so that the server can
+    /// extrapolate between two frames of the game.
     /// </summary>
-    internal struct Velocity
+    internal struct MotionTracker
     {
+        private const double Still = 1e-6; // [m] shortest way that is sent
+        private const double Unturned = 1e-5; // [rad] smallest turn that is sent
+
         private const double Longest = 0.2; // [s] longest time between two poses of one movement
         private const double Fastest = 10.0; // [m/s], and times 5 [rad/s]; faster is a jump
 
@@ -23,18 +26,20 @@ namespace Pacinian.Haptics
 
         /// <summary>
         /// Takes the present pose and time [s]; writes the movement, with a velocity if it is known. Returns false if
-        /// nothing has changed, so that nothing need be sent.
+        /// the pose is the one that was sent last, so that nothing need be sent.
         /// </summary>
         public bool Next(Rigid pose, double now, out Movement movement)
         {
             movement = new Movement(pose.Position, pose.Rotation);
-            bool same = _known && Same(pose, _pose);
+            Vec3 way = pose.Position - _pose.Position;
+            Vec3 turn = _known ? Turn(_pose.Rotation, pose.Rotation) : new Vec3();
+            bool same = _known && way.Length <= Still && turn.Length <= Unturned;
             bool tell = !same || _moving;
             double step = now - _time;
             if (tell && _known && step > 0.0 && step < Longest)
             {
-                movement.Velocity = (1.0 / step) * (pose.Position - _pose.Position);
-                movement.AngularVelocity = Turning(_pose.Rotation, pose.Rotation, step);
+                movement.Velocity = (1.0 / step) * way;
+                movement.AngularVelocity = (1.0 / step) * turn;
                 movement.Moving = movement.Velocity.Length < Fastest && movement.AngularVelocity.Length < 5.0 * Fastest;
             }
             if (!movement.Moving)
@@ -42,27 +47,23 @@ namespace Pacinian.Haptics
                 movement.Velocity = movement.AngularVelocity = new Vec3();
             }
             _moving = movement.Moving && !same;
-            _pose = pose;
+            if (tell)
+            {
+                _pose = pose; // otherwise the last one that was sent, so that a slow movement adds up
+            }
             _time = now;
             _known = true;
             return tell;
         }
 
-        private static bool Same(Rigid a, Rigid b)
-        {
-            return a.Position.X == b.Position.X && a.Position.Y == b.Position.Y && a.Position.Z == b.Position.Z
-                && a.Rotation.X == b.Rotation.X && a.Rotation.Y == b.Rotation.Y
-                && a.Rotation.Z == b.Rotation.Z && a.Rotation.W == b.Rotation.W;
-        }
-
-        /// <summary>Returns the angular velocity about the world's axes [rad/s].</summary>
-        private static Vec3 Turning(Quat from, Quat to, double step)
+        /// <summary>Returns the turn from one rotation to another, about the world's axes [rad].</summary>
+        private static Vec3 Turn(Quat from, Quat to)
         {
             Quat turn = to * from.Inverse;
             double sign = turn.W < 0.0 ? -1.0 : 1.0;
             Vec3 axis = new Vec3(turn.X, turn.Y, turn.Z);
             double sine = axis.Length;
-            return sine < 1e-9 ? new Vec3() : (sign * 2.0 * Math.Atan2(sine, sign * turn.W) / (sine * step)) * axis;
+            return sine < 1e-9 ? new Vec3() : (sign * 2.0 * Math.Atan2(sine, sign * turn.W) / sine) * axis;
         }
     }
 }

@@ -2,9 +2,9 @@ using NUnit.Framework;
 
 namespace Pacinian.Haptics.Tests
 {
-    public sealed class VelocityTests
+    public sealed class MotionTrackerTests
     {
-        private Velocity _velocity;
+        private MotionTracker _tracker;
         private Movement _movement;
 
         [Test]
@@ -27,6 +27,22 @@ namespace Pacinian.Haptics.Tests
             Assert.IsFalse(At(0.01, 0.03));
         }
 
+        [Test]
+        public void ASlowMovementAddsUp()
+        {
+            At(0.0, 0.0);
+            double sent = 0.0;
+            for (int frame = 1; frame <= 1000; frame++)
+            {
+                double x = 3e-7 * frame;
+                if (At(x, 0.01 * frame))
+                {
+                    sent = x;
+                }
+                Assert.AreEqual(x, sent, 1.01e-6);
+            }
+        }
+
         [TestCase(1.0, 0.01)]
         [TestCase(0.01, 1.0)]
         public void AJumpOrAPauseIsNoMovement(double way, double time)
@@ -42,16 +58,16 @@ namespace Pacinian.Haptics.Tests
         {
             Quat from = new Quat(0.5, 0.5, 0.5, 0.5);
             Quat turn = new Quat(0.0, System.Math.Sin(angle / 2.0), 0.0, System.Math.Cos(angle / 2.0));
-            _velocity.Next(new Rigid(new Vec3(), from), 0.0, out _movement);
+            _tracker.Next(new Rigid(new Vec3(), from), 0.0, out _movement);
             Quat to = turn * from;
-            _velocity.Next(new Rigid(new Vec3(), new Quat(-to.X, -to.Y, -to.Z, -to.W)), 0.01, out _movement);
+            _tracker.Next(new Rigid(new Vec3(), new Quat(-to.X, -to.Y, -to.Z, -to.W)), 0.01, out _movement);
             Assert.AreEqual(100.0 * angle, _movement.AngularVelocity.Y, 1e-6);
             Assert.AreEqual(0.0, _movement.AngularVelocity.X, 1e-6);
         }
 
         private bool At(double x, double now)
         {
-            return _velocity.Next(new Rigid(new Vec3(x, 0.0, 0.0), Quat.Identity), now, out _movement);
+            return _tracker.Next(new Rigid(new Vec3(x, 0.0, 0.0), Quat.Identity), now, out _movement);
         }
     }
 }
