@@ -17,7 +17,7 @@ from pacinian.client import link
 from pacinian.client.base_client import BaseClient
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import run_server
-from pacinian.wire.connection import VARIABLE
+from pacinian.wire.connection_file import VARIABLE
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()

@@ -16,7 +16,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.testing import run_server
-from pacinian.wire.connection import VARIABLE
+from pacinian.wire.connection_file import VARIABLE
 
 LIMIT = 120.0  # [s]
 FOLDER = Path(__file__).parents[1] / "examples/trackers"

@@ -58,6 +58,7 @@ def _file(lines: list[str]) -> str:
 
 
 def _base(message: Message, model: Model, for_tests: bool) -> list[str]:
+    # the package writes what clients send, and reads what they receive; the part for tests does the reverse
     is_written = (message.name in model.written) != for_tests
     is_read = (message.name in model.heard) != for_tests
     body = (

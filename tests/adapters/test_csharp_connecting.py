@@ -15,7 +15,7 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.wire import control, replies
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 from ..core.client.fake import Fake, usual
 from ..core.client.stopped_processes import server_apart, stand_still

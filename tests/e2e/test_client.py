@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian_lab.server.faults.raw_client import Peer
 
 from ..waiting import PATIENCE, eventually

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 HASTY = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 8.0\n"
-"""A guard that may sound hangs after an eighth of it."""
+"""While the output may sound, a guard counts as hung after an eighth of `hung`, 1 s."""
 RENEWALS = 1500
 """Of a game at 1 kHz, until its link ends because nothing answers."""
 

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { SCALE_LAWS, opacity, place, shareAt } from "../src/field/scale-law";
 import { advice } from "../src/panels/advice";
-import { split } from "../src/panels/reasons";
+import { split } from "../src/panels/skip-reasons";
 
 for (const law of SCALE_LAWS) {
   test(`positions on the ${law} bar and shares convert back and forth`, () => {

@@ -180,7 +180,7 @@ def permissions() -> Finding:
 
 def file(given: str | None) -> Finding:
     """Probe the connection file."""
-    from pacinian.wire.connection import Connection, locate_connection
+    from pacinian.wire.connection_file import Connection, locate_connection
 
     path, error = locate_connection(given or ""), ""
     if there := path.exists():

@@ -1,7 +1,7 @@
 """The client: the side of the wire for games and scripts.
 
 client.py              `pacinian.Client`, the user's API
-base_client.py         a session that can be lost and replaced; it sends nothing of the scene again
+base_client.py         replaces a lost session by a new one; it does not send the scene again
 server_session.py      one session, from hello to bye
 link.py                a socket, and the end of its connection
 messages.py            arguments of the API as fields of the wire
@@ -9,5 +9,5 @@ outbox.py              commands that wait for room in the socket
 state_subscription.py  the newest state
 server_clock.py        offset of the server's clock, round trips
 emergency.py           a stop that needs no session
-connection_file.py     connection files and CURVE keys
+connection_keys.py     the given connection or its file, with CURVE keys
 """

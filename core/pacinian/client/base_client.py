@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from pacinian.checks import check_number
-from pacinian.client.connection_file import resolve_connection
+from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.server_session import ServerSession
 from pacinian.closing import Closing
 from pacinian.errors import ConnectionLost, ServerError
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from pacinian.client.server_clock import Trips
     from pacinian.errors import Refused
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
 
 
 class BaseClient(Closing):

@@ -6,14 +6,14 @@ import contextlib
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.client.connection_file import resolve_connection
+from pacinian.client.connection_keys import resolve_connection
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.emergency import request_stop
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
 
 
 def emergency_stop(

@@ -18,7 +18,7 @@ from pacinian.wire.protocol import MAX_REPLY_BYTES
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
     from pacinian.wire.replies import AnyReply
     from pacinian.wire.state import State
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from msgspec import Struct
 
     from pacinian.wire.commands import AnyCommand
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
     from pacinian.wire.replies import AnyReply
 
 R = TypeVar("R", bound="AnyReply | State")

@@ -7,7 +7,8 @@ The loop
     fail_safe_output.py               the backend, whose failures silence the output
 Solve
     sample_solver.py, cached_solution.py, outcome.py   solve for samples, reuse solutions, pass them on
-    background_schedule.py, background_solve.py, budget_controller.py   solve in ticks or beside them; how many samples
+    background_schedule.py, background_solve.py   solve in ticks, or beside them
+    sample_budget_controller.py       how many samples
     reachability.py, cycle.py         samples that sound reaches; regions rendered by several frames in turn
     skin_limit.py                     the pressure limit on all skin that is seen
 From gains to levels

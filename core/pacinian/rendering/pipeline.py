@@ -16,7 +16,6 @@ import numpy as np
 from pacinian.errors import ArgumentError
 from pacinian.rendering.background_schedule import MAX_TICKS, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
-from pacinian.rendering.budget_controller import MAX_LOAD, BudgetController
 from pacinian.rendering.cycle import Cycle, split_frames
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.frame_deviations import FrameDeviations
@@ -25,6 +24,7 @@ from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.outcome import Outcome
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
+from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
@@ -93,7 +93,7 @@ class Pipeline:
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._governed = governed and not strict
         sampler.fine = not self._governed
-        self.governor = BudgetController(period, sampler.budget) if self._governed else None
+        self.governor = SampleBudgetController(period, sampler.budget) if self._governed else None
         self._allowed = sampler.budget  # number of samples that the next job may use
         self.background = BackgroundSolve[Outcome | Measurement](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
@@ -168,7 +168,7 @@ class Pipeline:
         self.schedule = BackgroundSchedule(self.period, beside=self._beside)
         self._begin()
         if self.governor is not None:
-            self.governor = BudgetController(self.period, self.sampler.budget)
+            self.governor = SampleBudgetController(self.period, self.sampler.budget)
             self.sampler.allowed = self._allowed = self.sampler.budget
 
     def finish_measuring(self) -> None:

@@ -43,11 +43,11 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.background_schedule import BackgroundSchedule
-    from pacinian.rendering.budget_controller import BudgetController
     from pacinian.rendering.deviations import Reasons
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
+    from pacinian.rendering.sample_budget_controller import SampleBudgetController
     from pacinian.rendering.sample_solver import SampleSolver, Solved
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
@@ -189,7 +189,7 @@ class Renderer(Closing):
         return self._pipeline.player
 
     @property
-    def governor(self) -> BudgetController | None:
+    def governor(self) -> SampleBudgetController | None:
         """The controller of the sample budget, if `governed`."""
         return self._pipeline.governor
 

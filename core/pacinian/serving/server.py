@@ -25,7 +25,7 @@ from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory import settle_memory
 from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity, open_wakes
 from pacinian.serving.settings import METRICS_HOST
-from pacinian.wire.connection import (
+from pacinian.wire.connection_file import (
     Connection,
     check_folder,
     check_replaceable,

@@ -15,7 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from pacinian.client.client import Client
-from pacinian.client.connection_file import resolve_connection
+from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.demonstration import Demonstration
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from pacinian.viewing.hub import Hub
     from pacinian.viewing.messages import AnyAsked
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
 
 log = logging.getLogger(__name__)
 NAME = "viewer"

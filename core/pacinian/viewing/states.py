@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from pacinian.client.client import Client
     from pacinian.viewing.hub import Hub
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
 
 SILENT = 2.0  # time without a state after which the server is lost [s]
 WAITING = 16  # maximum number of messages that wait in the socket

@@ -30,7 +30,7 @@ OUTPUTS: dict[Output, str] = {
     "stopped": "emergency stop, until `reset`",
     "faulted": "a plug-in or device failed, until `reset` has recovered it; or there is no device",
 }
-"""Meanings of the values of `output`, which is the last of these that applies."""
+"""Meanings of the values of `output`. If several apply, it is the last of them."""
 
 
 class ClientState(Struct, frozen=True, kw_only=True):

@@ -13,7 +13,7 @@ from pacinian import gallery
 from pacinian.acoustics.pose import Pose
 from pacinian.wire import binary_arrays, codec, objects, shapes
 from pacinian.wire.commands import HandFrame, Hands, Put
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.modulation import Sine
 from pacinian.wire.state import State

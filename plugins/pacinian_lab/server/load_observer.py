@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import scheduling
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.state import ClientState, State
 from pacinian_lab.server import positions, worker_process

@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from pacinian.errors import ServerError
 from pacinian.wire.commands import Move, Put
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian_lab.server import positions, worker_process
 from pacinian_lab.server.raw_client import Peer
 

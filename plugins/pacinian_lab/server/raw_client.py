@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from pacinian.wire.commands import Command
-    from pacinian.wire.connection import Connection
+    from pacinian.wire.connection_file import Connection
     from pacinian.wire.control import Request
 
 LIMIT = 5.0  # [s] longest wait for a reply

@@ -21,7 +21,7 @@ from pacinian.scene.modulation.waves import Constant, Sine
 from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.ipc.messages import SUPERSEDED
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.state import State
 from pacinian_lab.server import worker_process
 from pacinian_lab.server.quantiles import Quantiles

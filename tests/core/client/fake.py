@@ -15,7 +15,7 @@ from zmq.auth.thread import ThreadAuthenticator
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import decode_command, decode_control, encode
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.state import STATE, State
 
 PATIENCE = 120.0  # ends a test that hangs [s]; not imported, because this file is also a program

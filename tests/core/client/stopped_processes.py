@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

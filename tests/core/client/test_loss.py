@@ -17,7 +17,7 @@ from pacinian.client import server_session
 from pacinian.client.emergency import emergency_stop
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 from ...waiting import PATIENCE
 from .fake import Fake, usual

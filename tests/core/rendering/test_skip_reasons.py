@@ -20,7 +20,7 @@ def test_problems_are_listed_and_saved_work_is_folded() -> None:
 
 
 def test_the_page_calls_the_same_reasons_saved() -> None:
-    text = (ROOT / "viewer/src/panels/reasons.ts").read_text()
+    text = (ROOT / "viewer/src/panels/skip-reasons.ts").read_text()
     saved, _, problems = text.partition("const PROBLEMS")
     quoted = re.compile(r'^  "?([^":]+)"?:', re.MULTILINE)
     assert set(quoted.findall(saved)) == SAVED
@@ -34,7 +34,7 @@ def test_every_reason_exists_in_the_sources() -> None:
 
 
 def test_the_documentation_explains_every_reason_of_the_page() -> None:
-    page = (ROOT / "viewer/src/panels/reasons.ts").read_text()
+    page = (ROOT / "viewer/src/panels/skip-reasons.ts").read_text()
     reasons = re.findall(r'^  "?([a-z][^":]+)"?: "', page, re.MULTILINE)
     explained = (ROOT / "docs/skipped.md").read_text()
     assert re.findall(r"^\| `([^`]+)` \|", explained, re.MULTILINE) == [

@@ -27,7 +27,7 @@ from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Settings
 from pacinian.wire.codec import decode_reply, decode_state, encode
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Hello
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Plugin, Welcome

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from pacinian.client.connection_file import resolve_connection
+from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.emergency import emergency_stop
 from pacinian.errors import ConnectionLost
 from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.server import RESERVE
 from pacinian.serving.settings import Security
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 from pacinian.wire.replies import Ok

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from pacinian.serving.settings import Log
 from pacinian.testing import run_server
 from pacinian.wire.codec import encode
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Stop
 from pacinian.wire.protocol import MAX_CONTROL_BYTES
 

@@ -20,7 +20,7 @@ from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import MIN_FILES, serve
 from pacinian.serving.settings import Metrics, Network, Settings
 from pacinian.testing import run_server
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 from ...waiting import PATIENCE, eventually
 from .control.test_supervisor import CHILD, PARENT

@@ -2,7 +2,7 @@
 
 const ROUND = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
 const FADE = 0.8; // factor by which the largest value seen decays each second
-const ROOM = 0.5; // the scale shrinks if the largest value is below this share of it
+const ROOM = 0.5; // share of its top: the scale shrinks if the decayed largest value is below it
 
 /** Return the smallest round number that is not below x; 1 if x is not positive. */
 export function round(x: number): number {

@@ -4,7 +4,7 @@ import type { State } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { element, made, rows, say } from "./dom";
-import { split } from "./reasons";
+import { split } from "./skip-reasons";
 import { digits, plural, seconds, whole } from "./format";
 
 const OBJECTS = 8; // number of objects listed

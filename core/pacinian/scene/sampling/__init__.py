@@ -7,7 +7,7 @@ Where
     array_resolution.py               what the array resolves and sees
     surround.py, bands.py             silent samples beside a region; parts of a large region in turn
 How many, how strong
-    budget.py, sample_counts.py       samples divided among objects; what becomes of them
+    sample_budget.py, sample_counts.py   samples divided among objects; what becomes of them
     ramps.py, perception_thresholds.py   pressures without jumps; what nobody feels
 In time
     hand_tracking.py, pose_prediction.py   hands and objects between their updates

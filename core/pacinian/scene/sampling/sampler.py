@@ -16,13 +16,13 @@ from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
 from pacinian.scene.sampling.broad_phase import cull
-from pacinian.scene.sampling.budget import allot_budget
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
+from pacinian.scene.sampling.sample_budget import allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
@@ -80,7 +80,9 @@ NARROW, WIDE = 0.08, 0.3
 # Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
 # long. Points of a skin lie less densely, so that contacts have about half of these.
 CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
-STEADY = 1.3  # a contact keeps its spacing if the spacing would change by less than this factor
+KEPT_SPACING = (
+    1.3  # a contact keeps its spacing if the spacing would change by less than this factor
+)
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
@@ -234,7 +236,7 @@ class Sampler:
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
     def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> None:
-        """Note the objects that are rendered whole and lie outside the workspace, or too far from the array."""
+        """Count the samples of objects that need no hand, but lie outside the workspace or too far from the array."""
         for i in sorted(set(range(len(scene.objects))) - set(found)):
             item = scene.objects[i]
             if item.pressure > 0.0 and item.envelope != OFF:
@@ -463,7 +465,7 @@ def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
     spacing [m], which is kept if the new one is similar.
     """
     wanted = min(max(math.sqrt(each), NARROW * resolved), WIDE * resolved)
-    steady = last is not None and wanted / STEADY < last < wanted * STEADY
+    steady = last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING
     return last if last is not None and steady else wanted
 
 

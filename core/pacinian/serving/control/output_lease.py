@@ -181,7 +181,7 @@ class OutputLease:
         self.resumes = False
 
     def _silence(self) -> None:
-        """Silence at once. Whatever the reason, no renewal arms the output again; see `pass_time` for the exception."""
+        """Silence at once. No renewal arms the output again, unless `pass_time` sets `resumes` afterwards."""
         self.permit = self.permit._replace(armed=SILENT, until=0.0)
         self.resumes = False
 

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from pacinian.devices.description import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
-from pacinian.serving.control.silence_cause import find_cause
+from pacinian.serving.control.explain_silence import find_cause
 from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.modulation import Technique

@@ -19,7 +19,7 @@ from zmq.auth import create_certificates, load_certificate
 
 from pacinian.errors import ArgumentError, ServerError
 from pacinian.serving.ipc.zap import ZapThread
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 if TYPE_CHECKING:
     from types import TracebackType

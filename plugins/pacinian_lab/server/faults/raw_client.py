@@ -11,7 +11,7 @@ import zmq
 from msgspec.structs import asdict
 
 from pacinian.closing import Closing
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.protocol import MAJOR, MINOR
 
 if TYPE_CHECKING:

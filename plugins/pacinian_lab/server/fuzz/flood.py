@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import zmq
 from msgspec.structs import asdict
 
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 from pacinian_lab.server.faults.raw_client import Peer, Silent
 from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS

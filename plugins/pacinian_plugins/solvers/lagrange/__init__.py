@@ -1,4 +1,13 @@
-"""Least squares under limits, solved by its Lagrange dual (end of the paper's section 4), for free or given phases."""
+"""Least squares under limits, solved by its Lagrange dual (end of the paper's section 4), for free or given phases.
+
+problem.py                     the arguments of a solve
+gain_limited.py                the gain limit alone: the stages; its kernels in dual_newton.hpp, primal_newton.hpp and
+                               weighted_gs.hpp, with fused_passes.hpp, which keeps the limit
+regions.py, strongest_uniform.py   regions: region_newton.hpp; their strongest even distribution
+constrained.py, convex/        all other limits: one convex problem for each choice of phases
+strongest_phases.py            phases for the strongest solution
+reference.py, newton_time.py   the same steps in double precision; whether there is time for one
+"""
 
 from __future__ import annotations
 

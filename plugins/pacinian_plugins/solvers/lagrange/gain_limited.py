@@ -44,20 +44,25 @@ if TYPE_CHECKING:
 STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MET = 1e-4  # relative error that always suffices
 NEARLY = 1e-3  # relative error that suffices once the steps have converged
-STEPS, EQUAL, LAST = 16, 24, 80  # maximum number of steps in stages 2, 3 and 4
-ROUGH, FINISHED = 3e-4, 1e-5  # least relative saving of a step in stage 4: when probing, at the end
-# samples up to which other starts are tried; full-drive probes for each; their phase increment [turns]
-FEW_SAMPLES, LOOKS, GOLDEN = 16, 3, 0.6180339887
+STEPS = 16  # maximum number in stage 2
+EQUAL = 24  # maximum number of steps in stage 3
+LAST = 80  # maximum number of steps in stage 4
+ROUGH = 3e-4  # least relative saving of a step in stage 4, when starts are compared
+FINISHED = 1e-5  # the same at the end
+FEW_SAMPLES = 16  # most samples for which other starts are tried
+LOOKS = 3  # starts that are looked at, for each that is continued
+GOLDEN = 0.6180339887  # phase increment of the starts [turns]
 MAX_PHASE_ERROR = (
     0.2  # relative error from which continuing with the current phases is not worthwhile
 )
-# regularisation relative to trace(G) / M, in descending order; Newton steps with each
-SOFT, STEPS_EACH = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3), 3
+SOFT = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # regularisations relative to trace(G) / M
+STEPS_EACH = 3  # Newton steps with each
 LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
 TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two starting points
 QUICK = 5_000_000  # M M N of the steps between two checks of the clock
-# search for the strongest: steps of `equalise`; resolution and least share of full drive
-MOST_EQUAL, SCALE_RESOLUTION, MIN_SCALE = 80, 0.004, 0.5
+MOST_EQUAL = 80  # steps of `equalise` in the search for the strongest
+SCALE_RESOLUTION = 0.004  # of its share of full drive
+MIN_SCALE = 0.5  # least share of full drive that it tries
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
 BEYOND = 0.999  # multiple of the targets at full drive below which they cannot be met
 
@@ -109,17 +114,17 @@ class PhaseFreeSolve:
         """Write the gains, starting from the multipliers in the workspace."""
         error, converged = self._newton()
         if error > (NEARLY if converged else MET) and not self.budget.spent:
-            error = self._harder(error)
+            error = self._continue_after_stall(error)
             late = self.late or self.budget.spent
-            if error > MET and not late and self._others:
-                error = self._elsewhere(error)
-            self._prove()
+            if error > MET and not late and self._other_starts:
+                error = self._try_other_starts(error)
+            self._certify_and_write()
             self.late = late
         else:
             self.late |= self.budget.spent
         return self._make_result(error)
 
-    def _prove(self) -> None:
+    def _certify_and_write(self) -> None:
         """Write the current gains, and the bound that the current multipliers prove."""
         certify(self.mu, self.workspace)
         deliver(self.workspace.h, self.unit, self.out)
@@ -136,7 +141,7 @@ class PhaseFreeSolve:
         with Newton steps for each, then finds the multiple.
         """
         w, p = self.workspace, self.workspace.p.copy()
-        top = self._full()
+        top = self._find_strongest_phases()
         start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
         best: PhaseFreeResult | None = None
         y, h = start, w.h
@@ -153,13 +158,13 @@ class PhaseFreeSolve:
             y, h = w.y.copy(), w.h.copy()
         self.late |= self.budget.spent
         if best is None:  # no share keeps the proportions: use the last attempt, or full drive
-            self._prove()
+            self._certify_and_write()
             return self._make_result(error)
         w.h[:], w.y[:] = h, y
         deliver(w.h, self.unit, self.out)
         return best._replace(steps=self.steps, late=self.late)
 
-    def _full(self) -> float:
+    def _find_strongest_phases(self) -> float:
         """Drive fully from the phases, current or other, that give the weakest sample the most pressure.
 
         Returns the multiple of the targets that is nearest to the pressures made.
@@ -167,7 +172,7 @@ class PhaseFreeSolve:
         w, size = self.workspace, np.abs(self.workspace.p)
         top = self._equalise(MOST_EQUAL)
         y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
-        looks = self._looks(lambda made: float((made / size).min()), self._others)
+        looks = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
         found, k = max(looks, default=(0.0, 0))
         if found <= most:
             w.y[:] = y
@@ -209,7 +214,7 @@ class PhaseFreeSolve:
         self.late |= not fits
         return fits
 
-    def _harder(self, error: float) -> float:
+    def _continue_after_stall(self, error: float) -> float:
         """Continue after Newton steps have stalled at `error`; keep the best gains, with their residual as y."""
         w = self.workspace
         first = second = Candidate.of(error, w)
@@ -227,22 +232,22 @@ class PhaseFreeSolve:
             first, second = self._probe(first), self._probe(second)
         best = first if first.error <= second.error else second
         w.h[:] = best.h
-        error = self._nearest(FINISHED) if self._work <= LARGE else best.error
-        self._residual()
+        error = self._approach(FINISHED) if self._work <= LARGE else best.error
+        self._set_residual()
         return error
 
     def _probe(self, start: Candidate) -> Candidate:
         """Take rough steps on the gains from those of `start`."""
         self.workspace.h[:] = start.h
-        return Candidate.of(self._nearest(ROUGH), self.workspace)
+        return Candidate.of(self._approach(ROUGH), self.workspace)
 
     @property
-    def _others(self) -> int:
+    def _other_starts(self) -> int:
         """Number of additional starts: 0 for many samples or fixed phases."""
         M = len(self.B)
         return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.workspace.free.all() else 0
 
-    def _elsewhere(self, error: float) -> float:
+    def _try_other_starts(self, error: float) -> float:
         """Try other starting phases; keep the best gains and return their error. error: of the current gains.
 
         Each start is probed at full drive. Only those nearest to the targets are continued.
@@ -250,22 +255,24 @@ class PhaseFreeSolve:
         w, best = self.workspace, Candidate.of(error, self.workspace)
         asked = np.abs(w.p)
         looks = sorted(
-            self._looks(lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._others)
+            self._rate_starts(
+                lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._other_starts
+            )
         )
         for _, k in looks[: self.starts]:
             if self.budget.spent or best.error <= MET:
                 break
             w.y[:] = self._phases(k)
             self._equalise(EQUAL)
-            found = self._nearest(ROUGH)
+            found = self._approach(ROUGH)
             if found < best.error:
                 best = Candidate.of(found, w)
         w.h[:] = best.h
-        reached = self._nearest(FINISHED) if best.error < error else best.error
-        self._residual()
+        reached = self._approach(FINISHED) if best.error < error else best.error
+        self._set_residual()
         return reached
 
-    def _looks(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
+    def _rate_starts(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
         """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
         looks = list[tuple[float, int]]()
         for k in range(count):
@@ -338,7 +345,7 @@ class PhaseFreeSolve:
             if taken >= 0 or self.budget.spent:
                 break
 
-    def _nearest(self, finished: float) -> float:
+    def _approach(self, finished: float) -> float:
         """Take Newton steps on the gains, from the current ones; return the error."""
         w = self.workspace
         w.restart_primal()
@@ -352,7 +359,7 @@ class PhaseFreeSolve:
                 break
         return w.error
 
-    def _residual(self) -> None:
+    def _set_residual(self) -> None:
         """Set the multipliers to the residual of the gains, which proves optimality at the nearest pressures."""
         w = self.workspace
         gather(self.B, w.h, w.made, w.tile)

@@ -26,7 +26,7 @@ from pacinian.serving.control.supervisor import (
 )
 from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, compute_hang_limit
 from pacinian.testing import ManualClock
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 from ....waiting import PATIENCE, eventually
 from ..processes import runs

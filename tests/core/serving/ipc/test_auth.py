@@ -1,4 +1,4 @@
-"""Keys and secrets. control/test_process_traps.py tests on real sockets that they keep strangers out."""
+"""Keys and secrets. control/test_process_rejections.py tests on real sockets that they keep strangers out."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pacinian.serving.ipc.auth import (
     write_remote_connection,
 )
 from pacinian.serving.settings import Network, Security, Settings
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 if TYPE_CHECKING:
     from pathlib import Path

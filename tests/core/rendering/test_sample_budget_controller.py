@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.rendering.budget_controller import (
+from pacinian.rendering.sample_budget_controller import (
     FAR_TOO_LATE,
     MAX_LOAD,
     MAX_LONG_TICKS,
@@ -15,7 +15,7 @@ from pacinian.rendering.budget_controller import (
     MIN_BUDGET,
     MIN_LOAD,
     WAIT,
-    BudgetController,
+    SampleBudgetController,
 )
 
 bounded = settings(max_examples=60)
@@ -30,7 +30,7 @@ ticks = st.lists(
 
 
 def told(
-    governor: BudgetController, seconds: float, count: int, samples: int | None = None
+    governor: SampleBudgetController, seconds: float, count: int, samples: int | None = None
 ) -> list[int]:
     """Return what is allowed after each of `count` such ticks. By default, all allowed samples are used."""
     return [
@@ -44,7 +44,7 @@ def told(
 def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
     most: int, seen: Any
 ) -> None:
-    governor, other = BudgetController(PERIOD, most), BudgetController(PERIOD, most)
+    governor, other = SampleBudgetController(PERIOD, most), SampleBudgetController(PERIOD, most)
     for seconds, samples in seen:
         before = governor.allowed
         allowed = governor.tick(seconds, samples)
@@ -57,7 +57,7 @@ def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
 
 
 def test_a_few_long_ticks_change_nothing() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     for _ in range(20):
         told(governor, SLOW, MAX_LONG_TICKS - 1)
         assert told(governor, WELL, 1) == [256]
@@ -66,20 +66,21 @@ def test_a_few_long_ticks_change_nothing() -> None:
 
 
 def test_long_ticks_in_a_row_leave_fewer_samples() -> None:
-    allowed = told(BudgetController(PERIOD, 256), SLOW, MAX_LONG_TICKS)
+    allowed = told(SampleBudgetController(PERIOD, 256), SLOW, MAX_LONG_TICKS)
     assert allowed[:-1] == [256] * (MAX_LONG_TICKS - 1)
     assert allowed[-1] < 0.95 * 256
 
 
 def test_ticks_that_take_several_periods_count_at_once() -> None:
-    allowed = told(BudgetController(PERIOD, 256), VERY, 2)
+    allowed = told(SampleBudgetController(PERIOD, 256), VERY, 2)
     assert allowed[0] == 256
     assert allowed[1] < 0.6 * 256
 
 
 def test_the_longer_the_ticks_the_fewer_the_samples() -> None:
     left = [
-        told(BudgetController(PERIOD, 256), k * PERIOD, MAX_LONG_TICKS)[-1] for k in (0.9, 1.2, 2.0)
+        told(SampleBudgetController(PERIOD, 256), k * PERIOD, MAX_LONG_TICKS)[-1]
+        for k in (0.9, 1.2, 2.0)
     ]
     assert left == sorted(left, reverse=True)
     assert len(set(left)) == 3
@@ -87,17 +88,17 @@ def test_the_longer_the_ticks_the_fewer_the_samples() -> None:
 
 @pytest.mark.parametrize("seconds", [SLOW, VERY, 1.0])
 def test_however_long_it_takes_some_samples_are_left(seconds: float) -> None:
-    assert told(BudgetController(PERIOD, 256), seconds, 500)[-1] == MIN_BUDGET
+    assert told(SampleBudgetController(PERIOD, 256), seconds, 500)[-1] == MIN_BUDGET
 
 
 def test_where_it_is_not_the_samples_that_take_the_time_they_stay() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     assert set(told(governor, VERY, 100, samples=MIN_BUDGET)) == {256}
     assert set(told(governor, SLOW, 100, samples=0)) == {256}
 
 
 def test_in_time_it_stays_as_it_is_and_with_time_to_spare_it_grows_back() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     small = told(governor, VERY, 10)[-1]
     assert set(told(governor, WELL, 2000)) == {small}
     grown = told(governor, SHORT, 3000)
@@ -107,7 +108,7 @@ def test_in_time_it_stays_as_it_is_and_with_time_to_spare_it_grows_back() -> Non
 
 
 def test_it_grows_slower_after_each_relapse() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     waits = []
     for _ in range(8):
         while governor.allowed > MIN_BUDGET:
@@ -121,7 +122,7 @@ def test_it_grows_slower_after_each_relapse() -> None:
 
 
 def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None:
-    governor = BudgetController(PERIOD, 40)
+    governor = SampleBudgetController(PERIOD, 40)
     for _ in range(5):
         told(governor, VERY, 4)
         told(governor, SHORT, MAX_WAIT)
@@ -134,7 +135,7 @@ def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None
 
 
 def test_one_long_spell_is_no_relapse_however_long() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     told(governor, VERY, 1000)
     assert told(governor, SHORT, WAIT) == [MIN_BUDGET] * (WAIT - 1) + [
         MIN_BUDGET + 1 + MIN_BUDGET // 8
@@ -142,7 +143,7 @@ def test_one_long_spell_is_no_relapse_however_long() -> None:
 
 
 def test_one_tick_without_time_to_spare_begins_the_wait_anew() -> None:
-    governor = BudgetController(PERIOD, 256)
+    governor = SampleBudgetController(PERIOD, 256)
     small = told(governor, VERY, 10)[-1]
     for _ in range(50):
         told(governor, SHORT, WAIT - 1)

@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-MAX_LOAD, MIN_LOAD = (
-    0.75,
-    0.5,
-)  # the budget shrinks above MAX_LOAD periods per tick, and may grow below MIN_LOAD
+MAX_LOAD = 0.75  # duration of a tick, over the period, above which the budget shrinks
+MIN_LOAD = 0.5  # the same, below which it may grow
 MAX_LONG_TICKS = 8  # successive long ticks before it shrinks; a few may be due to the machine
-FAR_TOO_LATE, SOON_TICKS = 3.0, 2  # two ticks over three periods suffice
-WAIT = 50  # short ticks before it grows
-MAX_WAIT = (
-    800  # largest wait; doubled after each relapse, reset after as many short ticks at full budget
-)
+FAR_TOO_LATE = 3.0  # duration of a tick, over the period, above which it shrinks sooner,
+SOON_TICKS = 2  # after so many successive ticks
+WAIT = 50  # short ticks before it grows; twice as many each time that it must shrink again,
+MAX_WAIT = 800  # up to this number, and back to WAIT after so many short ticks at full budget
 MIN_BUDGET = 16  # smallest budget; fewer samples would hardly save time
 AIM = 0.6  # duration of a tick to aim for when the budget shrinks, relative to the period
 
 
 @dataclass
-class BudgetController:
+class SampleBudgetController:
     """Reduces the sample budget if ticks would be late, and raises it again when there is time.
 
     period: of a tick [s]. most: largest budget. allowed: present budget.

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import Particles
-from pacinian.scene.sampling.budget import allot_budget
+from pacinian.scene.sampling.sample_budget import allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sample_counts import SampleCounts, label_object
 from pacinian.scene.sampling.sources import WholeObject

@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.wire.connection import (
+from pacinian.wire.connection_file import (
     VARIABLE,
     Connection,
     check_folder,

@@ -16,7 +16,7 @@ from msgspec import Struct
 from pacinian.errors import ServerError
 
 VARIABLE = "PACINIAN_CONNECTION"
-FIX = "is `pacinian serve` running?"
+START_SERVER = "is `pacinian serve` running?"
 MAX_BYTES = 1 << 16  # size of the file [bytes]
 
 
@@ -79,7 +79,7 @@ class Connection(Struct, frozen=True, kw_only=True):
         made = _read_connection(path)
         if made.pid and not _runs(made.pid):
             raise ServerError(
-                f"{path}: the server that wrote it (process {made.pid}) has gone; {FIX}"
+                f"{path}: the server that wrote it (process {made.pid}) has gone; {START_SERVER}"
             )
         return made
 
@@ -125,7 +125,7 @@ def _read_connection(path: Path) -> Connection:
     try:
         status, text = _read_file(path)
     except FileNotFoundError:
-        raise ServerError(f"{path}: no connection file; {FIX}") from None
+        raise ServerError(f"{path}: no connection file; {START_SERVER}") from None
     if os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise ServerError(
             f"{path}: others can read or change it, so its keys are not secret: "

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from pacinian.serving.control.silence_cause import find_cause
+from pacinian.serving.control.explain_silence import find_cause
 from pacinian.wire.silence_cause import CAUSES, Cause
 from pacinian.wire.state import ClientState, State
 

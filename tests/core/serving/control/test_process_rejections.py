@@ -38,7 +38,7 @@ CLIENT = """
 import sys, threading, time
 import zmq
 from pacinian.wire.codec import decode_reply, encode
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm, Hello, Renew
 from pacinian.wire.protocol import MAJOR, MINOR
 connection = Connection.read(sys.argv[1])

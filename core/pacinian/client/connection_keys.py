@@ -7,10 +7,10 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from pacinian.errors import ArgumentError, ConnectionLost, ServerError
-from pacinian.wire.connection import Connection
+from pacinian.wire.connection_file import Connection
 
 SERVER = "server.key"
-FIX = "`pacinian keys` makes one"
+MAKE_KEYS = "`pacinian keys` makes one"
 
 
 def resolve_connection(
@@ -56,5 +56,5 @@ def _read(path: Path) -> tuple[str, str]:
     try:
         public, secret = load_certificate(path)
     except (OSError, ValueError) as error:
-        raise ArgumentError("keys", f"{path} is not a key file: {error}; {FIX}") from error
+        raise ArgumentError("keys", f"{path} is not a key file: {error}; {MAKE_KEYS}") from error
     return public.decode(), (secret or b"").decode()
