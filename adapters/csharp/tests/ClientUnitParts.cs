@@ -33,7 +33,7 @@ namespace Pacinian.Tests
 
         public void TheLastNumbersAreSorted()
         {
-            Sorted sorted = new Sorted(50);
+            SortedWindow sorted = new SortedWindow(50);
             double[] last = new double[50];
             Random random = new Random(1);
             for (int i = 0; i < 1000; i++)

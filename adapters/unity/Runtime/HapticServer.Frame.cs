@@ -11,7 +11,7 @@ namespace Pacinian.Haptics
     {
         private readonly List<Wire.HandFrame> _hands = new List<Wire.HandFrame>();
         private readonly List<Wire.Zone> _zones = new List<Wire.Zone>();
-        private readonly Changing _changing = new Changing();
+        private readonly SelectionSender _selectionSender = new SelectionSender();
         private int _emptySession, _zonesSession; // sessions in which the empty list of hands, and all zones, were sent
         private bool _arms, _handed;
 
@@ -40,7 +40,7 @@ namespace Pacinian.Haptics
             }
             double now = Time.realtimeSinceStartupAsDouble;
             Rigid toArray = ArrayOrigin.ToArray;
-            _changing.Send(Client, solver, backend, intensity, now);
+            _selectionSender.Send(Client, solver, backend, intensity, now);
             SendZones(toArray);
             for (int i = 0; i < HapticEffect.All.Count && Client != null; i++) // a handler may disconnect
             {

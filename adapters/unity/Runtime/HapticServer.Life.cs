@@ -89,7 +89,7 @@ namespace Pacinian.Haptics
         {
             _session = ++s_sessions;
             _refused = _logged = "";
-            _changing.Forget();
+            _selectionSender.Forget();
             _arms = _wanted && (_again ? armAgainAfterLoss : armOnConnect);
             _again = true;
             Connected?.Invoke();

@@ -11,7 +11,7 @@ namespace Pacinian
     {
         private readonly object _lock = new object();
         private readonly WriterPool _writers;
-        private readonly Latest _latest;
+        private readonly PendingByObject _pending;
         private readonly double _life;
         private Writer _hands, _quiet;
         private double _handsTime, _quietTime, _clearTime;
@@ -23,7 +23,7 @@ namespace Pacinian
         {
             _writers = writers;
             _life = life;
-            _latest = new Latest(writers, life);
+            _pending = new PendingByObject(writers, life);
         }
 
         /// <summary>Starts a session without waiting commands. session: 0 for none.</summary>
@@ -47,7 +47,7 @@ namespace Pacinian
                 bool current = Current(session, part);
                 if (current)
                 {
-                    _latest.Write(kind, name, part, ref movement, now);
+                    _pending.Write(kind, name, part, ref movement, now);
                 }
                 return current;
             }
@@ -106,7 +106,7 @@ namespace Pacinian
                 }
                 _clear = false;
                 Take(batch, Kind.Quiet, ref _quiet, _quietTime, now);
-                _latest.Take(batch, now);
+                _pending.Take(batch, now);
                 Take(batch, Kind.Hands, ref _hands, _handsTime, now);
             }
             return batch.Kind != Kind.None;
@@ -142,7 +142,7 @@ namespace Pacinian
 
         private void Forget()
         {
-            _latest.Forget();
+            _pending.Forget();
             _writers.Return(_hands);
             _writers.Return(_quiet);
             _hands = _quiet = null;

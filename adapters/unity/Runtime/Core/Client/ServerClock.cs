@@ -14,7 +14,7 @@ namespace Pacinian
         private const int Kept = 1000; // round trips
         private const int Marks = 64; // readings of the server's clock
 
-        private readonly Sorted _trips = new Sorted(Kept);
+        private readonly SortedWindow _trips = new SortedWindow(Kept);
         private readonly double[] _durations = new double[Marks];
         private readonly double[] _offsets = new double[Marks];
         private int _markCount;

@@ -3,13 +3,13 @@ using System;
 namespace Pacinian
 {
     /// <summary>The last numbers of a series, sorted. Adding a number allocates nothing.</summary>
-    internal sealed class Sorted
+    internal sealed class SortedWindow
     {
         private readonly double[] _ring, _sorted;
         private int _next;
 
         /// <summary>kept: the capacity; beyond it, the oldest numbers are dropped.</summary>
-        public Sorted(int kept)
+        public SortedWindow(int kept)
         {
             _ring = new double[kept];
             _sorted = new double[kept];

@@ -5,21 +5,21 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>The waiting commands about objects, by name. Not thread-safe: the outbox's lock protects it.</summary>
-    internal sealed class Latest
+    internal sealed class PendingByObject
     {
         private const int Full = 900000; // [bytes] of the objects in one message
         private const double Together = 0.001; // [s] between parts that are sent in one message, with one time
 
         private static readonly Kind[] Kinds = { Kind.Remove, Kind.Put, Kind.Envelope, Kind.Move };
 
-        private readonly Dictionary<string, Waiting> _waiting = new Dictionary<string, Waiting>();
-        private readonly Stack<Waiting> _spare = new Stack<Waiting>();
+        private readonly Dictionary<string, PendingOfObject> _waiting = new Dictionary<string, PendingOfObject>();
+        private readonly Stack<PendingOfObject> _spare = new Stack<PendingOfObject>();
         private readonly List<string> _done = new List<string>();
         private readonly WriterPool _writers;
         private readonly double _life;
 
         /// <summary>writers: the pool of the parts. life: the time to live of a command [s].</summary>
-        public Latest(WriterPool writers, double life)
+        public PendingByObject(WriterPool writers, double life)
         {
             _writers = writers;
             _life = life;
@@ -31,22 +31,22 @@ namespace Pacinian
         /// </summary>
         public void Write(Kind kind, string name, Writer part, ref Movement movement, double now)
         {
-            Waiting waiting;
-            if (!_waiting.TryGetValue(name, out waiting))
+            PendingOfObject pending;
+            if (!_waiting.TryGetValue(name, out pending))
             {
-                waiting = _spare.Count > 0 ? _spare.Pop() : new Waiting();
-                _waiting.Add(name, waiting);
+                pending = _spare.Count > 0 ? _spare.Pop() : new PendingOfObject();
+                _waiting.Add(name, pending);
             }
             bool all = kind == Kind.Put || kind == Kind.Remove;
             foreach (Kind old in Kinds)
             {
                 if (all || old == kind)
                 {
-                    _writers.Return(waiting.Part(old));
-                    waiting.Drop(old);
+                    _writers.Return(pending.Part(old));
+                    pending.Drop(old);
                 }
             }
-            waiting.Keep(kind, part, ref movement, now);
+            pending.Keep(kind, part, ref movement, now);
         }
 
         /// <summary>Moves the next commands to the batch if it is empty. Drops commands whose time to live is over.</summary>
@@ -62,7 +62,7 @@ namespace Pacinian
         /// <summary>Drops all commands.</summary>
         public void Forget()
         {
-            foreach (KeyValuePair<string, Waiting> pair in _waiting)
+            foreach (KeyValuePair<string, PendingOfObject> pair in _waiting)
             {
                 foreach (Kind kind in Kinds)
                 {
@@ -77,15 +77,15 @@ namespace Pacinian
         private void Take(Batch batch, Kind kind, double now)
         {
             int size = 0;
-            foreach (KeyValuePair<string, Waiting> pair in _waiting)
+            foreach (KeyValuePair<string, PendingOfObject> pair in _waiting)
             {
-                Waiting waiting = pair.Value;
-                if (!waiting.Has(kind))
+                PendingOfObject pending = pair.Value;
+                if (!pending.Has(kind))
                 {
                     continue;
                 }
-                Writer part = waiting.Part(kind);
-                double time = waiting.Time(kind);
+                Writer part = pending.Part(kind);
+                double time = pending.Time(kind);
                 if (now - time > _life)
                 {
                     _writers.Return(part);
@@ -94,14 +94,14 @@ namespace Pacinian
                 {
                     size += part == null ? 0 : part.Count;
                     batch.Begin(kind, batch.Kind == Kind.None ? time : Math.Min(time, batch.Time));
-                    batch.Add(pair.Key, part, waiting.Movement);
+                    batch.Add(pair.Key, part, pending.Movement);
                 }
                 else
                 {
                     continue;
                 }
-                waiting.Drop(kind);
-                if (waiting.Empty)
+                pending.Drop(kind);
+                if (pending.Empty)
                 {
                     _done.Add(pair.Key);
                 }

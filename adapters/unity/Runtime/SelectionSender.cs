@@ -1,7 +1,7 @@
 namespace Pacinian.Haptics
 {
     /// <summary>Sends changes of solver, backend and intensity to the server, at a limited rate.</summary>
-    internal sealed class Changing
+    internal sealed class SelectionSender
     {
         private const double Pause = 0.1; // [s] shortest time between two changes
 

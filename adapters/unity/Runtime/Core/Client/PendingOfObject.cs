@@ -3,7 +3,7 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>The waiting commands about one object: the newest of each kind, and when it was written [s].</summary>
-    internal sealed class Waiting
+    internal sealed class PendingOfObject
     {
         private Writer _put, _envelope;
         private bool _removed, _moved;
