@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pacinian.skip_reasons import MISSED_TICKS, split_skips
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from contextlib import AbstractContextManager
@@ -136,7 +138,7 @@ def judge_pace(figures: dict[str, Any], remedy: str) -> str:
 
     figures: a summary. remedy: what helps if the machine is too slow for the scene.
     """
-    planned = figures["ticks"] + figures["skipped"].get("missed ticks", 0)
+    planned = figures["ticks"] + figures["skipped"].get(MISSED_TICKS, 0)
     timely = figures["ticks"] - figures["late_ticks"]
     if not planned:
         return ""
@@ -176,7 +178,6 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
 
     from pacinian.cli.console import make_console
     from pacinian.rendering.deviations import Total, describe_totals
-    from pacinian.rendering.skip_reasons import split_skips
     from pacinian.solving.felt_regions import FeltRegion
 
     table = Table(box=None, show_header=False, pad_edge=False)

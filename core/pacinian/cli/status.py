@@ -9,6 +9,7 @@ import click
 
 from pacinian.cli.connection_option import CONNECTION
 from pacinian.errors import replace_unprintable
+from pacinian.skip_reasons import split_skips
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -97,8 +98,6 @@ def make_table(state: State) -> Table:
     """Return a state as a table: what is wrong is coloured."""
     from rich.table import Table
     from rich.text import Text
-
-    from pacinian.rendering.skip_reasons import split_skips
 
     made = Table(box=None, show_header=False, pad_edge=False)
     made.add_column(style="dim", no_wrap=True)

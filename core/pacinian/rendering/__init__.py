@@ -15,7 +15,7 @@ From gains to levels
     modulator.py, envelope_groups.py, mixing.py   rows of gains, with their envelopes
     slew_limiter.py, quantiser.py     no jumps; levels of the device
 What is reported
-    report.py, skip_reasons.py, deviations.py, frame_deviations.py   counts and times; what is left out or changed
+    report.py, deviations.py, frame_deviations.py   counts and times; what is left out or changed
     scene_warnings.py                 what to warn about before a run
     measurement_schedule.py, emitted_measurement.py, audibility.py   the emitted field; audible sound
 Recordings

@@ -30,6 +30,7 @@ from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
+from pacinian.skip_reasons import NOT_DUE, NOTHING_CHANGED, UNDER_WAY
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -204,7 +205,7 @@ class Pipeline:
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
         if self.player.steady and self._made == made and not self._fresh:
-            skipped["drive, nothing changed"] += 1
+            skipped[NOTHING_CHANGED] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
@@ -244,7 +245,7 @@ class Pipeline:
         self.schedule.pass_tick()
         if self.background.running:
             if not self._is_done():
-                self.stages.report.skipped["solve, still under way"] += 1
+                self.stages.report.skipped[UNDER_WAY] += 1
                 return
             result = self._take_job()
             if result is not None and result.solved.brief:
@@ -257,7 +258,7 @@ class Pipeline:
             job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
             self._start_job(job, measures=False)
         else:
-            self.stages.report.skipped["solve, not due"] += 1
+            self.stages.report.skipped[NOT_DUE] += 1
 
     def _start_job(
         self, job: Callable[[], Outcome] | Callable[[], Measurement], *, measures: bool

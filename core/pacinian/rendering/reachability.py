@@ -12,6 +12,7 @@ from pacinian.checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 from pacinian.native import rendering as kernels
 from pacinian.scene.sampling.array_resolution import FULL_PRESSURE_COS2, weigh_incidence
+from pacinian.skip_reasons import SAMPLES_HARDLY_REACHED, SAMPLES_ON_TRANSDUCER, SAMPLES_TOO_FAR
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -48,8 +49,8 @@ class ReachabilityFilter:
             return np.ones(len(q), dtype=np.bool_)
         far, on = unreachable
         for reason, found in (
-            ("samples too far from the array", far),
-            ("samples on a transducer", on),
+            (SAMPLES_TOO_FAR, far),
+            (SAMPLES_ON_TRANSDUCER, on),
         ):
             if found.any():
                 skipped[reason] += int(found.sum())
@@ -80,7 +81,7 @@ class ReachabilityFilter:
         if seen.min() >= FULL_PRESSURE_COS2:
             return np.ones(len(q))
         share = weigh_incidence(seen)
-        skipped["samples hardly reached"] += int((share < WEAKENED_BELOW).sum())
+        skipped[SAMPLES_HARDLY_REACHED] += int((share < WEAKENED_BELOW).sum())
         return share
 
     def _free(self, q: Floats) -> Floats:

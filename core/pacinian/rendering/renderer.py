@@ -32,6 +32,7 @@ from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
+from pacinian.skip_reasons import MISSED_TICKS, TICKS_HALTED
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -336,11 +337,11 @@ class Renderer(Closing):
         due = begin if due is None else due
         self._outcome, self._missed = None, missed
         if missed:
-            self.report.skipped["missed ticks"] += missed
+            self.report.skipped[MISSED_TICKS] += missed
         if self.halted is None:
             self._emitter.attempt("scene", lambda: self._step(due))
         else:
-            self.report.skipped["halted"] += 1
+            self.report.skipped[TICKS_HALTED] += 1
             if self._emitter.loud:  # silencing failed before, so retry
                 self._emitter.silence()
         end = self.clock.now()

@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
 from pacinian.rendering.deviations import NOTHING, Deviations, describe_totals
-from pacinian.rendering.skip_reasons import split_skips
+from pacinian.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:

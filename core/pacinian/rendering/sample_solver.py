@@ -17,6 +17,7 @@ from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
+from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
 from pacinian.solving.problem import Limits, Targets, number_regions
 
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ class SampleSolver:
         self.cycle.forget()
         last = self._last
         if last is not None and last.rows[0].rests(t) and not last.brief:
-            self.skipped["solve, nothing moved"] += 1
+            self.skipped[NOTHING_MOVED] += 1
             return last
         base, parts = self._parts
         if not parts:
@@ -162,7 +163,7 @@ class SampleSolver:
                 )
                 kept = self._found(step, row, t, limits, solver, deadline / len(self.times))
             else:
-                self.skipped["solve, step of a modulation known"] += 1
+                self.skipped[STEP_KNOWN] += 1
             solved.append(kept)
         return self._make(samples, limits, tuple(solved), each=True, brief=True)
 
@@ -197,7 +198,7 @@ class SampleSolver:
             P, step = P * strength[groups.index], (*step, strength.tobytes())
         kept = self._steps.get(step)
         if kept is not None and kept.rests(t):
-            self.skipped["solve, nothing moved"] += 1
+            self.skipped[NOTHING_MOVED] += 1
             return kept
         made = self._solve_part(
             self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline,
@@ -224,7 +225,7 @@ class SampleSolver:
         cycle = self.cycle
         part = cycle.due(t)
         if part is None:
-            self.skipped["solve, nothing moved"] += 1
+            self.skipped[NOTHING_MOVED] += 1
         else:
             P, groups = samples.radiation_pressure, EnvelopeGroups(samples)
             again = part.tries > 0

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from pacinian.notebook import Card, card
+from pacinian.skip_reasons import split_skips
 from pacinian.wire.modulation import Technique
 from pacinian.wire.protocol import Id, Name, Seconds, Text
 from pacinian.wire.silence_cause import Silence
@@ -168,7 +169,6 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     def summarise(self) -> dict[str, str]:
         """Return names and values of what a person wants to know first."""
-        from pacinian.rendering.skip_reasons import split_skips
         from pacinian.wire.wording import count, describe_felt, list_counts, share
 
         hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4

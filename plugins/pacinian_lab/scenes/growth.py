@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from pacinian import gallery
 from pacinian.acoustics.pose import Pose
+from pacinian.skip_reasons import AWAY_FROM_HANDS
 from pacinian_lab.scenes.savings import At, Side, take_turns
 
 if TYPE_CHECKING:
@@ -71,4 +72,4 @@ def _add_crowd(scene: Scene) -> At:
 
 def _count_far(side: Side) -> float:
     report = side.renderer.report
-    return report.skipped["objects away from hands"] / report.ticks
+    return report.skipped[AWAY_FROM_HANDS] / report.ticks

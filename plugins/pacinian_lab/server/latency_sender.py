@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from pacinian import gallery
 from pacinian.acoustics.pose import Pose
+from pacinian.skip_reasons import UNDER_WAY
 from pacinian.wire import binary_arrays, codec, objects, shapes
 from pacinian.wire.commands import HandFrame, Hands, Put
 from pacinian.wire.connection_file import Connection
@@ -35,7 +36,7 @@ RENEW = 0.05  # [s]
 ALONE = 8.0  # [s] maximum; the server forgets a session that does not renew for 10 s
 WARM = 5.0  # [s] maximum warm-up, which is not counted; never longer than the measurement
 SETTLE = 0.2  # [s] after the last hand until its effect is known
-WAITING = "solve, still under way"
+WAITING = UNDER_WAY
 
 
 class Task(Struct, frozen=True):

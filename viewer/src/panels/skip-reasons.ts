@@ -1,6 +1,6 @@
 /**
  * The reasons why the server leaves work out: saved work and problems, each with its meaning. Keep them equal to
- * docs/skipped.md and to pacinian/rendering/skip_reasons.py.
+ * docs/skipped.md and to pacinian/skip_reasons.py.
  */
 
 const SAVED: Record<string, string> = {
@@ -21,7 +21,7 @@ const PROBLEMS: Record<string, string> = {
   "samples too far from the array": "The array cannot send sound there: bring the object nearer.",
   "samples hardly reached": "Little sound arrives there: bring the object nearer, or turn the hand to the array.",
   "samples on a transducer": "An object touches the array.",
-  "forces beyond the most pressure": "More force is asked than `safety.pressure` allows.",
+  "forces above the pressure limit": "More force is asked than `safety.pressure` allows.",
   "hands lost": "The tracker sees no hand.",
   halted: "The renderer was stopped by a fault.",
 };

@@ -50,6 +50,15 @@ from pacinian.scene.sampling.sources import (
 )
 from pacinian.scene.sampling.surround import add_surround
 from pacinian.scene.setup import FINEST
+from pacinian.skip_reasons import (
+    AWAY_FROM_HANDS,
+    COARSENED_SAMPLES,
+    FORCES_LIMITED,
+    HANDS_LOST,
+    SAMPLES_FAINT,
+    SAMPLES_MERGED,
+    SAMPLES_OVER_BUDGET,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -66,11 +75,11 @@ WAVELENGTH = 0.0085  # spacing before an array is known [m]
 NAMES = 1 << 31  # numbers of objects in sample keys are smaller than this
 OFF = Constant(0.0)
 COUNTED = {
-    COARSENED: "samples coarsened",
-    OVER_BUDGET: "samples over budget",
-    MERGED: "samples merged",
-    FAINT: "samples too faint to feel",
-    PRESSURE_LIMITED: "forces beyond the most pressure",
+    COARSENED: COARSENED_SAMPLES,
+    OVER_BUDGET: SAMPLES_OVER_BUDGET,
+    MERGED: SAMPLES_MERGED,
+    FAINT: SAMPLES_FAINT,
+    PRESSURE_LIMITED: FORCES_LIMITED,
 }
 """Reasons of `Sampler.skipped`, by those of the sample counts."""
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
@@ -200,7 +209,7 @@ class Sampler:
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
-        self.skipped["objects away from hands"] += len(scene.objects) - len(found)
+        self.skipped[AWAY_FROM_HANDS] += len(scene.objects) - len(found)
         if not skin and len(found) < len(scene.objects):
             self._note_outside(scene, found, counts)
         sources = self._sources(scene, t, found, hands, skin)
@@ -283,7 +292,7 @@ class Sampler:
         for hand in scene.hands:
             now, share = tracks[hand.name].at(hand, t, self._ahead)
             if now is None:
-                self.skipped["hands lost"] += 1
+                self.skipped[HANDS_LOST] += 1
                 counts.note_hand(HAND_LOST, hand.name)
             else:
                 if share < 1.0:

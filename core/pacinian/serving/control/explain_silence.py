@@ -6,6 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.skip_reasons import (
+    HANDS_LOST,
+    SAMPLES_HARDLY_REACHED,
+    SAMPLES_ON_TRANSDUCER,
+    SAMPLES_TOO_FAR,
+)
 from pacinian.wire.silence_cause import UNTOUCHED, Silence
 
 if TYPE_CHECKING:
@@ -25,9 +31,9 @@ NOT_PRESSING = (
 )
 PAUSE = "nothing presses at this moment: an envelope is at 0, or the sound has just begun"
 UNREACHED_REASONS = (
-    "samples hardly reached",
-    "samples too far from the array",
-    "samples on a transducer",
+    SAMPLES_HARDLY_REACHED,
+    SAMPLES_TOO_FAR,
+    SAMPLES_ON_TRANSDUCER,
 )  # reasons in `State.skipped` for which the array cannot press what a hand touches
 
 
@@ -90,6 +96,6 @@ def _explain_contact(state: State) -> Silence:
     """Explain why there are no samples."""
     if state.hands:
         return Silence(state.cause or "nothing in reach", state.why or UNTOUCHED)
-    if state.skipped.get("hands lost"):
+    if state.skipped.get(HANDS_LOST):
         return Silence("hand not seen", NOT_SEEN)
     return Silence("no pressure", NOT_PRESSING)
