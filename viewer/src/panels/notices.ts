@@ -4,7 +4,7 @@ import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
 import { advice as advise, title } from "./advice";
 import { element, made, marked, say, sayMarked } from "./dom";
-import { forPage } from "./output";
+import { forPage } from "./silence";
 
 const STAYS = 15_000; // time that a notice stays [ms]
 const MAX_NOTES = 2;

@@ -1,20 +1,13 @@
 /** The state and the owner of the output, and the buttons that start and end sound. */
 
-import type { Output, Session, Sound, State, ToServer } from "../feed/messages";
+import type { Session, Sound, State, ToServer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { unready } from "./advice";
 import { DEMONSTRATION } from "./demonstration";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./format";
+import { explainSilence } from "./silence";
 
-/** Explanations for recordings, which do not contain those of the server. */
-const WHY: Record<Output, string> = {
-  silent: "not armed, or nothing can be felt",
-  sounding: "something can be felt",
-  stale: "the renderer is late: sound returns when it catches up",
-  stopped: "stopped by an emergency stop, until reset",
-  faulted: "a plug-in or device failed, until reset",
-};
 const NOT = {
   held: "The output is stopped: press Reset first.",
   mine: "This page has armed already.",
@@ -122,12 +115,6 @@ export class OutputPanel {
     this.show(this.store.newest.state);
   }
 
-  /** Explain the output, with the server's own explanation of silence if there is one. */
-  private why(output: Output): string {
-    const told = output === "sounding" ? "" : this.store.newest.silence?.text;
-    return told ? forPage(told) : WHY[output];
-  }
-
   private show(state: State | undefined): void {
     const live = this.store.link === "live";
     const output = state?.output;
@@ -135,7 +122,7 @@ export class OutputPanel {
     element("output").dataset["output"] = shown;
     document.body.dataset["link"] = this.store.link;
     say(element("output-name"), name(shown));
-    const why = live && output ? this.why(output) : "";
+    const why = live && output ? explainSilence(output, this.store.newest.silence?.text) : "";
     say(element("output-why"), why);
     element("output-why").title = why; // for a line that is cut off
     const held = output === "stopped" || output === "faulted";
@@ -164,17 +151,6 @@ export class OutputPanel {
     element("late").title = `${whole(state.late)} of ${whole(state.ticks)} ticks`;
     say(element("gap"), seconds(state.longest_gap));
   }
-}
-
-/** Replace what a client can do in an advice by the controls of this page. */
-export function forPage(text: string): string {
-  return text
-    .replace("reset the server", "press Reset")
-    .replace(/^reset first$/, "Press Reset first.")
-    .replace(/^reset, and arm again$/, "Press Reset, then arm again.")
-    .replace("the game must arm the output", "press Arm, or start a program that arms")
-    .replace("select one above 0", "raise it under Rendering")
-    .replaceAll("`", "");
 }
 
 /** Enable a button, or disable it and show the reason. */

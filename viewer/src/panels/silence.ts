@@ -1,0 +1,28 @@
+/** Why the output is silent, in the words of this page. The server finds the reason: serving/control/explain_silence.py. */
+
+import type { Output } from "../feed/messages";
+
+/** Explanations for recordings, which do not contain those of the server. */
+const WHY: Record<Output, string> = {
+  silent: "not armed, or nothing can be felt",
+  sounding: "something can be felt",
+  stale: "the renderer is late: sound returns when it catches up",
+  stopped: "stopped by an emergency stop, until reset",
+  faulted: "a plug-in or device failed, until reset",
+};
+
+/** Explain an output. told: what the server says, if it has said something. */
+export function explainSilence(output: Output, told?: string): string {
+  return told && output !== "sounding" ? forPage(told) : WHY[output];
+}
+
+/** Replace what a client can do in an advice by the controls of this page. */
+export function forPage(text: string): string {
+  return text
+    .replace("reset the server", "press Reset")
+    .replace(/^reset first$/, "Press Reset first.")
+    .replace(/^reset, and arm again$/, "Press Reset, then arm again.")
+    .replace("the game must arm the output", "press Arm, or start a program that arms")
+    .replace("select one above 0", "raise it under Rendering")
+    .replaceAll("`", "");
+}
