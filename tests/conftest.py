@@ -37,9 +37,8 @@ if (
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None, database=None, print_blob=True)
-EXAMPLES_TRIED = (
-    4  # of the examples of a property, one in so many is tried; the deep tests try all of them
-)
+# of the examples of a property, one in so many is tried; the deep tests try all of them
+EXAMPLES_TRIED = 4
 FEWEST = 5
 SETTINGS = "_hypothesis_internal_use_settings"  # of a property; it has no public name
 

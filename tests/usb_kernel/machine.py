@@ -24,10 +24,8 @@ CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 KERNEL = CACHE / "pacinian" / "kernel"  # as `kernel` leaves it
 APPLETS = "sh", "mount", "insmod", "mkdir", "switch_root"
 MAX_SECONDS = 1800.0  # [s] from the start to the last result: only ends what hangs
-MAX_BOOT_SECONDS, MAX_BOOTS = (
-    300.0,
-    3,
-)  # QEMU 7.2 may hang before the kernel's first line: then it is started again
+# QEMU 7.2 may hang before the kernel's first line: then it is started again
+MAX_BOOT_SECONDS, MAX_BOOTS = 300.0, 3
 # AVX2, as that processor does not have it, is emulated wrongly by QEMU 7.2: NumPy sorts falsely with it
 PROCESSOR = "Nehalem"
 START = """

@@ -29,9 +29,8 @@ if TYPE_CHECKING:
 
 Precision = Literal["single", "double"]
 
-STEPS = (
-    1 << 16
-)  # steps of cos(theta) in the kernels' directivity table; error at most 1.5e-5 for the T4010A1
+# steps of cos(theta) in the kernels' directivity table; error at most 1.5e-5 for the T4010A1
+STEPS = 1 << 16
 MAX_GAIN = 1e30  # largest gain; single precision ends at 3e38
 TOUCHING = 1e-6  # distance within which a point is on the transducer [m]
 CHUNK = 1 << 18  # elements of B in one chunk of the double-precision field

@@ -24,10 +24,8 @@ if TYPE_CHECKING:
 MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
 VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
-DOUBTFUL_POSE, WRONG_POSE = (
-    2.5,
-    4.0,
-)  # pose, in standard errors, above which it is reported, and refused
+# pose, in standard errors, above which it is reported, and refused
+DOUBTFUL_POSE, WRONG_POSE = 2.5, 4.0
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
 MANY_OUTLIERS = 0.02  # share of the readings above which outliers are a warning
 CLIPPED = 0.995, 0.01  # of the highest amplitude, and the share of readings that may be above

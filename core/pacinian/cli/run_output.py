@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
 MAX_LISTED = 8  # objects whose felt quality is shown
 TIMELY_SHARE = 0.95  # share of ticks on time from which a run counts as on time
-OTHERS_SHARE = (
-    0.25  # share of all processors from which other programs count as the cause of late ticks
-)
+# share of all processors from which other programs count as the cause of late ticks
+OTHERS_SHARE = 0.25
 ENDED_EARLY_SHARE = 0.5  # share of the solves from which it is said that they ended early
 
 

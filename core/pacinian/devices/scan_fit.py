@@ -47,9 +47,8 @@ MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transduc
 OUTLYING = 0.1  # weight below which a reading is an outlier
 MAX_OUTLYING = 0.5  # share of outliers in a transducer's readings above which these are odd
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
-MIN_INFORMATION = (
-    0.1  # information from the scan, relative to that from before; below, a parameter is unknown
-)
+# information from the scan, relative to that from before; below, a parameter is unknown
+MIN_INFORMATION = 0.1
 MIN_SHARE = 0.2  # share of a parameter in what is unknown, from which it is named
 SHARED = (
     "speed of sound",

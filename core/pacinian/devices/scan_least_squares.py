@@ -32,9 +32,8 @@ if TYPE_CHECKING:
 MIN_SPEED, MAX_SPEED = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
 TRIAL_STEP = 0.5  # step of the first grid search over the speed of sound [m/s]
 SPEED, SPEED_ERROR = 343.0, 10.0  # prior of the speed of sound: a room, give or take 17 K [m/s]
-ABSORPTION_ERROR = (
-    0.2  # of the absorption of a room's air, relative: 15 to 30 degC, 25 to 75 % humidity
-)
+# of the absorption of a room's air, relative: 15 to 30 degC, 25 to 75 % humidity
+ABSORPTION_ERROR = 0.2
 KNOWN = 1e-9  # standard error of what is given
 MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
 MAX_WIDENINGS = 20  # of the priors

@@ -26,10 +26,8 @@ Colour = tuple[float, float, float]
 
 LIGHT = np.array([0.3, -0.4, 0.9])
 DARKEST = 0.5  # brightness of a side facing away from the light
-DISC_SPACING, MAX_DISCS = (
-    0.002,
-    4000,
-)  # distance between discs on an object [m]; their maximum number
+# distance between discs on an object [m]; their maximum number
+DISC_SPACING, MAX_DISCS = 0.002, 4000
 DISCS, SKIN_DISC = 1.75e-3, 4.2e-3  # distance between discs on a skin, and their diameter [m]
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 

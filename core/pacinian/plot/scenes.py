@@ -25,10 +25,8 @@ if TYPE_CHECKING:
 ABOVE, BELOW = (22.0, -58.0), (-30.0, -58.0)  # [deg] elevation and azimuth
 SAMPLE_MARGIN = 0.13  # margin around the samples in the view from below [m]
 DOT = 0.005  # diameter of a sample [m]
-LONE_DOT, RIM = (
-    0.014,
-    1.4,
-)  # [m] the same where nothing else is above the array, and its rim's share of that
+# [m] the same where nothing else is above the array, and its rim's share of that
+LONE_DOT, RIM = 0.014, 1.4
 ZOOMS, LONE_ZOOM = (1.34, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
 APART = 0.65  # largest diameter of a sample, over the distance to the next

@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Floats, Longs
 
 POINTS_PER_WAVELENGTH = 4.0  # grid points per wavelength
-DEFAULT_MAX_POINTS, MAX_POINTS = (
-    1_000_000,
-    10_000_000,
-)  # maximum number of grid points: by default; at all
+# maximum number of grid points: by default; at all
+DEFAULT_MAX_POINTS, MAX_POINTS = 1_000_000, 10_000_000
 
 Box = tuple["ArrayLike", "ArrayLike"]
 

@@ -22,12 +22,10 @@ if TYPE_CHECKING:
 
 MAX_RATE = 1e6  # frame rate [Hz]
 MAX_LEVELS = 1 << 16  # levels of phase or amplitude
-MIN_STEP = (
-    2.0**-24
-)  # precision of amplitudes, relative to full drive; levels of a table are at least this far apart
-LEVEL_TOLERANCE = (
-    1e-3  # tolerance for rounding, in steps: a limit this far below a level still allows it
-)
+# precision of amplitudes, relative to full drive; levels of a table are at least this far apart
+MIN_STEP = 2.0**-24
+# tolerance for rounding, in steps: a limit this far below a level still allows it
+LEVEL_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)

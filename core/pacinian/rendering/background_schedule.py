@@ -17,13 +17,11 @@ MIN_FITTING, MAX_FITTING = 256, 4096
 BACK = 8  # solves deducted for one that does not fit; a few may be due to the machine
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
 MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
-MIN_INTERVAL = (
-    0.008  # shortest time from the beginning of a solve beside the ticks to that of the next [s]
-)
+# shortest time from the beginning of a solve beside the ticks to that of the next [s]
+MIN_INTERVAL = 0.008
 MAX_INTERVAL = 0.012  # after which a solve begins although the scene is the same; longest spread of a change [s]
-END_SPREAD = (
-    0.006  # over which the last solution fades into silence, for which clients wait 20 ms [s]
-)
+# over which the last solution fades into silence, for which clients wait 20 ms [s]
+END_SPREAD = 0.006
 SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
 

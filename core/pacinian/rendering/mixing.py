@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
-MIN_DIFFERENCE = (
-    1e-6  # regularisation, relative to total power; parts that differ by less are not separated
-)
+# regularisation, relative to total power; parts that differ by less are not separated
+MIN_DIFFERENCE = 1e-6
 MAX_SHARE = 4.0  # largest coefficient of a part while it fades; more is rounding
 
 

@@ -32,10 +32,8 @@ def _make_free_phases(count: int) -> Floats:
 
 ISOLATED = -1  # region number of a point that belongs to no region
 BESIDE = -2  # region number of a point beside the regions, with target 0
-MIN_AMPLITUDE, MAX_AMPLITUDE = (
-    1e-30,
-    1e30,
-)  # range of amplitudes that single precision can handle [Pa]
+# range of amplitudes that single precision can handle [Pa]
+MIN_AMPLITUDE, MAX_AMPLITUDE = 1e-30, 1e30
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,9 +33,8 @@ if TYPE_CHECKING:
 BLOCK = 64  # most rows added to V at a time
 LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
 WATCHED = 256  # places of a zone at which each solution is checked
-LIMIT_SHARE = (
-    0.5  # V is enlarged down to this fraction of the limit, so that new places keep the limit
-)
+# V is enlarged down to this fraction of the limit, so that new places keep the limit
+LIMIT_SHARE = 0.5
 FAINT = 0.15  # V gets no rows for pressures below this fraction of the limit
 DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the next block
 ROUNDS = 16  # most rounds of new places

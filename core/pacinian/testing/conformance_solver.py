@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 LIMIT = 120.0  # duration of a call [s]
 SINGLE = 1e-4  # error from single precision, relative to the strongest pressure
 MAX_VIOLATION = 2e-3  # relative violation of a limit
-MIN_COHERENCE = (
-    0.99  # least |sum p exp(-j phi)| / sum |p| of a region whose phases are those of one wave
-)
+# least |sum p exp(-j phi)| / sum |p| of a region whose phases are those of one wave
+MIN_COHERENCE = 0.99
 ASIDE = np.array([4e-4, 0.0, 0.0])  # motion of a hand in a tick [m]
 MAX_BOUND_ERROR = 1e-3  # relative error of a bound
 

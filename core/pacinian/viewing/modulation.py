@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
     from pacinian.wire.objects import Object
 
-POINTS = (
-    2000  # number of times in a period at which its mean is computed; without a period the most
-)
+# number of times in a period at which its mean is computed; without a period the most
+POINTS = 2000
 INTERVAL = 5e-4  # interval of these times where there is no period [s]
 REPEATS = 1000  # maximum number of periods of one wave until it meets another
 WIDE = 0.2  # largest gap, in periods, up to which the frames show the whole period

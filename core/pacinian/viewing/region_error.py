@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Gains, Indices
     from pacinian.wire.state import State
 
-MAX_SAMPLE_DISTANCE = (
-    0.005  # maximum distance of a point of the slice from a sample of a region [m]
-)
+# maximum distance of a point of the slice from a sample of a region [m]
+MAX_SAMPLE_DISTANCE = 0.005
 BESIDE = 0.003  # minimum distance of outside places from samples [m]; closer, pressure still falls
 CLOSE = 1.7  # radius of the samples that can surround a place, over the spacing of samples
 NEIGHBOURS = 4  # number of samples that set the height of a point

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 
 BACKEND = "usb-autd"
 GRIDS = (1, 1), (2, 2), (3, 3)  # units in x and y
-FULL_SPEED = (
-    19 * 64 * 1e3
-)  # [B/s] maximum of bulk data over USB 2.0: packets per frame, bytes per packet, frames per second
+# [B/s] maximum of bulk data over USB 2.0: packets per frame, bytes per packet, frames per second
+FULL_SPEED = 19 * 64 * 1e3
 HIGH_SPEED = 13 * 512 * 8e3
 TICK = 1e-3  # [s] of the default loop
 

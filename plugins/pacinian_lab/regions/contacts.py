@@ -30,10 +30,8 @@ if TYPE_CHECKING:
     from pacinian.types import Gains
 
 PRESSURE = 6.0  # [Pa]
-TICKS, PERIOD = (
-    16,
-    1e-3,
-)  # of a loop whose clock is set by hand, so that it has all the time it needs; [s]
+# of a loop whose clock is set by hand, so that it has all the time it needs; [s]
+TICKS, PERIOD = 16, 1e-3
 BUDGET = 2000  # maximum number of foci
 PALM, FINGERTIP = (0.0, 0.0, 0.195), (0.001, 0.0845, 0.2045)  # [m] skin under an open hand
 

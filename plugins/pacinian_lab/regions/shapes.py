@@ -34,10 +34,8 @@ HEIGHT = 0.2  # [m] above the array
 STEP = 0.001  # [m] between the places where pressure is measured
 PICTURE_SPACING = 0.00025  # [m] between the points of a picture
 SIDE = 0.05  # [m] of the square around a flat shape, which contains the shape and `beside`
-BESIDE_FROM, BESIDE_TO = (
-    0.003,
-    0.010,
-)  # [m] distances from a shape between which `beside` is measured
+# [m] distances from a shape between which `beside` is measured
+BESIDE_FROM, BESIDE_TO = 0.003, 0.010
 BALL_PLACES = 4000  # random places on or in a ball
 MAX_SAMPLES = 100_000  # more than any shape has, so in effect no budget
 

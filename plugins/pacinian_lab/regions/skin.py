@@ -24,15 +24,11 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats, Gains
 
-SPACING, GRAIN = (
-    7.5e-4,
-    3.75e-4,
-)  # of the evaluated skin, which has a point for each square millimetre [m]
+# of the evaluated skin, which has a point for each square millimetre [m]
+SPACING, GRAIN = 7.5e-4, 3.75e-4
 BUDGET = 1_000_000  # samples; more than a hand has points
-BESIDE_FROM, BESIDE_TO = (
-    3e-3,
-    10e-3,
-)  # [m] distances from touched skin between which skin is beside it
+# [m] distances from touched skin between which skin is beside it
+BESIDE_FROM, BESIDE_TO = 3e-3, 10e-3
 
 
 def measure_felt(

@@ -34,9 +34,8 @@ if TYPE_CHECKING:
 
 RATE = 1000.0  # [Hz] of the device, and of the ticks if the loop can hold it
 SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
-MAX_LATE_SHARE = (
-    0.005  # the rate counts as held up to this share of late ticks above the dummy loop's
-)
+# the rate counts as held up to this share of late ticks above the dummy loop's
+MAX_LATE_SHARE = 0.005
 SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
 LOOKS = 20  # ticks per run whose errors are evaluated
 NO_BUDGET = 100_000  # samples; in effect, no budget

@@ -25,12 +25,8 @@ if TYPE_CHECKING:
     from pacinian.testing.server import Usage
 
 CLIENTS = 1, 8, 64
-RATES = (
-    0.0,
-    1000.0,
-    10_000.0,
-    100_000.0,
-)  # [Hz] in total: idle, a tenth of the load, the load, ten times the load
+# [Hz] in total: idle, a tenth of the load, the load, ten times the load
+RATES = 0.0, 1000.0, 10_000.0, 100_000.0
 FULL = 10_000.0  # [Hz]; lower rates are for comparison and run a quarter of the time
 CROWDS = 2  # number of sending processes
 SCENE = "load"

@@ -24,9 +24,8 @@ CONTROL = 0.05  # [s] within which control must answer, at any load
 HELD = 0.98  # fraction of the unloaded ticks per second that must remain
 GROWN = 1.25  # maximum ratio of the memory to that at the start of a phase
 FULL = 10_000.0  # [Hz] load at which the tick rate must hold
-MAX_LATE_INCREASE = (
-    0.005  # maximum increase of the share of late ticks over that at a tenth of the load
-)
+# maximum increase of the share of late ticks over that at a tenth of the load
+MAX_LATE_INCREASE = 0.005
 
 
 def latency(found: Sequence[Times]) -> list[Verdict]:

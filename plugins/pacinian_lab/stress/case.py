@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 
     Before = tuple[Floats, ArrayLike] | tuple[Floats, ArrayLike, ArrayLike]
 
-DEFAULT_DEADLINE = (
-    3.0  # [s] deadline of problems without their own, to detect a solver that does not end
-)
+# [s] deadline of problems without their own, to detect a solver that does not end
+DEFAULT_DEADLINE = 3.0
 TABLE = 2e-5  # error of the kernels' directivity table, relative to 1
 FAINT = math.exp(-32.0)  # the kernels treat what absorption leaves as zero below this
 

@@ -16,10 +16,8 @@ if TYPE_CHECKING:
 
 GAP = 0.01  # relative, between the value found and the proven bound
 CLOSED = 1e-14  # gap that double precision can resolve, relative to ||p||^2
-STEPS, STEPS_PER_CHECK = (
-    20_000,
-    50,
-)  # maximum number of gradient steps; steps between two checks of the gap
+# maximum number of gradient steps; steps between two checks of the gap
+STEPS, STEPS_PER_CHECK = 20_000, 50
 
 
 @dataclass(frozen=True, eq=False)

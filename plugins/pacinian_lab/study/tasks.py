@@ -29,9 +29,8 @@ if TYPE_CHECKING:
     from pacinian_lab.study.planes import Plane
 
 MAX_TASKS = 100_000  # maximum number of tasks
-MAX_ELEMENTS = (
-    10_000_000  # points times transducers; several copies of B are held, 16 bytes per element
-)
+# points times transducers; several copies of B are held, 16 bytes per element
+MAX_ELEMENTS = 10_000_000
 BATCH = 8  # maximum number of tasks in a batch
 
 T = TypeVar("T")

@@ -25,10 +25,8 @@ from pacinian.rendering.background_schedule import (
 )
 
 PERIOD = 1e-3  # [s]
-LEAST, MOST = (
-    round(MIN_INTERVAL / PERIOD),
-    round(MAX_INTERVAL / PERIOD),
-)  # ticks from one solve to the next
+# ticks from one solve to the next
+LEAST, MOST = round(MIN_INTERVAL / PERIOD), round(MAX_INTERVAL / PERIOD)
 bounded = settings(max_examples=60)
 
 

@@ -31,10 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 UNIT = 249  # transducers
-ROWS, LEAD = (
-    4,
-    0.006,
-)  # [s]; so a device's buffer outlasts its watchdog, which is what ends the sound
+# [s]; so a device's buffer outlasts its watchdog, which is what ends the sound
+ROWS, LEAD = 4, 0.006
 PARENT = """
 import subprocess, sys
 guard = subprocess.Popen([sys.executable, "-m", "pacinian.serving.guard.process"], stdin=subprocess.PIPE)

@@ -89,9 +89,8 @@ NARROW, WIDE = 0.08, 0.3
 # Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
 # long. Points of a skin lie less densely, so that contacts have about half of these.
 CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
-KEPT_SPACING = (
-    1.3  # a contact keeps its spacing if the spacing would change by less than this factor
-)
+# a contact keeps its spacing if the spacing would change by less than this factor
+KEPT_SPACING = 1.3
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging

@@ -28,10 +28,8 @@ if TYPE_CHECKING:
 STATED = Safety()
 SWAP = "gap at most a tick longer than undisturbed"
 LED = "the same, plus the time that frames wait in the device"
-TICK, GUARD_ROUND = (
-    1e-3,
-    2 * guard_process.POLL_INTERVAL,
-)  # [s]; a guard's round is its pause plus its work
+# [s]; a guard's round is its pause plus its work
+TICK, GUARD_ROUND = 1e-3, 2 * guard_process.POLL_INTERVAL
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
 LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.stale + 2 * GUARD_ROUND
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device

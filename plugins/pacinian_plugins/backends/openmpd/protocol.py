@@ -25,10 +25,8 @@ CARRIER, MAX_DIVIDER = 40_000.0, 255  # carrier frequency [Hz]; its largest divi
 RESYNC_PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0
 
 FLAG = 0x80  # bit 7 of a phase
-COLOUR, DIVIDER = (
-    1,
-    26,
-)  # where its bits begin, the lowest first; the byte behind them says to take it
+# where its bits begin, the lowest first; the byte behind them says to take it
+COLOUR, DIVIDER = 1, 26
 CENTRE = ((DUTY - np.arange(DUTY + 1)) // 2).astype(np.uint16)
 """Delay of each pulse length that keeps the centre of the pulse in place."""
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from enum import IntEnum
 
 MAJOR, MINOR = 1, 0
-INTERFACE = (
-    0xFF,
-    0x41,
-    MAJOR,
-)  # class (vendor-specific), subclass and protocol, which identify the format
+# class (vendor-specific), subclass and protocol, which identify the format
+INTERFACE = 0xFF, 0x41, MAJOR
 VENDOR, PRODUCT = 0x1209, 0x0001  # test IDs of pid.codes; manufacturers use their own
 ENDPOINT = 0x01  # bulk OUT, where it is free to choose
 

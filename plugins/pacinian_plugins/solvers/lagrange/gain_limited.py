@@ -52,9 +52,8 @@ FINISHED = 1e-5  # the same at the end
 FEW_SAMPLES = 16  # most samples for which other starts are tried
 LOOKS = 3  # starts that are looked at, for each that is continued
 GOLDEN = 0.6180339887  # phase increment of the starts [turns]
-MAX_PHASE_ERROR = (
-    0.2  # relative error from which continuing with the current phases is not worthwhile
-)
+# relative error from which continuing with the current phases is not worthwhile
+MAX_PHASE_ERROR = 0.2
 SOFT = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # regularisations relative to trace(G) / M
 STEPS_EACH = 3  # Newton steps with each
 LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds

@@ -43,9 +43,8 @@ at = told.path
 {work}
 """
 WAITS = "gone.wait(); (at / 'orphaned').touch()"
-STUCK = (
-    "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"  # PyDLL keeps the interpreter's lock
-)
+# PyDLL keeps the interpreter's lock
+STUCK = "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"
 PARENT = """
 import sys, time
 from pacinian.serving.ipc import child_process
