@@ -117,9 +117,8 @@ def iso_9613_1(
     p = ambient_pressure / ATMOSPHERE
     h = 100.0 * humidity * _saturation(kelvin) / p  # molar concentration of water vapour [%]
     oxygen = p * (24.0 + 4.04e4 * h * (0.02 + h) / (0.391 + h))  # relaxation frequency [Hz]
-    nitrogen = (
-        p * T**-0.5 * (9.0 + 280.0 * h * math.exp(-4.170 * (T ** (-1.0 / 3.0) - 1.0)))
-    )  # [Hz]
+    # relaxation frequency of nitrogen [Hz]
+    nitrogen = p * T**-0.5 * (9.0 + 280.0 * h * math.exp(-4.170 * (T ** (-1.0 / 3.0) - 1.0)))
     f2 = frequency * frequency
     classical = 1.84e-11 / p * T**0.5
     relaxation = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f2 / oxygen)

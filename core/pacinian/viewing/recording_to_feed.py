@@ -80,9 +80,8 @@ class FeedState:
             before = self._known.get(name, ())
             if len(before) != len(now) or any(a is not b for a, b in zip(now, before, strict=True)):
                 self._known[name] = now
-                with suppress(
-                    PacinianError
-                ):  # a shape that no message can hold, such as a function, is left out
+                # a shape that no message can hold, such as a function, is left out
+                with suppress(PacinianError):
                     new[name] = Raw(msgspec.msgpack.encode(to_wire(item)))
             pose = item.pose if item.motion is None else item.motion.pose(item.pose, tick.time)
             poses[name] = pack([*pose.position, *pose.rotation])

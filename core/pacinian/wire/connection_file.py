@@ -90,9 +90,8 @@ def locate_connection(path: str | Path = "") -> Path:
         return Path(given)
     import platformdirs
 
-    with (
-        warnings.catch_warnings()
-    ):  # without a runtime folder, one in /tmp is safe enough: only this user can read the file
+    # without a runtime folder, one in /tmp is safe enough: only this user can read the file
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return platformdirs.user_runtime_path("pacinian") / "connection.json"
 

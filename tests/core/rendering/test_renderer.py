@@ -606,9 +606,8 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         assert (few < whole) is governed
         beside = SOLVE_TICKS if technique.still else 1  # ticks that a solve may take
         assert not governed or (few >= 16 and few * cost * solves <= beside * renderer.period)
-        late = (
-            renderer.report.late_ticks
-        )  # includes solves beside the ticks, which this test runs in them
+        # includes solves beside the ticks, which this test runs in them
+        late = renderer.report.late_ticks
         assert governed is (late < 60) or (governed and technique.still)
         cost = 1e-7
         for _ in range(2000):

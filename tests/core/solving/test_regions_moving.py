@@ -85,9 +85,8 @@ def test_a_region_that_splits_or_merges_is_felt_all_the_while(
         forces.append(now.force)
         if before is not None:
             turn = np.vdot(solution.gains, before)
-            after = (
-                turn / abs(turn) * solution.gains
-            )  # as in the loop, because the global phase is free
+            # as in the loop, because the global phase is free
+            after = turn / abs(turn) * solution.gains
             for share in np.linspace(0.1, 0.9, 9):
                 way = felt(array, (1.0 - share) * before + share * after, half, P)
                 assert way.force > 0.87

@@ -58,9 +58,8 @@ class Compared:
 def compared(grid: str, points: str, source: str, resolution: float = 1e-3) -> Compared:
     """Solve, send, and have the emulator evaluate its field. resolution: of the plane [m]."""
     array, q = pc.autd(*GRIDS[grid], SOURCES[source]), POINTS[points]
-    focus = (
-        np.abs(pc.matrix(array, q, AIR)).sum(axis=1).min()
-    )  # [Pa] of the weakest alone, at full drive
+    # [Pa] of the weakest alone, at full drive
+    focus = np.abs(pc.matrix(array, q, AIR)).sum(axis=1).min()
     asked = np.full(len(q), SHARE * focus / np.sqrt(len(q)))
     solution = pc.solve(array, q, asked, medium=AIR)
     it = Emulated(array)

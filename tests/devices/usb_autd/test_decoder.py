@@ -114,9 +114,8 @@ def _spoil(data: bytearray, chance: random.Random) -> Any:
             data[at:at] = chance.choice((b"\xa5", b"\xa5U", b"\xa5UAD", cases.message(9)[:24]))
         case _:
             start = data.find(b"\xa5UAD", at)
-            if (
-                start >= 0 and len(data) >= start + 36
-            ):  # a header that is right, and says something else
+            # a header that is right, and says something else
+            if start >= 0 and len(data) >= start + 36:
                 length = int.from_bytes(data[start + 8 : start + 12], "little")
                 if start + length <= len(data):
                     place = chance.choice((4, 5, 8, 9, 12, 16, 24, 26, 27, 28, 30, 32))

@@ -260,9 +260,8 @@ def test_what_smoothing_adds_to_the_dual_is_spared_and_no_more(
     near = 1e-9 * abs(plain)
     assert bound <= plain + near
     far = (np.abs(point.h) >= 1.0 - 1e-12).all() or (power is not None and point.nu > 0.0)
-    if (
-        far and (quiet >= dual.rows.weight[len(c) :] * limit).all()
-    ):  # then the smoothing costs it all
+    # then the smoothing costs it all
+    if far and (quiet >= dual.rows.weight[len(c) :] * limit).all():
         assert bound >= plain - near
 
 

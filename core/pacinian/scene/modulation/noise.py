@@ -60,9 +60,8 @@ def _tabulate_noise(lowest: float, seed: int) -> Floats:
 
     lowest: the lowest frequency over the highest one.
     """
-    lines = (
-        np.arange(LENGTH // 2 + 1) * VALUES_PER_PERIOD / LENGTH
-    )  # frequency over the highest one
+    # frequency over the highest one
+    lines = np.arange(LENGTH // 2 + 1) * VALUES_PER_PERIOD / LENGTH
     band = (lines >= lowest) & (lines > 0.0) & (lines <= 1.0)
     turns = np.random.default_rng(seed).random(len(lines))
     x = np.fft.irfft(band * np.exp(2j * np.pi * turns), LENGTH)

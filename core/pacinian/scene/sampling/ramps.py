@@ -50,9 +50,8 @@ class PressureRamps:
             self._asked = self._last = asked
             return asked
         self._asked = asked
-        share = (
-            seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
-        )  # part of a full ramp that this tick covers
+        # part of a full ramp that this tick covers
+        share = seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
         last, M, L = self._last, len(asked), len(self._last)
         P, most = np.empty(M), np.empty(M)
         index, fading, jumped = np.empty(L, np.int64), np.empty(L), np.empty(L, np.bool_)

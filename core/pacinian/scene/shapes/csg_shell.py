@@ -43,9 +43,8 @@ def sample_shell(whole: Solid, sides: Sides, spacing: float) -> LocalSamples:
 
 
 def _fine(sides: Sides) -> float:
-    return (
-        math.sqrt(sum(part.area for part, _ in sides) / MEASURE_SAMPLES) or 1.0
-    )  # any, if there is no area
+    # any, if there is no area
+    return math.sqrt(sum(part.area for part, _ in sides) / MEASURE_SAMPLES) or 1.0
 
 
 def _only(samples: LocalSamples, kept: Flags | Indices) -> LocalSamples:

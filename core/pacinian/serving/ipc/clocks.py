@@ -41,9 +41,8 @@ class ClockOffsetEstimator:
         self._latest = time
         if received >= self._until:
             kept = self._now
-            if (
-                received >= self._until + WINDOW
-            ):  # the first message after a pause may have waited in it
+            # the first message after a pause may have waited in it
+            if received >= self._until + WINDOW:
                 kept = self.offset + MAX_DRIFT * (received - self._until + WINDOW)
             self._before, self._now, self._until = kept, math.inf, received + WINDOW
         self._now = min(self._now, received - time)

@@ -218,9 +218,8 @@ class PhaseFreeSolve:
         w = self.workspace
         first = second = Candidate.of(error, w)
         if w.free.all():
-            if (
-                error > MAX_PHASE_ERROR or self._work > LARGE
-            ):  # the array cannot resolve the samples
+            # the array cannot resolve the samples
+            if error > MAX_PHASE_ERROR or self._work > LARGE:
                 first = self._solve_softened(first)
             if not self.budget.spent:
                 error = self._full_drive()

@@ -144,9 +144,8 @@ def test_samples_lie_on_the_skin_with_its_normals(item: Any, hand: Hand, spacing
     assert len(samples)
     assert (samples.most == item.pressure).all()
     assert (samples.radiation_pressure > 0.0).all()
-    if (
-        spacing == FINEST
-    ):  # at coarser levels, a node at a bent joint stands for more skin than its own area
+    # at coarser levels, a node at a bent joint stands for more skin than its own area
+    if spacing == FINEST:
         assert (samples.radiation_pressure <= samples.most * (1.0 + 1e-9)).all()
     capsules = PosedSkin(hand).capsules
     d = to_capsules(capsules, samples.positions)

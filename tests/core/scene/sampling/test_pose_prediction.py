@@ -53,9 +53,8 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
         for _ in range(ticks + 1):
             t += TICK
             now = tracks.pose(item, t)
-            speed = (
-                1.8 + JUMP / BLEND + 0.05 * (9.0 + 3.2 / BLEND)
-            )  # speed limit of the corners [m/s]
+            # speed limit of the corners [m/s]
+            speed = 1.8 + JUMP / BLEND + 0.05 * (9.0 + 3.2 / BLEND)
             moved = np.linalg.norm(now.points(CORNERS) - shown.points(CORNERS), axis=1).max()
             assert moved <= speed * TICK
             shown = now

@@ -227,9 +227,8 @@ def test_a_cover_is_even_and_leaves_nothing_bare(kind: Kind, case: tuple[Size, f
     points, _, area = shape.sample_surface(spacing)
     low, high = kind.number
     expected = kind.area(size) / spacing**2
-    edge = (
-        kind.outline(size) / spacing
-    )  # shapes with samples on their outline have one more row on each side
+    # shapes with samples on their outline have one more row on each side
+    edge = kind.outline(size) / spacing
     assert low * expected - 0.5 <= len(points) <= high * expected + 0.5 + edge + 4 * (edge > 0.0)
     nearest = KDTree(points).query(points, k=2)[0][:, 1] / spacing
     assert kind.apart[0] - 1e-9 <= nearest.min()
