@@ -199,7 +199,7 @@ class Focuser(Worker):
 
 
 def test_peers_are_asked_what_ours_are_asked_and_judged_by_their_model() -> None:
-    worker, shape = Focuser(), SHAPES["grating, 20 mm"]()
+    worker, shape = Focuser(), SHAPES["grating, period 20 mm"]()
     with closing(Peers(worker, 1)) as peers:
         assert len(peers.ways) == 4
         made = peers.make(shape, "autd3 gspat, 8.5 mm", 2.0)
