@@ -14,7 +14,7 @@ namespace Pacinian.Haptics
             if (!_drawn || Reshaped())
             {
                 string problem;
-                _shape = Shaped(out problem);
+                _shape = Describe(out problem);
                 _drawn = _changed = true; // so that the server gets it, too
                 Problem = isActiveAndEnabled && Playing ? Problem : problem;
             }

@@ -87,10 +87,10 @@ namespace Pacinian.Haptics
         private void Put(HapticClient client, int session, Rigid pose, double now)
         {
             string problem;
-            Felt felt = Shaped(out problem);
+            Felt felt = Describe(out problem);
             if (felt != null)
             {
-                Describe(felt, now);
+                ApplySettings(felt, now);
                 Place(felt, pose);
                 problem = ObjectValidation.Problem(felt);
             }
@@ -112,7 +112,7 @@ namespace Pacinian.Haptics
             int version = envelope == null ? 0 : envelope.Version;
             if (envelope != _told || version != _version)
             {
-                client.Envelope(_name, Shape());
+                client.Envelope(_name, GetEnvelope());
             }
             Movement movement;
             if (_tracker.Next(pose, now, out movement))
@@ -122,11 +122,11 @@ namespace Pacinian.Haptics
             }
         }
 
-        private void Describe(Felt felt, double now)
+        private void ApplySettings(Felt felt, double now)
         {
             felt.RadiationPressure = strength == HapticStrength.RadiationPressure ? (double?)radiationPressure : null;
             felt.Force = strength == HapticStrength.Force ? (double?)force : null;
-            felt.Envelope = Shape();
+            felt.Envelope = GetEnvelope();
             felt.Technique = technique.Message;
             felt.Material.Stiffness = stiffness > 0f ? (double?)stiffness : null;
             felt.Material.Reach = reach;
@@ -134,7 +134,7 @@ namespace Pacinian.Haptics
             felt.Duration = duration > 0f ? (double?)(duration - (now - _begin)) : null;
         }
 
-        private IEnvelope Shape()
+        private IEnvelope GetEnvelope()
         {
             _told = envelope;
             _version = envelope == null ? 0 : envelope.Version;

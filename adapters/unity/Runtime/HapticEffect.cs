@@ -94,7 +94,7 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Returns the shape without the settings that all effects have; null and the reason if there is none.</summary>
-        protected internal abstract Wire.Felt Shaped(out string problem);
+        protected internal abstract Wire.Felt Describe(out string problem);
 
         /// <summary>Writes the pose, in the array's frame.</summary>
         protected abstract void Place(Wire.Felt felt, Rigid pose);

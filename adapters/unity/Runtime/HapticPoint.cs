@@ -18,7 +18,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Felt Shaped(out string problem)
+        protected internal override Felt Describe(out string problem)
         {
             problem = "";
             return new Point { Area = 0.25 * System.Math.PI * diameter * diameter };

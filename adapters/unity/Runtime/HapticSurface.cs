@@ -70,7 +70,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Felt Shaped(out string problem)
+        protected internal override Felt Describe(out string problem)
         {
             problem = "";
             _scale = transform.lossyScale;

@@ -71,7 +71,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Wire.Felt Shaped(out string problem)
+        protected internal override Wire.Felt Describe(out string problem)
         {
             _scale = transform.lossyScale;
             VolumeFelt where = felt == HapticFelt.Interior ? VolumeFelt.Interior : VolumeFelt.Shell;

@@ -80,7 +80,7 @@ class SkinLimit:
         corners = list(product(*zip(low, high, strict=True)))
         every = -(-len(array) // SEEN_BY)
         some = array.positions[::every]
-        self._some = np.concatenate([corners, some])  # stand for all, (V, 3) [m]
+        self._viewpoints = np.concatenate([corners, some])  # stand for all, (V, 3) [m]
         self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
         self.reset()
 
@@ -207,7 +207,7 @@ class SkinLimit:
 
         which: points, (I,).
         """
-        q, n, r = skin.points[which], skin.normals[which], self._some
+        q, n, r = skin.points[which], skin.normals[which], self._viewpoints
         along = n @ r.T - np.einsum("ij,ij->i", n, q)[:, None]
         squared = (q * q).sum(axis=1)[:, None] + (r * r).sum(axis=1) - 2.0 * (q @ r.T)
         return np.asarray((along > least * np.sqrt(np.maximum(squared, 0.0))).any(axis=1))

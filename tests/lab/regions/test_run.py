@@ -129,7 +129,7 @@ def test_a_view_asks_what_the_places_and_the_samples_ask(name: str) -> None:
 
 def test_gratings_and_ramps_ask_what_they_say() -> None:
     for period in (20, 10, 5):
-        shape = SHAPES[f"grating, {period} mm"]()
+        shape = SHAPES[f"grating, period {period} mm"]()
         phase = (1e3 * shape.places[:, 0]) % period
         assert set(shape.asked[phase < period / 2 - 0.01].tolist()) == {0.0}
         assert set(shape.asked[phase > period / 2 + 0.01].tolist()) == {1.0}

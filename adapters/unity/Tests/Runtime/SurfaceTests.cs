@@ -44,7 +44,7 @@ namespace Pacinian.Haptics.Tests
         private static Felt Told(HapticEffect effect)
         {
             string problem;
-            Felt made = effect.Shaped(out problem);
+            Felt made = effect.Describe(out problem);
             Assert.AreEqual(made == null, problem.Length > 0, problem);
             return made;
         }

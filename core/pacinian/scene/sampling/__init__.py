@@ -2,8 +2,9 @@
 
 sampler.py, samples.py            the API: one tick, from a scene to samples; what they are
 Where
-    broad_phase.py, posed_skin.py     objects near a hand; skin that touches them
-    sources.py, refine.py             samples of objects and contacts; closer ones for small regions
+    broad_phase.py, contact.py        objects near a hand; skin that touches them, and how strongly it is pressed
+    posed_skin.py                     the skin of a hand where it is now
+    sources.py, refine.py             samples of whole objects, points and paths; closer ones for small regions
     array_resolution.py               what the array resolves and sees
     surround.py, bands.py             silent samples beside a region; parts of a large region in turn
 How many, how strong

@@ -33,7 +33,7 @@ class ArrayResolution:
         self.centre = array.centre
         self.wavelength = medium.speed_of_sound / array.transducer.frequency  # [m]
         picked = np.unique(np.linspace(0, len(array) - 1, MAX_SUBSET).round().astype(np.intp))
-        self.some = np.ascontiguousarray(array.positions[picked])
+        self.viewpoints = np.ascontiguousarray(array.positions[picked])
         """Positions of up to 8 transducers spread over the array, (V, 3) [m]."""
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
         ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
@@ -86,7 +86,7 @@ class ArrayResolution:
 
     def compute_incidence(self, positions: Floats, normals: Floats) -> Floats:
         """Return the mean cos^2 of the angle of incidence on skin at points (M, 3) [m], over the transducers: (M,)."""
-        d = self.some[:, None] - positions  # (V, M, 3)
+        d = self.viewpoints[:, None] - positions  # (V, M, 3)
         cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + MIN_LENGTH)
         return np.asarray((np.maximum(cosine, 0.0) ** 2).mean(axis=0))
 

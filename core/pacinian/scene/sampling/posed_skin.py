@@ -74,25 +74,29 @@ class PosedSkin:
         return which[:count], local[:count]
 
     def find_pressed(
-        self, which: Indices, d: Floats, reach: float, stiffness: float, most: float, some: Floats
-    ) -> tuple[Indices, Floats]:
+        self, which: Indices, d: Floats, reach: float, stiffness: float, most: float,
+        viewpoints: Floats,
+    ) -> tuple[Indices, Floats]:  # fmt: skip
         """Find which of the points `which`, (I,), are pressed, and with what force.
 
-        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law. some:
-        transducers that must see the points, (V, 3) [m]; if empty, all points are seen. Returns indices into `which`,
-        and forces [N].
+        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.
+        viewpoints: positions of some transducers, (V, 3) [m]; only skin that faces them is pressed, or all if there are
+        none. Returns indices into `which`, and forces [N].
         """
         from pacinian.native.scene import press
 
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
         count = press(
             d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
-            self.skin.slack, self.capsules, some, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
+            self.skin.slack, self.capsules, viewpoints, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 
     def find_fine_level(self, spacing: float) -> int | None:
-        """Return the level between the skin's points that is nearest to `spacing` [m]; None if a coarser one is."""
+        """Return the level between the skin's points that is nearest to `spacing` [m].
+
+        None if one of the skin's own levels is nearer.
+        """
         between = self.skin.between
         if between is None:
             return None
@@ -120,8 +124,9 @@ class PosedSkin:
         )  # fmt: skip
 
     def press_finely(
-        self, fine: FineSkin, d: Floats, reach: float, stiffness: float, most: float, some: Floats
-    ) -> tuple[Indices, Floats]:
+        self, fine: FineSkin, d: Floats, reach: float, stiffness: float, most: float,
+        viewpoints: Floats,
+    ) -> tuple[Indices, Floats]:  # fmt: skip
         """Do the same as `find_pressed` for points of a fine level, of signed distances d, (I,) [m]."""
         from pacinian.native.scene import press
 
@@ -129,7 +134,7 @@ class PosedSkin:
         inside, force = np.empty(len(d), dtype=np.intp), np.empty(len(d))
         count = press(
             d, every, reach, stiffness, most, fine.points, fine.normals, fine.area, fine.bone,
-            fine.slack, self.capsules, some, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
+            fine.slack, self.capsules, viewpoints, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 

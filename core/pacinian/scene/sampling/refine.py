@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pacinian.scene.objects import Volume
 from pacinian.scene.sampling.array_resolution import COARSER
 from pacinian.scene.sampling.sample_cache import estimate_samples
-from pacinian.scene.sampling.sources import is_dense, measure_spacing
+from pacinian.scene.sampling.sources import is_dense, is_sequential
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.sources import Source
@@ -31,7 +31,7 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
     few = min(TARGET_SAMPLES, SHARED // regions)
     finer = [(source, _finer(source, spacing, few)) for source, spacing in sources]
     count = sum(
-        1.0 if measure_spacing(source.item) else estimate_samples(source.item, spacing)
+        1.0 if is_sequential(source.item) else estimate_samples(source.item, spacing)
         for source, spacing in finer
     )
     return finer if MARGIN * count <= budget else sources

@@ -19,7 +19,7 @@ from pacinian.scene.sampling.sample_counts import (
     OVER_BUDGET,
     label_object,
 )
-from pacinian.scene.sampling.sources import WholeObject, is_dense, measure_spacing
+from pacinian.scene.sampling.sources import WholeObject, is_dense, is_sequential
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,7 +87,7 @@ def allot_budget(
                 raise _too_many(source, count, left)
             kept = samples if count <= left else _strongest(samples, left)
             asked = one.asked
-            if level and not measure_spacing(source.item):
+            if level and not is_sequential(source.item):
                 asked = _count_asked(source, spacing, cut, ESTIMATED * full * bands)
             counts.ask(source.index, asked)
             counts.note(COARSENED, source.index, asked - one.asked)
@@ -140,7 +140,7 @@ def _too_many(source: Source, count: int, left: int) -> ArgumentError:
 
 def _count_simultaneous(source: Source, samples: Samples, bands: int) -> int:
     """Return the number of simultaneous samples of a source, given the number of bands."""
-    if measure_spacing(source.item):
+    if is_sequential(source.item):
         return min(1, len(samples))
     divided = bands > 1 and is_dense(source.item) and len(samples) > MIN_DIVIDED_SAMPLES
     return math.ceil(len(samples) * WIDER / bands) if divided else len(samples)
@@ -161,9 +161,7 @@ def _fit_level(
 
     def every(level: int) -> list[LevelSamples]:
         return [
-            _make(
-                source, spacing if measure_spacing(source.item) else spacing * COARSER**level, cut
-            )
+            _make(source, spacing if is_sequential(source.item) else spacing * COARSER**level, cut)
             for source, spacing in members
         ]
 
@@ -210,5 +208,5 @@ def _estimate_whole(members: list[tuple[Source, float]], level: int) -> float:
     return sum(
         estimate_samples(source.item, spacing * COARSER**level)
         for source, spacing in members
-        if isinstance(source, WholeObject) and not measure_spacing(source.item)
+        if isinstance(source, WholeObject) and not is_sequential(source.item)
     )

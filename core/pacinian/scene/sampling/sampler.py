@@ -16,6 +16,7 @@ from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
 from pacinian.scene.sampling.broad_phase import cull
+from pacinian.scene.sampling.contact import Contact, find_contact
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
@@ -39,14 +40,12 @@ from pacinian.scene.sampling.sample_counts import (
 )
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.sources import (
-    Contact,
     PointContacts,
     SinglePoint,
     Source,
     WholeObject,
-    find_contact,
     is_dense,
-    measure_spacing,
+    is_sequential,
 )
 from pacinian.scene.sampling.surround import add_surround
 from pacinian.scene.setup import FINEST
@@ -261,8 +260,8 @@ class Sampler:
             return samples
         items = [samples.items[i] for i in samples.objects.tolist()]
         which = np.flatnonzero([item.focal for item in items])
-        single = np.array([measure_spacing(items[i]) for i in which])
-        together = len(items) - sum(map(measure_spacing, items))
+        single = np.array([is_sequential(items[i]) for i in which])
+        together = len(items) - sum(map(is_sequential, items))
         P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
         for even in (True, False):
             rows = which[(np.where(single, 1, together) <= self.even) == even]

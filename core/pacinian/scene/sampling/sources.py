@@ -1,4 +1,4 @@
-"""Sources of samples: whole objects, and the parts of objects that a hand touches."""
+"""Sources of samples: whole objects, and points, paths and particles that touch a hand. For bodies see `contact`."""
 
 from __future__ import annotations
 
@@ -8,27 +8,21 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
-from pacinian.native.scene import press_on
-from pacinian.scene.hands.skin_lod import FINEST as FINEST_OF_SKIN
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 from pacinian.scene.setup import FINEST
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from pacinian.acoustics.pose import Pose
     from pacinian.scene.haptic_object import HapticObject
-    from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
+    from pacinian.scene.objects import Object, Particles, Path, Point
     from pacinian.scene.sampling.array_resolution import ArrayResolution
-    from pacinian.scene.sampling.distance_cache import DistanceCache
-    from pacinian.scene.sampling.posed_skin import FineSkin, PosedSkin
+    from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.sample_cache import SampleCache
-    from pacinian.types import Floats, Indices, Longs
+    from pacinian.types import Indices, Longs
 
 
-ANYWHERE = np.empty((0, 3))
 UNTURNED = np.zeros((1, 3))
 LONE = np.array([ISOLATED])
 UNTURNED.flags.writeable = LONE.flags.writeable = False
@@ -151,109 +145,6 @@ class PointContacts:
         )  # fmt: skip
 
 
-@dataclass
-class Contact:
-    """The part of a hand's skin that is inside a surface or a volume, or within reach of it.
-
-    touched: indices of the skin's points. force: on each of them [N]. finely: presses the points of a level between
-    these. fine: largest spacing at which each sample presses as the material does there [m]. At a coarser spacing, the
-    force of each point is distributed among the nodes of one level of detail of the skin. This keeps the total, and
-    nothing jumps as the contact moves. least: pressure below which nobody feels a sample [Pa]. faint: number of nodes
-    left out for that reason.
-    """
-
-    item: Surface | Volume
-    index: int
-    name: int
-    hand: PosedSkin
-    items: tuple[Object, ...]
-    touched: Indices
-    force: Floats
-    least: float
-    finely: Callable[[int], tuple[FineSkin, Indices, Floats]]
-    fine: float = 0.0
-    faint: int = 0
-
-    @property
-    def place(self) -> tuple[float, float, float]:
-        """See `Source`."""
-        return self.hand.centre
-
-    @property
-    def extent(self) -> float:
-        """Area of the touched skin [m^2]."""
-        return float(self.hand.area[self.touched].sum())
-
-    def at(self, spacing: float) -> Samples:
-        """Return samples about `spacing` [m] apart."""
-        hand, of, skin = self.hand, None, (self.hand.points, self.hand.normals)
-        level = hand.find_fine_level(spacing) if spacing <= self.fine else None
-        if level is not None:
-            of, nodes, force = self.finely(level)
-            area, skin = of.area[nodes], (of.points, of.normals)
-        else:
-            among = hand.thin_forces if spacing <= self.fine else hand.share_forces
-            nodes, force, area = among(self.touched, self.force, spacing)
-        K = len(nodes)
-        P, extent, keys = np.empty(K), np.empty(K), np.empty(K, np.int64)
-        points, normals = np.empty((K, 3)), np.empty((K, 3))
-        kept = press_on(
-            nodes, force, area, self.least, *skin, self.name, P, extent, points, normals, keys
-        )
-        self.faint = int(np.count_nonzero(force)) - int(np.count_nonzero(P[:kept]))
-        if of is not None:
-            number = self.name << 31
-            keys[:kept] = number + of.which[keys[:kept] - number]
-        return Samples(
-            points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
-            keys[:kept], np.full(kept, self.item.pressure),
-            np.full(kept, number_region(self.item, self.name)), self.items, hand.capsules,
-        )  # fmt: skip
-
-
-def find_contact(
-    item: Surface | Volume, pose: Pose, index: int, name: int, hand: PosedSkin,
-    items: tuple[Object, ...], share: float, least: float, resolving: ArrayResolution | None, distances: DistanceCache,
-) -> Contact | None:  # fmt: skip
-    """Find the skin that touches `item`, and its forces, which follow the material's law along the skin's normal.
-
-    share: factor on the pressure, 0..1. least: pressure below which nobody feels a sample [Pa]. resolving: resolution
-    and visibility of the array; skin that the array hardly sees is pressed less. Returns None without a contact.
-    """
-    material, most = item.material, item.pressure
-    reach = material.reach
-    corners = ANYWHERE if resolving is None else resolving.corners
-    which, local = hand.find_near(pose, item.bounding_radius + reach, corners)
-    if not len(which):
-        return None
-    d = distances.of(item, name, hand, which, local, reach, material.enough(most))
-    some = ANYWHERE if resolving is None else resolving.some
-    inside, force = hand.find_pressed(which, d, reach, material.per_metre(most), most, some)
-    if not len(inside):
-        return None
-
-    def change(local: Floats, force: Floats) -> None:
-        """Change forces as the texture, and the share that sounds, demand."""
-        if item.texture is not None:
-            force *= item.texture.at(local)
-        if share < 1.0:
-            force *= share
-
-    change(local[inside], force)
-    if item.texture is not None and not force.any():
-        return None
-
-    def finely(level: int) -> tuple[FineSkin, Indices, Floats]:
-        fine = hand.refine(which[d < reach + FINEST_OF_SKIN], level)
-        at = (fine.points - pose.position) @ pose.matrix
-        apart = distances.of(item, name, hand, fine.which, at, reach, material.enough(most))
-        nodes, force = hand.press_finely(fine, apart, reach, material.per_metre(most), most, some)
-        change(at[nodes], force)
-        return fine, nodes, force
-
-    return Contact(item, index, name, hand, items, which[inside], force, least, finely)
-
-
 def make_keys(name: int, spacing: float, which: Indices) -> Longs:
     """Return the keys of samples, (K,), made of an object's number, the spacing and each sample's index.
 
@@ -269,7 +160,7 @@ def _apart(item: Object, spacing: float) -> float:
 
 def is_dense(item: HapticObject) -> bool:
     """Return whether an object's samples form a region: one surface, all of which sounds at once."""
-    return isinstance(item, Body) and not measure_spacing(item)
+    return isinstance(item, Body) and not is_sequential(item)
 
 
 def number_region(item: HapticObject, name: int) -> int:
@@ -277,6 +168,6 @@ def number_region(item: HapticObject, name: int) -> int:
     return name if is_dense(item) else ISOLATED
 
 
-def measure_spacing(item: HapticObject) -> bool:
+def is_sequential(item: HapticObject) -> bool:
     """Return whether an object's samples sound one at a time, so that many of them cost little."""
     return bool(getattr(item.technique, "single", False))

@@ -22,10 +22,10 @@ from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import status
 from pacinian.serving.render.change_decoding import decode_changes
-from pacinian.serving.render.contact import explain_contact
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.quiet_zones import ZonePlacement
 from pacinian.serving.render.scene_replica import SceneReplica
+from pacinian.serving.render.touch_report import explain_contact
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_modulation import technique_to_scene

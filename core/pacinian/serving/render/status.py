@@ -13,7 +13,7 @@ from pacinian.errors import shorten
 from pacinian.rendering.emitted_measurement import name_of
 from pacinian.scene.sampling.hand_tracking import FADE, HOLD
 from pacinian.scene.sampling.samples import BESIDE
-from pacinian.serving.render.contact import find_touches
+from pacinian.serving.render.touch_report import find_touches
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer

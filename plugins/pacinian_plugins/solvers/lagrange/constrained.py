@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
 MET = 1e-4  # relative error at which free phases are not chosen again
-ROUGH = 1e-3  # relative gap that suffices while searching for the strongest even distribution
+SEARCH_GAP = 1e-3  # relative gap that suffices while searching for the strongest even distribution
 PROVEN = 0.01  # relative gap up to which the strongest solution for given phases counts as proven
-GAIN = 0.02  # least relative decrease of the error in one round of new phases; less ends the rounds
+MIN_IMPROVEMENT = (
+    0.02  # least relative decrease of the error in one round of new phases; less ends the rounds
+)
 
 
 class Found(NamedTuple):
@@ -81,7 +83,7 @@ class Constrained:
                 power=self._power, start=start, budget=budget,
             )  # fmt: skip
             found = self._restate_bound(self._found(answer), p, down, exact)
-            improved = best is None or found.error < (1.0 - GAIN) * best.error
+            improved = best is None or found.error < (1.0 - MIN_IMPROVEMENT) * best.error
             better = best is None or (answer.kept, -found.error) > (best.answer.kept, -best.error)
             best = found if better else best
             if not improved or answer.late or found.error <= MET or not targets.free.any():
@@ -135,7 +137,7 @@ class Constrained:
         def attempt(some: Complexes) -> Complexes:
             answer = least_squares(
                 self.A, self._down(some), mu=self.mu, gram=self.gram, quiet=self._quiet,
-                gain=limits.gain is not None, power=self._power, tolerance=ROUGH,
+                gain=limits.gain is not None, power=self._power, tolerance=SEARCH_GAP,
                 start=answers[-1].y if answers else None, budget=budget,
             )  # fmt: skip
             answers[:] = [answer]

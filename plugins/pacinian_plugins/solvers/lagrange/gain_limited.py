@@ -43,14 +43,14 @@ if TYPE_CHECKING:
 
 STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MET = 1e-4  # relative error that always suffices
-NEARLY = 1e-3  # relative error that suffices once the steps have converged
+CONVERGED_ERROR = 1e-3  # relative error that suffices once the steps have converged
 STEPS = 16  # maximum number in stage 2
 EQUAL = 24  # maximum number of steps in stage 3
 LAST = 80  # maximum number of steps in stage 4
-ROUGH = 3e-4  # least relative saving of a step in stage 4, when starts are compared
-FINISHED = 1e-5  # the same at the end
+ROUGH_SAVING = 3e-4  # least relative saving of a step in stage 4, when starts are compared
+FINAL_SAVING = 1e-5  # the same, for the final steps
 FEW_SAMPLES = 16  # most samples for which other starts are tried
-LOOKS = 3  # starts that are looked at, for each that is continued
+LOOKS = 3  # number of starts that are rated for each one that is continued
 GOLDEN = 0.6180339887  # phase increment of the starts [turns]
 # relative error from which continuing with the current phases is not worthwhile
 MAX_PHASE_ERROR = 0.2
@@ -112,7 +112,7 @@ class PhaseFreeSolve:
     def run(self) -> PhaseFreeResult:
         """Write the gains, starting from the multipliers in the workspace."""
         error, converged = self._newton()
-        if error > (NEARLY if converged else MET) and not self.budget.spent:
+        if error > (CONVERGED_ERROR if converged else MET) and not self.budget.spent:
             error = self._continue_after_stall(error)
             late = self.late or self.budget.spent
             if error > MET and not late and self._other_starts:
@@ -230,14 +230,14 @@ class PhaseFreeSolve:
             first, second = self._probe(first), self._probe(second)
         best = first if first.error <= second.error else second
         w.h[:] = best.h
-        error = self._approach(FINISHED) if self._work <= LARGE else best.error
+        error = self._approach(FINAL_SAVING) if self._work <= LARGE else best.error
         self._set_residual()
         return error
 
     def _probe(self, start: Candidate) -> Candidate:
         """Take rough steps on the gains from those of `start`."""
         self.workspace.h[:] = start.h
-        return Candidate.of(self._approach(ROUGH), self.workspace)
+        return Candidate.of(self._approach(ROUGH_SAVING), self.workspace)
 
     @property
     def _other_starts(self) -> int:
@@ -262,11 +262,11 @@ class PhaseFreeSolve:
                 break
             w.y[:] = self._phases(k)
             self._equalise(EQUAL)
-            found = self._approach(ROUGH)
+            found = self._approach(ROUGH_SAVING)
             if found < best.error:
                 best = Candidate.of(found, w)
         w.h[:] = best.h
-        reached = self._approach(FINISHED) if best.error < error else best.error
+        reached = self._approach(FINAL_SAVING) if best.error < error else best.error
         self._set_residual()
         return reached
 

@@ -580,7 +580,7 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
     if kind == "contact":
         everywhere = np.empty((0, 3))
         found = []
-        for some in (everywhere, resolving.some):
+        for some in (everywhere, resolving.viewpoints):
             force = np.zeros(len(each))
             inside, pressed = hand.find_pressed(each, np.full(len(each), -1.0), 0.0, 1e9, 5.0, some)
             force[inside] = pressed

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.objects import Object
-from pacinian.serving.render.contact import explain_contact, find_nearest, find_touches
+from pacinian.serving.render.touch_report import explain_contact, find_nearest, find_touches
 
 PALM = (0.0, 0.0, 0.2)
 
