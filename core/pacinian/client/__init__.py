@@ -1,9 +1,9 @@
 """The client: the side of the wire for games and scripts.
 
 client.py              `pacinian.Client`, the user's API
-base_client.py         replaces a lost session by a new one; it does not send the scene again
+base_client.py         the arguments of a client and their defaults; replaces a lost session, without the scene
 server_session.py      one session, from hello to bye
-link.py                a socket, and the end of its connection
+link.py                a socket, its time limits, and why its connection ended
 messages.py            arguments of the API as fields of the wire
 outbox.py              commands that wait for room in the socket
 state_subscription.py  the newest state

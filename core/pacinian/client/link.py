@@ -14,6 +14,7 @@ from zmq.utils.monitor import recv_monitor_message
 
 from pacinian.errors import ConnectionLost, WireError
 from pacinian.wire.codec import decode_reply, id_of
+from pacinian.wire.connection_file import START_SERVER
 from pacinian.wire.protocol import MAX_REPLY_BYTES
 from pacinian.wire.replies import Error
 
@@ -147,7 +148,7 @@ class Link:
         elif event & FOREIGN:
             why = "is not a Pacinian server, requires other security (CURVE keys or a token), or is too busy"
         elif event & zmq.EVENT_CLOSED:
-            why = "does not answer: is `pacinian serve` running?"
+            why = f"does not answer: {START_SERVER}"
         else:
             why = "has gone"
         return ConnectionLost(f"the server at {self.at} {why}")

@@ -12,15 +12,17 @@ TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
 SHORT = 0.5  # duration within which a solve must fit to run in a tick again, relative to the period
-# Successive solves that must fit; doubled at each return, up to the larger number.
-MIN_FITTING, MAX_FITTING = 256, 4096
-BACK = 8  # solves deducted for one that does not fit; a few may be due to the machine
+MIN_FITTING = (
+    256  # successive short solves before solving returns into the ticks; doubled after each return,
+)
+MAX_FITTING = 4096  # up to so many
+PENALTY = 8  # short solves that a long one cancels; the machine may have caused it, so it does not cancel all
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
 MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
 # shortest time from the beginning of a solve beside the ticks to that of the next [s]
 MIN_INTERVAL = 0.008
 MAX_INTERVAL = 0.012  # after which a solve begins although the scene is the same; longest spread of a change [s]
-# over which the last solution fades into silence, for which clients wait 20 ms [s]
+# time in which the last solution fades out [s]; clients wait 20 ms for silence
 END_SPREAD = 0.006
 SOLVES_SEEN = 5  # last solves whose medians are expected of the next
 
@@ -91,7 +93,7 @@ class BackgroundSchedule:
         fits = whole and seconds < SHORT * self.period
         self._seconds.append(seconds)
         self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)
-        self._fits = self._fits + 1 if fits else max(0, self._fits - BACK)
+        self._fits = self._fits + 1 if fits else max(0, self._fits - PENALTY)
         if self._fits >= self._wait:
             self.beside, self.ticks, self.interval = False, 1, 1
             self._seconds.clear()

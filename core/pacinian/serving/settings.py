@@ -73,11 +73,12 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     """Safety limits. All times are in seconds.
 
-    lease: from the owner's last renewal to silence. stale: age of the newest frame at which the device is silenced.
-    hung: age of a process's last heartbeat at which it is killed. forget: age of a client's last renewal at which its
-    session ends. takeover: whether a client may take the output from another. pressure: maximum radiation pressure of
-    an object, and on the skin of the hands [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times the strongest
-    object of the gallery: it stops a mistaken unit, not a strong effect. zones: quiet zones of the installation.
+    lease: from the owner's last renewal to silence. stale: the device is silenced when its newest frame is older than
+    this. hung: a process is killed when its last heartbeat is older than this. forget: a session ends when its last
+    renewal is older than this. takeover: whether a client may take the output from another. pressure: maximum radiation
+    pressure of an object, and on the skin of the hands [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times
+    the strongest object of the gallery: it stops a mistaken unit, not a strong effect. zones: quiet zones of the
+    installation.
     """
 
     lease: float = 0.25
@@ -100,7 +101,7 @@ class Clients(Struct, frozen=True, forbid_unknown_fields=True):
     """Limits for clients.
 
     most: maximum number of sessions, not of connections. objects: of one scene; per_client: of one client. rate:
-    messages per second of one client. command_bytes: of one command.
+    messages per second of one connection. command_bytes: of one command.
     """
 
     most: Annotated[int, Meta(ge=1, le=1024)] = 64

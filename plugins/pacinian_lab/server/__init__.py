@@ -1,12 +1,12 @@
 """Benchmarks of the server, with real processes and real sockets.
 
-latency, latency_sender, echo          time from a hand pose to its frame, compared with a bare echo
-load, many_clients, load_observer      many clients and updates per second; a client that observes the output
-soak, soak_game, soak_drift, visitor   a game that runs for a long time; what changed; a client that is killed
-expiry, guard_process                  time from the end of a permit to silence
-footprint                              start, memory and processor time
-viewer, viewer_pages                   cost of the live viewer
-faults/, fuzz/                         fault injection; malformed messages
-worker_process, raw_client             processes of the benchmark itself; a client on bare sockets
-report, tables, quantiles, soak_picture  what the benchmarks found
+latency.py, latency_sender.py, echo.py   time from a hand pose to its frame, compared with a bare echo
+load.py, many_clients.py, load_observer.py   many clients and updates per second; a client that observes the output
+soak.py, soak_game.py, soak_drift.py, visitor.py   a game that runs for long; what changed; a client that is killed
+expiry.py, guard_process.py              time from the end of a permit to silence
+footprint.py                             start, memory and processor time
+viewer.py, viewer_pages.py               cost of the live viewer
+faults/, fuzz/                           fault injection; malformed messages
+worker_process.py, raw_client.py, positions.py         processes of the benchmark itself; a client on bare sockets
+report.py, tables.py, quantiles.py, soak_picture.py   what the benchmarks found
 """

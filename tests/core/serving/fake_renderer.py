@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from pacinian.serving.bus.admission import Client
+from pacinian.serving.bus.admission import BusSession
 from pacinian.serving.bus.conversion import Converter
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import (
@@ -57,7 +57,7 @@ def room_of(settings: Settings | None = None) -> SharedScene:
     return SharedScene(made, Converter(made.safety.pressure, AtOnce()))
 
 
-def converted(room: SharedScene) -> list[tuple[Client, Reply]]:
+def converted(room: SharedScene) -> list[tuple[BusSession, Reply]]:
     """Finish all conversions; return the replies."""
     return list(room._converter.round())
 
@@ -116,9 +116,9 @@ class Model:
 
     def __init__(self) -> None:
         self.scene: dict[str, list[object]] = {}
-        self.owner: dict[str, Client] = {}
+        self.owner: dict[str, BusSession] = {}
 
-    def do(self, client: Client, command: AnyCommand, seen: float) -> None:
+    def do(self, client: BusSession, command: AnyCommand, seen: float) -> None:
         if isinstance(command, Put):
             for name, item in command.objects.items():
                 packed = msgspec.msgpack.encode(to_scene(name, item, time=seen))
@@ -137,13 +137,13 @@ class Model:
             for name in command.names:
                 self.scene.pop(name, None)
 
-    def leave(self, client: Client) -> None:
+    def leave(self, client: BusSession) -> None:
         for name in [name for name in self.scene if self.owner[name] is client]:
             del self.scene[name]
 
 
-def client(number: int = 1, scene: str = "s") -> Client:
-    return Client(SessionInfo(bytes([number]) * 16, f"c{number}", scene, "pacinian"), number)
+def client(number: int = 1, scene: str = "s") -> BusSession:
+    return BusSession(SessionInfo(bytes([number]) * 16, f"c{number}", scene, "pacinian"), number)
 
 
 def point(pressure: float = 10.0, x: float = 0.0, **given: object) -> objects.Point:

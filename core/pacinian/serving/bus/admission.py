@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 ERROR_RATE = 10.0
 
 
-class Client:
+class BusSession:
     """The bus's record of a session. number: makes names unique.
 
     peer: its connection, from its first message on. objects, bytes: of what it has put. commands, errors, dropped:
@@ -66,7 +66,7 @@ class Client:
         self.commands += count
         self.dropped += count
 
-    def tells(self, error: Error, now: float) -> bool:
+    def should_report(self, error: Error, now: float) -> bool:
         """Count an error; return whether to send it: always if the client expects a reply, otherwise rate-limited."""
         self.errors += 1
         return bool(error.id) or self._telling.take(now)
@@ -82,11 +82,11 @@ class PeerRateLimiter:
     def __len__(self) -> int:
         return len(self._peers)
 
-    def may(self, peer: bytes, now: float) -> bool:
+    def allows(self, peer: bytes, now: float) -> bool:
         """Return whether a connection may send another message at `now` [s]."""
         return self._of(peer)[0].take(now)
 
-    def tells(self, peer: bytes, now: float) -> bool:
+    def should_report(self, peer: bytes, now: float) -> bool:
         """Return whether to send an error to a connection that has no session or sends too much."""
         return self._of(peer)[1].take(now)
 

@@ -10,7 +10,7 @@ from pacinian.serving.bus.stored_object import AT_ONCE
 from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, ResetScene, SetEnvelope
 
 if TYPE_CHECKING:
-    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.bus.shared_scene import SharedScene
     from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.serving.ipc.messages import AnyChange, ChangesAck
@@ -34,7 +34,7 @@ class ChangeBatcher:
     def __init__(self, run: int) -> None:
         self.run = run
         self.scene: SharedScene | None = None
-        self.errors: list[tuple[Client, Error]] = []
+        self.errors: list[tuple[BusSession, Error]] = []
         self._number = 0
         self._renderer: int | None = None
         self._waits = False

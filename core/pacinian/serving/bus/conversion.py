@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Executor, Future
 
-    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.wire.modulation import Envelope
     from pacinian.wire.replies import Reply
@@ -28,7 +28,7 @@ Converted = list[tuple["StoredObject", bytes]]
 class Job(ABC):
     """The slow conversion for one command. objects: those that wait for it. id: of the command; 0: no reply."""
 
-    def __init__(self, objects: list[StoredObject], client: Client, id: int) -> None:  # noqa: A002
+    def __init__(self, objects: list[StoredObject], client: BusSession, id: int) -> None:  # noqa: A002
         self.objects, self.client, self.id = objects, client, id
 
     def trim(self) -> bool:
@@ -57,7 +57,7 @@ class ObjectConversion(Job):
     """Converts objects that were put. drop: removes objects from their scene."""
 
     def __init__(
-        self, objects: list[StoredObject], client: Client, id: int, drop: Callable[[list[StoredObject]], None]  # noqa: A002
+        self, objects: list[StoredObject], client: BusSession, id: int, drop: Callable[[list[StoredObject]], None]  # noqa: A002
     ) -> None:  # fmt: skip
         super().__init__(objects, client, id)
         self._drop = drop
@@ -86,7 +86,8 @@ class EnvelopeConversion(Job):
     """Converts a new envelope for objects of the scene. changed: takes the name of each object that has it."""
 
     def __init__(
-        self, objects: list[StoredObject], client: Client, id: int, envelope: Envelope, changed: Callable[[str], None]  # noqa: A002
+        self, objects: list[StoredObject], client: BusSession, id: int, envelope: Envelope,  # noqa: A002
+        changed: Callable[[str], None],
     ) -> None:  # fmt: skip
         super().__init__(objects, client, id)
         self._envelope: Envelope = envelope
@@ -120,7 +121,7 @@ class Converter:
         self._most, self._executor = most, executor
         self._waiting: deque[Job] = deque()
         self._running: tuple[Job, Future[Converted]] | None = None
-        self._ended: list[tuple[Client, Reply]] = []
+        self._ended: list[tuple[BusSession, Reply]] = []
 
     def __len__(self) -> int:
         return len(self._waiting) + (self._running is not None)
@@ -135,7 +136,7 @@ class Converter:
         self._waiting = kept
         kept.append(job)
 
-    def round(self) -> Iterator[tuple[Client, Reply]]:
+    def round(self) -> Iterator[tuple[BusSession, Reply]]:
         """Start the next job if the last has ended; yield the replies."""
         while True:
             yield from self._ended

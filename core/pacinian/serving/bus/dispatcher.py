@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.admission import Client, PeerRateLimiter
+from pacinian.serving.bus.admission import BusSession, PeerRateLimiter
 from pacinian.serving.bus.change_batcher import ChangeBatcher
 from pacinian.serving.bus.coalescing import coalesce
 from pacinian.serving.bus.conversion import Converter
@@ -68,7 +68,7 @@ class CommandDispatcher:
         self.converter = Converter(settings.safety.pressure, executor)
         self.replies: list[tuple[bytes, Reply]] = []
         self.scenes: dict[str, SharedScene] = {}
-        self.clients: dict[bytes, Client] = {}
+        self.clients: dict[bytes, BusSession] = {}
         self.received = self.refused = 0
         self._settings, self._run = settings, run
         self._reread, self._emitted, self._log = reread, emitted, log
@@ -92,7 +92,7 @@ class CommandDispatcher:
     def messages(self, messages: list[Message]) -> None:
         """Handle messages of authenticated connections, in order of arrival."""
         self.received += len(messages)
-        kept, replaced = coalesce([one for one in messages if self._may(one)])
+        kept, replaced = coalesce([one for one in messages if self._allows(one)])
         for message in kept:
             with self.catch_faults("message"):
                 self._message(*message)
@@ -109,12 +109,14 @@ class CommandDispatcher:
             self.refused += 1
             self._log.exception(f"fault: {what}")
 
-    def _may(self, message: Message) -> bool:
-        may = self._peers.may(message.peer, message.time)
-        if not may:
-            problem = "sends too many messages: slow down"
+    def _allows(self, message: Message) -> bool:
+        allowed = self._peers.allows(message.peer, message.time)
+        if not allowed:
+            problem = (
+                f"sends more than {self._settings.clients.rate:g} messages a second: slow down"
+            )
             self._refuse(message.peer, message.data, "busy", problem, message.time)
-        return may
+        return allowed
 
     def _message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
         try:
@@ -171,7 +173,7 @@ class CommandDispatcher:
             port=port,
         )
 
-    def _client(self, key: bytes) -> Client | None:
+    def _client(self, key: bytes) -> BusSession | None:
         client = self.clients.get(key)
         if client is None and (sessions := self._reread()) is not None:
             self.sessions(sessions)
@@ -180,7 +182,7 @@ class CommandDispatcher:
 
     def _join(self, info: SessionInfo) -> None:
         self._numbers += 1
-        client = self.clients[info.key] = Client(info, self._numbers)
+        client = self.clients[info.key] = BusSession(info, self._numbers)
         scene = self.scenes.get(info.scene)
         if scene is None:
             scene = self.scenes[info.scene] = SharedScene(
@@ -188,7 +190,7 @@ class CommandDispatcher:
             )
         scene.clients.add(client)
 
-    def _leave(self, client: Client) -> None:
+    def _leave(self, client: BusSession) -> None:
         scene = self.scenes[client.info.scene]
         scene.clear(client)
         scene.clients.discard(client)
@@ -197,7 +199,7 @@ class CommandDispatcher:
             self._superseded += scene.pending.superseded
             del self.scenes[client.info.scene]
 
-    def _do(self, client: Client, command: AnyCommand, now: float, size: int) -> Reply | None:
+    def _do(self, client: BusSession, command: AnyCommand, now: float, size: int) -> Reply | None:
         error = client.admit(command, now)
         if error is not None:
             return error
@@ -219,8 +221,8 @@ class CommandDispatcher:
             return Error(id=command.id, code="fault", message="the server failed at this command")
         return Ok(id=command.id) if command.id else None
 
-    def _answer(self, client: Client, reply: Reply | None, now: float) -> None:
-        if reply is None or (isinstance(reply, Error) and not client.tells(reply, now)):
+    def _answer(self, client: BusSession, reply: Reply | None, now: float) -> None:
+        if reply is None or (isinstance(reply, Error) and not client.should_report(reply, now)):
             return
         self.replies.append((client.peer, reply))
 
@@ -229,13 +231,13 @@ class CommandDispatcher:
     ) -> None:
         """Refuse a message that was not matched to a client. Error replies are rate-limited."""
         self.refused += 1
-        if self._peers.tells(peer, now):
+        if self._peers.should_report(peer, now):
             error = Error(id=id_of(data), code=code, message=problem[:1000], path=path[:200])
             self.replies.append((peer, error))
 
 
 def carry_out(
-    scene: SharedScene, client: Client, command: AnyCommand, seen: float, now: float, size: int
+    scene: SharedScene, client: BusSession, command: AnyCommand, seen: float, now: float, size: int
 ) -> bool:
     """Change a scene by a client's command, sent at `seen` and received at `now` [s] by the server's clock.
 

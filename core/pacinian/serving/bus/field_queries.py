@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Capability
-    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.ipc.messages import DeviceStatus
     from pacinian.types import Floats, Gains
     from pacinian.wire.commands import Field
     from pacinian.wire.replies import Reply
 
-Answer = tuple["Client", "Reply"]
+Answer = tuple["BusSession", "Reply"]
 
 
 class EmittedGains:
@@ -70,12 +70,12 @@ class FieldQueries:
         self._array, self._medium = array, medium
         # Points per slice: few enough to take less than 1 ms, without other threads.
         self._slice = max(1, CHUNK // len(array) // 2)
-        self._running: dict[Client, Generator[None, None, Reply]] = {}
+        self._running: dict[BusSession, Generator[None, None, Reply]] = {}
 
     def __len__(self) -> int:
         return len(self._running)
 
-    def ask(self, client: Client, query: Field, emitted: tuple[Gains, float]) -> Error | None:
+    def ask(self, client: BusSession, query: Field, emitted: tuple[Gains, float]) -> Error | None:
         """Begin a query, or return the error. Raises WireError."""
         if not query.id:
             raise WireError("must not be 0, because a field query needs an answer", "$.id")
@@ -103,7 +103,7 @@ class FieldQueries:
         self._running[client] = work
         return None
 
-    def forget(self, client: Client) -> None:
+    def forget(self, client: BusSession) -> None:
         """Drop the query of a client that has gone."""
         self._running.pop(client, None)
 

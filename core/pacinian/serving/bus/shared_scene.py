@@ -28,7 +28,7 @@ from pacinian.wire.convert import envelope_to_scene
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.bus.conversion import Converter
     from pacinian.serving.ipc.messages import SetHands
     from pacinian.serving.settings import Settings
@@ -60,15 +60,15 @@ class SharedScene:
     ) -> None:
         self.name, self.number = name, number
         self.objects: dict[str, StoredObject] = {}
-        self.hands: dict[Client, TrackedHands] = {}
-        self.zones: dict[Client, tuple[Zone, ...]] = {}
-        self.clients: set[Client] = set()
+        self.hands: dict[BusSession, TrackedHands] = {}
+        self.zones: dict[BusSession, tuple[Zone, ...]] = {}
+        self.clients: set[BusSession] = set()
         self.felt = False
         self.pending = PendingChanges()
         self._settings, self._converter = settings, converter
         self._ends: list[tuple[float, str]] = []  # a heap of the times at which objects may expire
 
-    def clear(self, client: Client) -> None:
+    def clear(self, client: BusSession) -> None:
         """Remove all objects, hands and quiet zones of a client."""
         self.remove([stored.name for stored in self.objects.values() if stored.owner is client])
         if self.hands.pop(client, None) is not None:
@@ -76,7 +76,7 @@ class SharedScene:
         if self.zones.pop(client, None) is not None:
             self.pending.quiet = True
 
-    def set_hands(self, client: Client, command: Hands, seen: float, now: float) -> None:
+    def set_hands(self, client: BusSession, command: Hands, seen: float, now: float) -> None:
         """Replace the hands of a client, seen at `seen` and received at `now` [s] by the server's clock."""
         self.hands[client] = track_hands(client.number, command, seen, now)
         self.felt = True
@@ -122,7 +122,7 @@ class SharedScene:
         ours = [(zone.position, zone.pressure, zone.radius) for zone in self._settings.safety.zones]
         return SetQuiet((*ours, *((zone.position, zone.pressure, zone.radius) for zone in zones)))
 
-    def put(self, client: Client, command: Put, seen: float, size: int) -> bool:
+    def put(self, client: BusSession, command: Put, seen: float, size: int) -> bool:
         """Put objects, sent at `seen` [s] in a message of `size` [bytes].
 
         Returns False if the converter puts some of them later. Raises CommandRejected, WireError.
@@ -153,7 +153,7 @@ class SharedScene:
             heapify(self._ends)
         return not heavy
 
-    def _make_room(self, client: Client, stored_objects: list[StoredObject]) -> None:
+    def _make_room(self, client: BusSession, stored_objects: list[StoredObject]) -> None:
         limits = self._settings.clients
         old = [old for stored in stored_objects if (old := self.objects.get(stored.name))]
         own = [stored for stored in old if stored.owner is client]
@@ -188,7 +188,7 @@ class SharedScene:
             self.pending.new(stored.name, MOVED)
         self._all_there(command.names)
 
-    def wrap(self, client: Client, command: Envelopes) -> bool:
+    def wrap(self, client: BusSession, command: Envelopes) -> bool:
         """Set the envelope of objects.
 
         Returns False if the converter sets it later. Raises CommandRejected, WireError.
@@ -201,7 +201,7 @@ class SharedScene:
         if not heavy:
             envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
             size = len(envelope)
-        more: Counter[Client] = Counter()
+        more: Counter[BusSession] = Counter()
         for stored in stored_objects:
             more[stored.owner] += size - (
                 stored.waits if heavy else len(stored.wrapped) + stored.waits
@@ -247,7 +247,7 @@ class SharedScene:
                 stored.leave()
                 self.pending.note_removed(name)
 
-    def set_quiet(self, client: Client, zones: tuple[Zone, ...]) -> None:
+    def set_quiet(self, client: BusSession, zones: tuple[Zone, ...]) -> None:
         """Replace the quiet zones of a client. Raises CommandRejected."""
         others = sum(len(given) for who, given in self.zones.items() if who is not client)
         if others + len(zones) > QUIET:

@@ -27,7 +27,7 @@ from pacinian.wire.shapes import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pacinian.serving.bus.admission import Client
+    from pacinian.serving.bus.admission import BusSession
     from pacinian.wire.commands import Move
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code
@@ -63,7 +63,7 @@ class StoredObject:
     slow: whether it takes long to convert. placed: whether it counts towards its owner's limits.
     """
 
-    def __init__(self, name: str, item: Object, owner: Client, seen: float) -> None:
+    def __init__(self, name: str, item: Object, owner: BusSession, seen: float) -> None:
         self.name, self.owner, self.size, self.seen = name, owner, count_bulk_bytes(item), seen
         self.item: Object | None = item
         self.sent, self.number = item, next(NUMBERS)

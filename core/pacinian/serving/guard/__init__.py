@@ -1,1 +1,7 @@
-"""The guard process: the only one that opens the device. It lets frames through while they are permitted and fresh."""
+"""The guard process: the only one that opens the device. It lets frames through while they are permitted and fresh.
+
+process.py          begins here: the rounds
+output_gate.py      each round's decision: send the frame, or silence the device
+device_switcher.py  opens and closes devices while another sounds
+spare.py            the guard that waits to replace this one
+"""

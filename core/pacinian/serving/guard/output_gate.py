@@ -35,8 +35,8 @@ _INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
 class OutputGate:
     """Passes frames to a device while they are permitted and fresh; otherwise silences the device at once.
 
-    columns: number of transducers. gain: upper limit of every amplitude. stale: age of the newest frame at which the
-    device is silenced [s].
+    columns: number of transducers. gain: upper limit of every amplitude. stale: the device is
+    silenced when its newest frame is older than this [s].
 
     A device sounds its last frame until the next one, so the age of a frame counts from when the gate first saw it.
     From `until`, or any other end, to silence takes at most one round: the pause between two calls of `step`, and the

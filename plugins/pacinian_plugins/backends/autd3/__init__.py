@@ -1,4 +1,11 @@
-"""AUTD3 arrays, through the AUTD3 project's own packages: docs/autd3.md."""
+"""AUTD3 arrays, through the AUTD3 project's own packages: docs/autd3.md.
+
+backend.py                     the backend: units, levels, rows
+units.py, levels.py            poses and channels of units; their levels
+stream.py, repeat_detector.py, commands.py   rows as commands; rows that repeat, which units play by themselves
+transport_interface.py, open_transport.py, udp_transport.py, emulated.py   ways to units, and to their emulator
+packages.py, error_advice.py   the AUTD3 project's packages; what their errors mean
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""OpenMPD boards, each of 256 transducers behind an FT232H: docs/openmpd.md."""
+"""OpenMPD boards, each of 256 transducers behind an FT232H: docs/openmpd.md.
+
+backend.py    the backend: which boards, and a frame for each
+board.py      one board: its frames
+link.py       its claimed USB chip
+protocol.py   bytes
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""SonicSurface, an open array on a serial port: docs/sonicsurface.md."""
+"""SonicSurface, an open array on a serial port: docs/sonicsurface.md.
+
+backend.py                     the backend
+ports.py, serial_writer.py, write_scheduler.py   serial ports; writes in a thread; what is written next
+protocol.py                    bytes
+"""
 
 from __future__ import annotations
 

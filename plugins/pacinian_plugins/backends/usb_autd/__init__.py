@@ -1,4 +1,10 @@
-"""Arrays of AUTD units on USB, by Pacinian's own format: docs/usb-autd.md."""
+"""Arrays of AUTD units on USB, by Pacinian's own format: docs/usb-autd.md.
+
+backend.py, board.py           the backend: which devices, and a part of each frame for each; one device
+link.py, simulated_link.py     its claimed USB interface; one to the reference device instead
+model.py, decoder.py           the reference device; how it reads bytes
+protocol.py, frames.py, reports.py   constants, frames and reports of the format
+"""
 
 from __future__ import annotations
 

@@ -48,10 +48,10 @@ def test_ages_are_of_the_client_s_own_clock_whatever_that_shows() -> None:
 
 def test_errors_are_counted_and_those_not_asked_for_are_told_now_and_then() -> None:
     who = client()
-    told = [who.tells(Error(code="stale", message=""), 0.01 * i) for i in range(1000)]
+    told = [who.should_report(Error(code="stale", message=""), 0.01 * i) for i in range(1000)]
     assert ERROR_RATE <= sum(told) <= 2.0 * ERROR_RATE + 100
     assert sum(told) < 0.12 * len(told)
-    assert all(who.tells(Error(id=3, code="stale", message=""), 10.0) for _ in range(100))
+    assert all(who.should_report(Error(id=3, code="stale", message=""), 10.0) for _ in range(100))
     assert who.errors == 1100
 
 
@@ -65,10 +65,10 @@ def test_a_session_is_of_the_connection_that_used_it_first_and_of_its_user() -> 
 
 def test_connections_send_at_their_rate_and_only_so_many_are_remembered() -> None:
     peers = PeerRateLimiter(rate=100.0, most=10)
-    sent = sum(peers.may(b"a", 0.001 * i) for i in range(2000))
+    sent = sum(peers.allows(b"a", 0.001 * i) for i in range(2000))
     assert 100 + 195 <= sent <= 100 + 205
-    assert peers.may(b"b", 2.0)
+    assert peers.allows(b"b", 2.0)
     for i in range(1000):
-        peers.may(str(i).encode(), 3.0)
-        peers.tells(str(i).encode(), 3.0)
+        peers.allows(str(i).encode(), 3.0)
+        peers.should_report(str(i).encode(), 3.0)
     assert len(peers) == 10

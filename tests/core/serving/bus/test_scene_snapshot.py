@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.admission import Client
+from pacinian.serving.bus.admission import BusSession
 from pacinian.serving.bus.conversion import Converter
 from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.scene_snapshot import FULL, make_snapshot
@@ -36,7 +36,7 @@ class Hall:
     def __init__(self) -> None:
         settings = Settings()
         self.room = SharedScene(settings, Converter(settings.safety.pressure, AtOnce()), "hall")
-        self.client = Client(SessionInfo(KEY, "game", "hall", "user"), 1)
+        self.client = BusSession(SessionInfo(KEY, "game", "hall", "user"), 1)
 
     def do(self, kind: type[Any], **fields: Any) -> None:
         command = kind(session=KEY, sequence=1, time=0.0, **fields)
