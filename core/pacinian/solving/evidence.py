@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
 EVEN = 0.05  # the same for regions, in sound pressure; in radiation pressure it is 10 %
 ROUNDED = 1e-5  # excess over a limit, relative to it, that counts as rounding
-# of full drive; the excess over lower limits is relative to this, because of rounding
+# share of full drive; the excess over lower limits is given relative to this, because rounding would dominate it
 MIN_LIMIT_SHARE = 1e-2
 
 

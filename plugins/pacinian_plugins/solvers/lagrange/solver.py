@@ -33,8 +33,8 @@ class Lagrange(pc.Solver):
 
     mu: regularisation, relative to trace(B B^H) / M. mu_regions: the same for targets with regions, because their
     samples lie closer together than the array resolves. rounds: maximum number of times that free phases are chosen
-    again in `constrained`. starts: additional starting phases to try if up to 16 points cannot be met, or are to be
-    as strong as possible; ignored in a loop, which continues from the previous phases.
+    again in `constrained`. starts: additional starting phases, tried for at most 16 points, if their targets are not
+    met or with `scale="max"`; ignored in a loop, which continues from the previous phases.
 
     Under the gain limit alone, phases and gains are found together (`gain_limited`). Then the other limits are
     checked. If one is broken, or if there are more samples than transducers, `constrained` solves a sequence of
