@@ -6,6 +6,7 @@ import os
 import shutil
 import socket
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from msgspec.structs import replace
 
 from pacinian.wire import control, replies
 from pacinian.wire.connection_file import Connection
+from pacinian.wire.emergency import NONCE_BYTES, sign, verify
 
 from ..core.client.fake import Fake, usual
 from ..core.client.stopped_processes import server_apart, stand_still
@@ -130,6 +132,42 @@ def test_a_stop_has_a_way_of_its_own_and_is_told_where_it_is_not_confirmed(
         server.until(lambda: bool(held))
         game.event("refused", "stop")
         server.until(lambda: bool(server.of(control.Reset)))  # after a limited wait
+
+
+@pytest.mark.parametrize("kind", ["unix", "udp"])
+def test_on_the_servers_machine_a_stop_needs_no_connection(
+    tmp_path: Path, start: Start, kind: str
+) -> None:
+    nowhere, secret = "tcp://127.0.0.1:9", "s" * 64
+    folder = Path(
+        tempfile.mkdtemp(prefix="pacinian-")
+    )  # the path of a socket has 100 bytes at most
+    if kind == "udp":  # as on Windows
+        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        receiver.bind(("127.0.0.1", 0))
+        address = f"udp:{receiver.getsockname()[1]}"
+    else:
+        receiver = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        receiver.bind(str(folder / "stop"))
+        address = f"unix:{folder / 'stop'}"
+    with receiver:
+        receiver.settimeout(PATIENCE)
+        path = Connection(
+            pid=os.getpid(), control=nowhere, command=nowhere, state=nowhere, token=secret, stop=address,
+        ).write(tmp_path / "connection.json")  # fmt: skip
+        with start(path, timeout=2.0 * PATIENCE) as game:
+            game.do("stop")
+            first, _ = receiver.recvfrom(100)
+            again, peer = receiver.recvfrom(100)  # what is not confirmed is sent again
+            assert again == first
+            nonce = verify(secret, b"stop", first)
+            assert len(nonce) == NONCE_BYTES
+            receiver.sendto(sign("another", b"stopped", nonce), peer)  # this confirms nothing
+            receiver.recvfrom(100)
+            receiver.sendto(sign(secret, b"stopped", nonce), peer)
+            game.until(lambda s: s["status"] == "Stopped")
+    assert [file.name for file in folder.iterdir()] == ["stop"] * (kind == "unix")
+    shutil.rmtree(folder)
 
 
 @pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "hangs"])

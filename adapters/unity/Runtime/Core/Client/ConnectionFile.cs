@@ -23,6 +23,9 @@ namespace Pacinian
         /// <summary>The addresses of the three sockets.</summary>
         public string Control = "", Command = "", State = "";
 
+        /// <summary>Where a server on this machine receives an emergency stop without a connection; "" if nowhere.</summary>
+        public string StopAddress = "";
+
         /// <summary>The secret of a server on this machine.</summary>
         public string Token = "";
 
@@ -129,6 +132,7 @@ namespace Pacinian
                 Control = file.Text("control", ""),
                 Command = file.Text("command", ""),
                 State = file.Text("state", ""),
+                StopAddress = file.Text("stop", ""),
                 Token = file.Text("token", ""),
                 ServerKey = file.Text("server_key", ""),
                 PublicKey = file.Text("public_key", ""),

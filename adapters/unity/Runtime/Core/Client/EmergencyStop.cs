@@ -5,8 +5,9 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// Sends an emergency stop through its own connection, without a session or worker: the array is silenced at once,
-    /// whoever owns the output. Repeats the attempt until the server has confirmed the stop, or the time is over.
+    /// Sends an emergency stop without a session or worker: the array is silenced at once, whoever owns the output. On the
+    /// server's machine it is a datagram; if that is not confirmed in half of the time, and elsewhere, it goes through a
+    /// connection of its own. Repeats the attempt until the server has confirmed the stop, or the time is over.
     /// </summary>
     internal sealed class EmergencyStop
     {
@@ -43,9 +44,14 @@ namespace Pacinian
             string problem;
             try
             {
+                double end = _options.Clock() + _options.Timeout;
+                if (IsConfirmedWithoutConnection())
+                {
+                    _done("");
+                    return;
+                }
                 using (ITransport transport = _options.Transport())
                 {
-                    double end = _options.Clock() + _options.Timeout;
                     do
                     {
                         problem = Try(transport, end);
@@ -63,6 +69,14 @@ namespace Pacinian
                 problem = Problems.Of(error);
             }
             _done(problem);
+        }
+
+        private bool IsConfirmedWithoutConnection()
+        {
+            string problem;
+            ConnectionFile file = ConnectionFile.Read(_options.ConnectionPath, out problem);
+            return file != null && file.StopAddress.Length > 0 && StopDatagram.Request(
+                file.StopAddress, file.Token.Length > 0 ? file.Token : file.SecretKey, _options.Timeout / 2.0, _options.Clock);
         }
 
         private string Try(ITransport transport, double end)
