@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
-PURE = "client_outbox", "client_session", "client_felt"
+PURE = "client_outbox", "client_session", "client_felt", "client_digest"
 ONLY = {"csharp_core", "csharp_driver"}  # fixtures for C# alone
 OTHER = {
     "test_one_that_is_forgotten_says_goodbye",  # no finaliser in C++

@@ -21,7 +21,7 @@ from pacinian.wire.emergency import NONCE_BYTES, sign, verify
 
 from ..core.client.fake import Fake, usual
 from ..core.client.stopped_processes import server_apart, stand_still
-from ..waiting import PATIENCE
+from ..waiting import PATIENCE, eventually
 from . import tools
 from .game import Game, begin, fill
 
@@ -165,9 +165,22 @@ def test_on_the_servers_machine_a_stop_needs_no_connection(
             receiver.sendto(sign("another", b"stopped", nonce), peer)  # this confirms nothing
             receiver.recvfrom(100)
             receiver.sendto(sign(secret, b"stopped", nonce), peer)
-            game.until(lambda s: s["status"] == "Stopped")
+            eventually(lambda: is_closed(peer))  # it is confirmed, and not sent again
+            assert [told for told in game.told if told.get("event") == "refused"] == []
     assert [file.name for file in folder.iterdir()] == ["stop"] * (kind == "unix")
     shutil.rmtree(folder)
+
+
+def is_closed(peer: str | tuple[str, int]) -> bool:
+    """Return whether nobody has the address of this datagram socket any more."""
+    if isinstance(peer, str):
+        return not Path(peer).exists()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        try:
+            other.bind(peer)
+        except OSError:
+            return False
+    return True
 
 
 @pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "hangs"])

@@ -35,6 +35,7 @@ bool decode(const std::string& content, ConnectionFile& out, std::string& proble
     bool needed;
   } texts[] = {{"control", out.control, true},          {"command", out.command, true},
                {"state", out.state, true},              {"token", out.token, false},
+               {"stop", out.stop, false},
                {"server_key", out.server_key, false},   {"public_key", out.public_key, false},
                {"secret_key", out.secret_key, false}};
   for (const auto& text : texts) {

@@ -15,6 +15,7 @@ inline constexpr std::array channels = {Channel::control, Channel::command, Chan
 struct ConnectionFile {
   std::int64_t pid = 0;  ///< of the server; 0 for one on another machine
   std::string control, command, state;
+  std::string stop;   ///< where a server on this machine receives an emergency stop without a connection
   std::string token;  ///< for a server on this machine
   std::string server_key, public_key, secret_key;  ///< CURVE keys (Z85), for a server on another machine
 

@@ -7,6 +7,7 @@
 #include "pacinian/wire/codec.h"
 #include "pacinian/wire/control.h"
 #include "pacinian/wire/writer.h"
+#include "stop_datagram.h"
 #include "transport.h"
 
 namespace pacinian::client {
@@ -65,12 +66,21 @@ bool EmergencyStop::find(ConnectionFile& found, std::string& problem) {
 
 std::string EmergencyStop::send() {
   const double end = options_.clock() + options_.timeout;
+  if (is_confirmed_without_connection()) return "";
   while (true) {
     std::string problem = attempt(end);
     const bool over = hurries_.load() || options_.clock() + attempt_pause >= end;
     if (problem.empty() || over) return problem;
     std::this_thread::sleep_for(std::chrono::duration<double>(attempt_pause));
   }
+}
+
+bool EmergencyStop::is_confirmed_without_connection() {
+  ConnectionFile connection;
+  std::string problem;
+  if (!find(connection, problem) || connection.stop.empty()) return false;
+  const std::string& secret = connection.token.empty() ? connection.secret_key : connection.token;
+  return request_stop(connection.stop, secret, options_.clock() + 0.5 * options_.timeout, options_.clock, hurries_);
 }
 
 std::string EmergencyStop::attempt(double end) {

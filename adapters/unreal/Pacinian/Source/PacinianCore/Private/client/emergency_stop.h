@@ -12,8 +12,9 @@
 
 namespace pacinian::client {
 
-/// Sends emergency stops in a thread and through a connection of its own, without a session or worker. Repeats the
-/// attempt until the server has confirmed the stop, or the time is over.
+/// Sends emergency stops in a thread, without a session or worker. On the server's machine a stop is a datagram; if that
+/// is not confirmed in half of the time, and elsewhere, it goes through a connection of its own. Repeats the attempt until
+/// the server has confirmed the stop, or the time is over.
 class EmergencyStop {
  public:
   /// done: called by that thread with the reason for a failure, or with "".
@@ -33,6 +34,7 @@ class EmergencyStop {
  private:
   void run();
   std::string send();
+  bool is_confirmed_without_connection();
   std::string attempt(double end);
   bool find(ConnectionFile& found, std::string& problem);
 
