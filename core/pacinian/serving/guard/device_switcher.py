@@ -298,7 +298,7 @@ class DeviceSwitcher:
         # The device was silenced before, or is faulty; a reset reports what is wrong.
         with suppress(Exception):
             backend.close()
-        self._guard.note_closed(backend)
+        self._guard.mark_closed(backend)
 
     def _once(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
         """Try once to open a device. An abandoned device is not opened."""

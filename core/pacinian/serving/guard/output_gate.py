@@ -63,10 +63,10 @@ class OutputGate:
         """A frame was sent since the last silence."""
         self.generation = self.next = 0
         self.fault = ""
-        self.sounding = self.stale = False
+        self.sounding = self.is_stale = False
         self.changed = True
         """There is news to report at once; the reporter clears it."""
-        self._columns, self._gain, self._stale, self._clock = columns, gain, stale, clock
+        self._columns, self._gain, self._max_age, self._clock = columns, gain, stale, clock
         self._generations = 0
         self._can = self._coming_can = Capability()
         self._head, self._data = NONE, b""  # the newest frame
@@ -120,7 +120,7 @@ class OutputGate:
         self._end_sound("fault")
         return backend
 
-    def note_closed(self, backend: Backend) -> None:
+    def mark_closed(self, backend: Backend) -> None:
         """Note that a released device is closed, and so silent. May be called from any thread."""
         with suppress(ValueError):
             self._stuck.remove(backend)
@@ -154,14 +154,14 @@ class OutputGate:
                 self.switch()
                 return True
         reason = self._reason(permit, now)
-        if self.stale != (reason == "stale"):
-            self.stale, self.changed = not self.stale, True
+        if self.is_stale != (reason == "stale"):
+            self.is_stale, self.changed = not self.is_stale, True
         if reason:
             self.silence(reason)
         if self._waits and reason in ("", "empty"):
             self._waits = False
             if reason or self._send():
-                self._note()
+                self._record_passed()
         return False
 
     def compute_time_left(self, permit: Permit) -> float:
@@ -173,7 +173,7 @@ class OutputGate:
             return math.inf
         now = self._clock()
         return (
-            0.0 if self._reason(permit, now) else min(permit.until, self._seen + self._stale) - now
+            0.0 if self._reason(permit, now) else min(permit.until, self._seen + self._max_age) - now
         )
 
     def _see(self, frame: bytes, now: float) -> None:
@@ -196,9 +196,9 @@ class OutputGate:
             return "expired"
         if self._head.epoch == permit.epoch and self._head.device == self.generation:
             self._fed = self._seen
-            if now - self._seen < self._stale:
+            if now - self._seen < self._max_age:
                 return "" if self._head.rows else "empty"
-        return "stale" if now - max(self._fed, self._armed) >= self._stale else "waiting"
+        return "stale" if now - max(self._fed, self._armed) >= self._max_age else "waiting"
 
     def silence(self, reason: str) -> None:
         """Silence the device if it may sound. Call again while `loud` is still set."""
@@ -247,7 +247,7 @@ class OutputGate:
             self.sounding, self.changed = sounding, True
         return True
 
-    def _note(self) -> None:
+    def _record_passed(self) -> None:
         """Record that the newest frame, or its silence, is now at the device."""
         now, head = self._clock(), self._head
         self._gap = max(self._gap, now - self._passed)
@@ -279,7 +279,7 @@ class OutputGate:
             fault=self.problem,
             frames=self._frames,
             silences=self._reasons.total(),
-            stale=self.stale,
+            stale=self.is_stale,
             longest_gap=self._gap,
             inputs=b"".join(self._inputs),
             inputs_until=self._inputs_until,

@@ -404,12 +404,12 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
     left = bench.guard.leaving.pop()
     left.close()
     bench.guard.changed = False
-    bench.guard.note_closed(left)
+    bench.guard.mark_closed(left)
     assert bench.guard.changed
     assert not bench.status.fault
     bench.step(bench.frame(device=2))
     assert other.what == ["send"]
-    bench.guard.note_closed(left)  # a second call changes nothing
+    bench.guard.mark_closed(left)  # a second call changes nothing
 
 
 def test_frames_counts_gaps() -> None:
@@ -465,7 +465,7 @@ def test_without_a_device_nothing_happens() -> None:
     for _ in range(5):
         bench.step(bench.frame())
     assert bench.backend.what == ["send"]
-    bench.guard.note_closed(bench.backend)
+    bench.guard.mark_closed(bench.backend)
     bench.guard.take(bench.backend, bench.backend.can)
     bench.step(bench.frame())
     bench.step(bench.frame(device=2))
@@ -521,7 +521,7 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
             while guard.leaving:
                 left = guard.leaving.pop()
                 left.close()
-                guard.note_closed(left)
+                guard.mark_closed(left)
         for device in devices:
             device.raises = {k: OSError() for k in ("send", "silence") if what.get(k)}
         permit = {k: what[k] for k in ("armed", "stopped", "epoch") if k in what}
