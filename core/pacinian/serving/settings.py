@@ -90,7 +90,7 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
-        check_number("lease", self.lease, low=0.02, high=10.0)
+        check_number("lease", self.lease, low=0.05, high=10.0)
         check_number("stale", self.stale, low=0.002, high=1.0)
         check_number("hung", self.hung, low=0.1, high=60.0)
         check_number("forget", self.forget, low=0.1, high=3600.0)

@@ -38,7 +38,7 @@ class Hello(Struct, frozen=True, kw_only=True, tag_field="type", tag="hello"):
     client: Name
     version: Text = ""
     scene: Annotated[str, Meta(max_length=64)] = ""
-    lease: Annotated[float, Meta(ge=0.02, le=10.0, description="[s]")] | None = None
+    lease: Annotated[float, Meta(ge=0.05, le=10.0, description="[s]")] | None = None
 
 
 class Request(Struct, frozen=True, kw_only=True, tag_field="type"):

@@ -27,7 +27,7 @@ bool read(Reader& in, std::uint32_t left, Hello& message) {
       seen |= 1ull << 4, good = in.get(message.scene, {0, 64});
     else if (key == "lease")
       seen |= 1ull << 5, good = in.maybe(message.lease,
-          [&](double& item) { return in.get(item, {0.02, 10.0}); });
+          [&](double& item) { return in.get(item, {0.05, 10.0}); });
     else
       good = in.skip();
     if (!good) return in.at(key);

@@ -49,7 +49,7 @@ namespace Pacinian.Wire
                 case 3: return r.Text(ref Client, 1, 64);
                 case 4: return r.Text(ref Version, 0, 200);
                 case 5: return r.Text(ref Scene, 0, 64);
-                case 6: return r.Real(ref Lease, 0.02, 10.0);
+                case 6: return r.Real(ref Lease, 0.05, 10.0);
                 default: return key == Reader.Other && r.Skip();
             }
         }

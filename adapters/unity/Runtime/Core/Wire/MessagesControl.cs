@@ -36,7 +36,7 @@ namespace Pacinian.Wire
         /// <summary>Name of the scene, which clients that give the same name share; by default the client has a scene of its own. 0 to 64 characters.</summary>
         public string Scene = "";
 
-        /// <summary>Time within which the client must renew [s]; by default the server's, which is also the maximum. 0.02 to 10 [s]; null: not given.</summary>
+        /// <summary>Time within which the client must renew [s]; by default the server's, which is also the maximum. 0.05 to 10 [s]; null: not given.</summary>
         public double? Lease;
 
         /// <inheritdoc/>

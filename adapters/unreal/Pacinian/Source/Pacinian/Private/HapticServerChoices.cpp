@@ -27,7 +27,7 @@ pacinian::Options MakeOptions(const UHapticServerComponent& Server) {
   Options.name = Text(Name.IsEmpty() ? FString(TEXT("Unreal")) : Name.Left(LongestName));
   Options.scene = Text(Server.SceneName.Left(LongestName));
   Options.version = "Unreal";
-  if (Server.Lease > 0.0f) Options.lease = FMath::Clamp(Server.Lease, 0.02f, 10.0f);
+  if (Server.Lease > 0.0f) Options.lease = FMath::Clamp(Server.Lease, 0.05f, 10.0f);
   return Options;
 }
 

@@ -35,7 +35,7 @@ struct Hello {
   /// scene of its own; 0 to 64 characters
   std::string scene;
   /// time within which the client must renew [s]; by default the server's, which is also the
-  /// maximum; 0.02 to 10 [s]
+  /// maximum; 0.05 to 10 [s]
   std::optional<double> lease;
 };
 
