@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.wire.connection_file import Connection
-from pacinian_lab.server.faults.raw_client import Peer
+from pacinian_lab.server.faults.misbehaving_client import Peer
 
 from ..waiting import PATIENCE, eventually
 from .game import POINT, Game

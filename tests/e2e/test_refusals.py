@@ -8,7 +8,7 @@ import pytest
 import zmq
 
 from pacinian.wire.connection_file import Connection
-from pacinian_lab.server.faults.raw_client import Peer
+from pacinian_lab.server.faults.misbehaving_client import Peer
 from pacinian_lab.server.fuzz.mutations import encode
 from pacinian_lab.server.fuzz.packets import PLAIN, encode_greeting, frame, throw
 

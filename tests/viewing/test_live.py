@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 import pacinian as pc
-from pacinian.viewing import bridge
+from pacinian.viewing import server_connection
 
 from .conftest import Game
 from .watching import LIMIT, Page, viewer
@@ -374,7 +374,7 @@ def test_there_is_silence_when_a_page_that_armed_says_nothing_any_more(
     server: Running, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     short = partial(pc.Client, lease=0.2)
-    monkeypatch.setattr(bridge, "Client", short)
+    monkeypatch.setattr(server_connection, "Client", short)
     with viewer(server.connection) as url, Page(url) as page:
         page.say("arm")
         assert page.next("refused")["message"] == "the lease was not renewed in time: silence"

@@ -5,7 +5,7 @@ import { AutoScale } from "./field/auto-scale";
 import { SkinPlane } from "./field/skin-plane";
 import { SlicePlane } from "./field/slice-plane";
 import { address, Feed } from "./feed/feed";
-import type { ToServer } from "./feed/messages";
+import type { ToViewer } from "./feed/messages";
 import { Store } from "./feed/store";
 import { Charts } from "./panels/charts";
 import { DemonstrationPanel } from "./panels/demonstration";
@@ -32,7 +32,7 @@ const feed = new Feed(address(location), {
   message: (message) => store.take(message),
   closed: () => store.linked("closed"),
 });
-const send = (message: ToServer): void => void feed.send(message);
+const send = (message: ToViewer): void => void feed.send(message);
 const slicePlane = new SlicePlane(send);
 const surfaceBox = new SurfaceBox(send);
 const scales = { pressure: new AutoScale(), error: new AutoScale() };

@@ -53,7 +53,7 @@ def demo(
 
     from pacinian.acoustics.array import autd
     from pacinian.cli.run_output import ProcessorMeter, picture, print_summary, progress, summary
-    from pacinian.demo import alternate, make_circling_scene
+    from pacinian.demo_scene import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer
 

@@ -2,7 +2,7 @@
 
 run.py                                   all of it, until Ctrl-C
 app.py, feed.py, messages.py             HTTP and the token; one page; messages between pages and viewer
-hub.py, bridge.py, states.py             newest values for all pages; a client of the server; its states and frames
+hub.py, server_connection.py, states.py   newest values for all pages; a client of the server; its states and frames
 scene_mirror.py, recent_frames.py, modulation.py   objects of the rendered scene; the last frames, for their mean
 slices.py, array_model.py, region_error.py   the field, in its own process; its array; pressure on skin minus its target
 feed_file.py, feed_player.py, history.py   recordings of the viewer: written and read, played, their charts

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 from pacinian.client.server_session import read_version
 from pacinian.errors import ArgumentError, MissingExtra, ServerError
 from pacinian.viewing.app import make_app
-from pacinian.viewing.bridge import Bridge
 from pacinian.viewing.feed_file import SUFFIX, FeedFile, FeedRecorder, FeedWriter
 from pacinian.viewing.feed_player import FeedPlayer
 from pacinian.viewing.hub import Hub
 from pacinian.viewing.messages import MAX_BYTES, Hello
 from pacinian.viewing.recording_to_feed import convert_recording
+from pacinian.viewing.server_connection import ServerConnection
 from pacinian.viewing.slices import FieldWorker
 
 try:
@@ -60,10 +60,10 @@ async def view(
             Hello(viewer=read_version(), recording="" if recording is None else recording.name),
         )
         if recording is None:
-            bridge = Bridge(hub, asyncio.get_running_loop(), connection)
+            server = ServerConnection(hub, asyncio.get_running_loop(), connection)
             recorder = FeedRecorder(hub, folder or Path())
-            bridge.start()
-            stack.callback(bridge.close)
+            server.start()
+            stack.callback(server.close)
             stack.callback(recorder.close)
         else:
             recorded = stack.enter_context(open_view(recording, samples=samples))

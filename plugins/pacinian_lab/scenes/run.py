@@ -13,7 +13,7 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.demo import alternate
+from pacinian.demo_scene import alternate
 from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer

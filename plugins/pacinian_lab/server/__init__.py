@@ -7,6 +7,6 @@ expiry.py, guard_process.py              time from the end of a permit to silenc
 footprint.py                             start, memory and processor time
 viewer.py, viewer_pages.py               cost of the live viewer
 faults/, fuzz/                           fault injection; malformed messages
-worker_process.py, raw_client.py, positions.py         processes of the benchmark itself; a client on bare sockets
+worker_process.py, bare_client.py, positions.py         processes of the benchmark itself; a client on bare sockets
 report.py, tables.py, quantiles.py, soak_picture.py   what the benchmarks found
 """

@@ -19,9 +19,9 @@ from pacinian.wire.control import Arm
 from pacinian.wire.modulation import Sine
 from pacinian.wire.state import State
 from pacinian_lab.server import worker_process
+from pacinian_lab.server.bare_client import Peer, States, socket
 from pacinian_lab.server.echo import Echo
 from pacinian_lab.server.quantiles import Quantiles
-from pacinian_lab.server.raw_client import Peer, States, socket
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,8 +15,8 @@ from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.state import ClientState, State
 from pacinian_lab.server import positions, worker_process
+from pacinian_lab.server.bare_client import Peer, States
 from pacinian_lab.server.quantiles import Quantiles
-from pacinian_lab.server.raw_client import Peer, States
 
 NAME = "watcher"
 PING = 0.01  # [s] between pings

@@ -13,7 +13,7 @@ from pacinian.errors import ServerError
 from pacinian.wire.commands import Move, Put
 from pacinian.wire.connection_file import Connection
 from pacinian_lab.server import positions, worker_process
-from pacinian_lab.server.raw_client import Peer
+from pacinian_lab.server.bare_client import Peer
 
 WAKE = 0.001  # [s]
 RENEW = 1.0  # [s]

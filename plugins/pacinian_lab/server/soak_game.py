@@ -24,8 +24,8 @@ from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.state import State
 from pacinian_lab.server import worker_process
+from pacinian_lab.server.bare_client import States, socket
 from pacinian_lab.server.quantiles import Quantiles
-from pacinian_lab.server.raw_client import States, socket
 
 if TYPE_CHECKING:
     from collections.abc import Callable

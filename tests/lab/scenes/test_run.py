@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 import pacinian as pc
-from pacinian import demo, gallery
+from pacinian import demo_scene, gallery
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
 from pacinian_lab.scenes import growth, savings
@@ -82,7 +82,7 @@ def test_the_dummy_loop_burns_as_much_time_as_the_median_tick() -> None:
             return self.time
 
     rendering = pc.Renderer(ONE, pc.Scene((POINT,)), clock=Stepping())
-    burnt = demo.alternate(rendering, 0.02)
+    burnt = demo_scene.alternate(rendering, 0.02)
     took = rendering.report.tick_ms(50)
     assert 0.0 < took <= burnt.tick_ms(50) <= took + 2e-3
 

@@ -19,13 +19,13 @@ from pacinian.wire import binary_arrays
 from pacinian.wire.convert import to_scene
 from pacinian_lab.server import latency, latency_sender, load, report, soak_drift, tables
 from pacinian_lab.server import positions as places
+from pacinian_lab.server.bare_client import socket
 from pacinian_lab.server.echo import Echo
 from pacinian_lab.server.latency_sender import Times
 from pacinian_lab.server.load import Final
 from pacinian_lab.server.load_observer import Seen
 from pacinian_lab.server.many_clients import Done
 from pacinian_lab.server.quantiles import Quantiles
-from pacinian_lab.server.raw_client import socket
 from pacinian_lab.server.soak import Row as Window
 from pacinian_lab.server.soak_game import Heard
 from pacinian_lab.server.worker_process import WorkerError, WorkerProcess

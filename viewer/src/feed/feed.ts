@@ -2,14 +2,14 @@
 
 import { decode, encode } from "@msgpack/msgpack";
 
-import type { Batch, FromServer, ToServer } from "./messages";
+import type { Batch, FromViewer, ToViewer } from "./messages";
 
 const FIRST = 250; // delay before the first retry [ms]; it doubles with each
 const LONGEST = 2000; // longest delay [ms]
 
 export interface Listener {
   opened(): void;
-  message(message: FromServer): void;
+  message(message: FromViewer): void;
   closed(): void;
 }
 
@@ -45,7 +45,7 @@ export class Feed {
   }
 
   /** Send a message. Return false if there is no connection. */
-  send(message: ToServer): boolean {
+  send(message: ToViewer): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
     this.socket.send(encode(message));
     return true;
@@ -53,9 +53,9 @@ export class Feed {
 }
 
 /** Decode a message of the server. Return null, and log an error, if it is not valid. */
-export function read(data: ArrayBuffer): FromServer | Batch | null {
+export function read(data: ArrayBuffer): FromViewer | Batch | null {
   try {
-    const message = decode(data) as FromServer | Batch | null;
+    const message = decode(data) as FromViewer | Batch | null;
     if (typeof message?.type === "string") return message;
     throw new TypeError("it has no type");
   } catch (error) {

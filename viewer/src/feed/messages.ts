@@ -234,7 +234,7 @@ export interface Replay {
   speed: number;
 }
 
-export type FromServer =
+export type FromViewer =
   | Hello
   | Arrayed
   | Session
@@ -271,7 +271,7 @@ export interface Selection {
   intensity?: number;
 }
 
-export type ToServer =
+export type ToViewer =
   | ({ type: "slice"; id: number; of: Quantity; over: Over } & Plane)
   | ({ type: "volume"; id: number; over: Over } & Box)
   | ({ type: "skin"; id: number } & Plane)

@@ -9,7 +9,7 @@
 import type {
   Arrayed,
   Frame,
-  FromServer,
+  FromViewer,
   Hello,
   Histogram,
   Past,
@@ -80,7 +80,7 @@ export class Store {
     this.tell("link", link);
   }
 
-  take(message: FromServer): void {
+  take(message: FromViewer): void {
     if (message.type === "lost") {
       this.linked("lost", message.reason);
       return;

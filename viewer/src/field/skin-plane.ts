@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 
-import type { Plane, State, ToServer, Triple } from "../feed/messages";
+import type { Plane, State, ToViewer, Triple } from "../feed/messages";
 import { floats, indices } from "../feed/numbers";
 import { nextId } from "./request-ids";
 
@@ -22,7 +22,7 @@ export class SkinPlane {
   private plane: Plane | undefined;
   private next = 0;
 
-  constructor(private readonly send: (message: ToServer) => void) {}
+  constructor(private readonly send: (message: ToViewer) => void) {}
 
   show(on: boolean): void {
     this.on = on;

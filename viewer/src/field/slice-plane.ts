@@ -1,6 +1,6 @@
 /** The slice that the user wants. Each change is sent to the server, at most once a frame. */
 
-import type { Over, Plane, Quantity, ToServer, Triple } from "../feed/messages";
+import type { Over, Plane, Quantity, ToViewer, Triple } from "../feed/messages";
 import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./request-ids";
 
@@ -24,7 +24,7 @@ export class SlicePlane {
   private due = false;
   private readonly listeners: (() => void)[] = [];
 
-  constructor(private readonly send: (message: ToServer) => void) {}
+  constructor(private readonly send: (message: ToViewer) => void) {}
 
   get plane(): Plane {
     const cells = this.moving ? Math.max(Math.round(this.cells / COARSE), 2) : this.cells;

@@ -1,6 +1,6 @@
 /** The box in which the isosurface is computed. */
 
-import type { Over, ToServer, Triple } from "../feed/messages";
+import type { Over, ToViewer, Triple } from "../feed/messages";
 import { nextId } from "./request-ids";
 
 const STAYS = 0.02; // distance by which the contact may move before the box does [m]
@@ -14,7 +14,7 @@ export class SurfaceBox {
   private points = 40;
   private centre: Triple = [0, 0, 0.2];
 
-  constructor(private readonly send: (message: ToServer) => void) {}
+  constructor(private readonly send: (message: ToViewer) => void) {}
 
   show(on: boolean): void {
     this.on = on;

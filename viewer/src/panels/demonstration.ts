@@ -1,6 +1,6 @@
 /** The demonstration, offered while there is nothing to feel. The viewer plays it as a client of the server. */
 
-import type { State, ToServer } from "../feed/messages";
+import type { State, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, element, say } from "./dom";
 
@@ -12,7 +12,7 @@ export class DemonstrationPanel {
 
   constructor(
     private readonly store: Store,
-    private readonly send: (message: ToServer) => void,
+    private readonly send: (message: ToViewer) => void,
   ) {
     button("demonstrate").addEventListener("click", () => this.play(true));
     button("demonstrated").addEventListener("click", () => this.play(false));

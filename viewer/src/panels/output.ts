@@ -1,6 +1,6 @@
 /** The state and the owner of the output, and the buttons that start and end sound. */
 
-import type { Session, Sound, State, ToServer } from "../feed/messages";
+import type { Session, Sound, State, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { unready } from "./advice";
 import { DEMONSTRATION } from "./demonstration";
@@ -31,7 +31,7 @@ export class OutputPanel {
 
   constructor(
     private readonly store: Store,
-    private readonly send: (message: ToServer) => void,
+    private readonly send: (message: ToViewer) => void,
   ) {
     button("arm").addEventListener("click", () => this.arm());
     button("take-yes").addEventListener("click", () => this.take());

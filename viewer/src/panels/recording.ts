@@ -1,6 +1,6 @@
 /** Controls to record the feed, and to play a recording. */
 
-import type { Replay, ToServer } from "../feed/messages";
+import type { Replay, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { button, element, input, say, select } from "./dom";
 
@@ -12,7 +12,7 @@ export class RecordingPanel {
 
   constructor(
     store: Store,
-    private readonly send: (message: ToServer) => void,
+    private readonly send: (message: ToViewer) => void,
   ) {
     const scrub = input("scrub");
     store.on("hello", ({ recording }) => {

@@ -1,6 +1,6 @@
 /** Controls for the running server: each choice is requested, and shown once the server uses it. */
 
-import type { Arrayed, Plugin, Selection, State, Technique, ToServer } from "../feed/messages";
+import type { Arrayed, Plugin, Selection, State, Technique, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
 import { unready } from "./advice";
 import { choices, element, input, say, select } from "./dom";
@@ -25,7 +25,7 @@ export class ServerChoices {
 
   constructor(
     private readonly store: Store,
-    private readonly send: (message: ToServer) => void,
+    private readonly send: (message: ToViewer) => void,
   ) {
     for (const kind of ["solver", "backend"] as const) {
       const list = select(kind);

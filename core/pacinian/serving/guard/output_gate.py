@@ -173,7 +173,9 @@ class OutputGate:
             return math.inf
         now = self._clock()
         return (
-            0.0 if self._reason(permit, now) else min(permit.until, self._seen + self._max_age) - now
+            0.0
+            if self._reason(permit, now)
+            else min(permit.until, self._seen + self._max_age) - now
         )
 
     def _see(self, frame: bytes, now: float) -> None:

@@ -11,8 +11,8 @@ import psutil
 import zmq
 
 from pacinian_lab.server.faults.game import POINT
+from pacinian_lab.server.faults.misbehaving_client import Peer, Silent, prepare
 from pacinian_lab.server.faults.proxy import Proxy
-from pacinian_lab.server.faults.raw_client import Peer, Silent, prepare
 from pacinian_lab.server.faults.rig import Times, until
 
 if TYPE_CHECKING:

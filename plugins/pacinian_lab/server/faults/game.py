@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pacinian.errors import PacinianError
 from pacinian.wire.binary_arrays import pack
-from pacinian_lab.server.faults.raw_client import Message, Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import Message, Peer, Silent
 
 RATE = 90.0  # [Hz]
 ARM_INTERVAL = 0.05  # [s] between attempts to arm

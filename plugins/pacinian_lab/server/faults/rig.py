@@ -15,7 +15,7 @@ import numpy as np
 from pacinian.closing import Closing
 from pacinian_lab.server.faults.hanging_solver import STUCK
 from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
-from pacinian_lab.server.faults.raw_client import Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import Peer, Silent
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -19,7 +19,7 @@ from msgspec.structs import asdict
 
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
-from pacinian_lab.server.faults.raw_client import Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import Peer, Silent
 from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS
 from pacinian_lab.server.fuzz.mutations import Spoiler
 from pacinian_lab.server.fuzz.packets import ANSWERS, packet, throw, within

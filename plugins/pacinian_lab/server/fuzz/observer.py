@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import psutil
 
-from pacinian_lab.server.faults.raw_client import Silent
+from pacinian_lab.server.faults.misbehaving_client import Silent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

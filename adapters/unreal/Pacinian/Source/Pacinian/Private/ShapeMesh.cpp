@@ -70,7 +70,8 @@ bool ToWire(const UStaticMesh* Mesh, const FVector& Scale, wire::Mesh& Made, FSt
   }
   for (const FStaticMeshLODResources& Level : Data->LODResources)
     if (Weld(Level, Scale, Made)) return true;
-  Problem = TEXT("its static mesh is empty, or has more than 50,000 vertices or triangles: add a coarser level of detail");
+  Problem = FString::Printf(TEXT("its static mesh is empty, or has more than %d vertices or triangles: add a coarser level of detail"),
+                            int32(wire::MAX_FACES));
   return false;
 }
 

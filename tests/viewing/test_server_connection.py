@@ -17,7 +17,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.client.emergency import emergency_stop
 from pacinian.testing import ManualClock
-from pacinian.viewing import bridge, states
+from pacinian.viewing import server_connection, states
 from pacinian.viewing.hub import Hub
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack
@@ -145,8 +145,8 @@ def test_a_server_that_goes_is_lost_and_another_one_is_found(tmp_path: Path) -> 
 def test_a_server_that_is_dead_under_an_open_page_is_lost_and_stop_says_so(
     fake: Fake, connection: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bridge, "Client", partial(pc.Client, timeout=1.0))
-    monkeypatch.setattr(bridge, "emergency_stop", partial(emergency_stop, timeout=0.1))
+    monkeypatch.setattr(server_connection, "Client", partial(pc.Client, timeout=1.0))
+    monkeypatch.setattr(server_connection, "emergency_stop", partial(emergency_stop, timeout=0.1))
     with viewer(connection) as url, Page(url) as page:
         page.next("state")
         fake.deaf = True
@@ -198,18 +198,18 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         return len(fake.of(control.Renew))
 
     with Page(url) as page, Page(url) as other:
-        fake.answers[commands.Show] = there  # the bridge requests poses in each round
+        fake.answers[commands.Show] = there  # the viewer requests poses in each round
         page.until(lambda: page.newest.get("scenery", {}).get("scene") == "hall")
         armed(page)
         fake.until(lambda: renewed(fake))
         clock = ManualClock(time.perf_counter())
-        monkeypatch.setattr(bridge, "time", SimpleNamespace(perf_counter=clock.now))
+        monkeypatch.setattr(server_connection, "time", SimpleNamespace(perf_counter=clock.now))
 
         def look() -> None:
-            """Let the bridge renew its lease, if it is due, in one complete round."""
+            """Let the viewer renew its lease, if it is due, in one complete round."""
             for _ in range(2):
                 before = len(fake.of(commands.Show))
-                clock.advance(bridge.POLL_INTERVAL)
+                clock.advance(server_connection.POLL_INTERVAL)
                 fake.until(lambda before=before: len(fake.of(commands.Show)) > before)
 
         clock.advance(0.01)
@@ -221,11 +221,11 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         other.catch_up()
         look()
         fake.answers[commands.Show] = held_up
-        clock.advance(bridge.POLL_INTERVAL)
+        clock.advance(server_connection.POLL_INTERVAL)
         assert held.wait(LIMIT)
         page.say("alive")
         page.catch_up()
-        clock.advance(bridge.FRESH * page.newest["session"]["lease"])
+        clock.advance(server_connection.FRESH * page.newest["session"]["lease"])
         fake.answers[commands.Show] = there
         free.set()
         look()
@@ -329,7 +329,7 @@ def test_a_stop_that_fails_in_an_odd_way_is_told(url: str, monkeypatch: pytest.M
     def fail(*_: object) -> None:
         raise OSError("too many open files")
 
-    monkeypatch.setattr(bridge, "emergency_stop", fail)
+    monkeypatch.setattr(server_connection, "emergency_stop", fail)
     with Page(url) as page:
         page.say("stop")
         refused = page.next("refused")
@@ -399,7 +399,7 @@ def test_who_comes_later_is_not_told_what_was(
 def test_nobody_is_asked_for_anything_while_no_page_is_open(
     fake: Fake, connection: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bridge, "UNARMED_RENEWAL", 0.0)
+    monkeypatch.setattr(server_connection, "UNARMED_RENEWAL", 0.0)
     with viewer(connection) as url:
         fake.until(
             lambda: len(fake.of(control.Renew)) >= 3

@@ -50,7 +50,7 @@ FRESH = 0.5  # maximum age of an `alive` that counts, as a share of the lease
 WAITING = 64  # maximum number of waiting requests, and of selections without a reply
 
 
-class Bridge:
+class ServerConnection:
     """Runs from `start` to `close`. where: the connection file, as for `pacinian.Client`."""
 
     def __init__(self, hub: Hub, loop: AbstractEventLoop, where: Path | str | None) -> None:
@@ -66,7 +66,7 @@ class Bridge:
         self._demonstration: Demonstration | None = None
         self._demonstrated = 0  # the page that requested it
         self._posted: tuple[SessionMessage, int] | None = None
-        self._thread = threading.Thread(target=self._run, name="bridge", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="server connection", daemon=True)
 
     def start(self) -> None:
         """Start the thread, and accept requests from pages."""
@@ -160,7 +160,7 @@ class Bridge:
         self._ended.wait(RETRY_INTERVAL)
 
     def _watch(self, client: Client, connection: Connection) -> None:
-        """Run one session until it is lost, a page arms another scene, or the bridge ends."""
+        """Run one session until it is lost, a page arms another scene, or the viewer ends."""
         self._owner, self._armed, self._posted, scene = 0, False, None, self._scene
         self._selected.clear()
         with StateReader(client, connection, self._hub, self._post) as states:
