@@ -184,7 +184,7 @@ class Status(RuleBasedStateMachine):
         guard = self.guard
         if guard.fault or guard.problem or guard.backend is None:
             return "faulted"
-        return "sounding" if guard.sounding else "stale" if guard.stale else "silent"
+        return "sounding" if guard.sounding else "stale" if guard.is_stale else "silent"
 
     @rule()
     def run_threads(self) -> None:
