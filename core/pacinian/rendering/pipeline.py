@@ -230,9 +230,10 @@ class Pipeline:
         self._solved_now = True
         self.stages.enter("sample")
         self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
-        if (measure := self._find_measuring(limits)) is None:
+        # the last measurement may still be under way, with the propagator that the next one needs
+        if self.background.running or (measure := self._find_measuring(limits)) is None:
             return
-        if self._governed and not self.background.running and not self._tape.replays:
+        if self._governed and not self._tape.replays:
             self._start_job(measure, measures=True)
         else:
             self.stages.report.add_measurement(*measure())

@@ -16,6 +16,7 @@ import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.rendering.background_schedule import MAX_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
+from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
 from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.rendering.rerender import rerender
@@ -281,6 +282,27 @@ AT_ITS_LIMIT = pc.Scene(
         ),
     )
 )
+
+
+def test_only_one_measurement_is_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two would use one propagator. Solves that move on in the ticks do not wait for it."""
+    measure, release, threads = Probe.hear, threading.Event(), list[threading.Thread]()
+
+    def hear(self: Probe, *about: Any) -> Any:
+        threads.append(threading.current_thread())
+        if threading.current_thread() is not threading.main_thread():
+            release.wait(120.0)
+        return measure(self, *about)
+
+    monkeypatch.setattr(Probe, "hear", hear)
+    renderer, _ = make(lambda t: at(0.02 * t))
+    with renderer:
+        for k in range(4 * TICKS_PER_LOOK):
+            renderer.tick(k * TICK)
+        assert threading.main_thread() not in threads
+        assert len(threads) <= 1
+        release.set()
+        assert renderer.halted is None
 
 
 @pytest.mark.parametrize("name", ["crowd", "palm", "sliding-ball", "static-focus", "two frames"])
