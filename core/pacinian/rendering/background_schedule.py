@@ -12,10 +12,8 @@ TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
 SHORT = 0.5  # duration within which a solve must fit to run in a tick again, relative to the period
-MIN_FITTING = (
-    256  # successive short solves before solving returns into the ticks; doubled after each return,
-)
-MAX_FITTING = 4096  # up to so many
+# successive short solves before solving returns into the ticks: at first, and at most; doubled after each return
+MIN_FITTING, MAX_FITTING = 256, 4096
 PENALTY = 8  # short solves that a long one cancels; the machine may have caused it, so it does not cancel all
 SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
 MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take

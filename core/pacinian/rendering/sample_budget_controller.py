@@ -6,12 +6,14 @@ from collections import deque
 from dataclasses import dataclass, field
 
 MAX_LOAD = 0.75  # duration of a tick, over the period, above which the budget shrinks
-MIN_LOAD = 0.5  # the same, below which it may grow
+MIN_LOAD = 0.5  # duration of a tick, over the period, up to which the budget may grow
 MAX_LONG_TICKS = 8  # successive long ticks before it shrinks; a few may be due to the machine
-FAR_TOO_LATE = 3.0  # duration of a tick, over the period, above which it shrinks sooner,
-SOON_TICKS = 2  # after so many successive ticks
-WAIT = 50  # short ticks before it grows; twice as many each time that it must shrink again,
-MAX_WAIT = 800  # up to this number, and back to WAIT after so many short ticks at full budget
+FAR_TOO_LATE = 3.0  # duration of a tick, over the period, above which SOON_TICKS suffice
+SOON_TICKS = 2  # successive ticks that are far too late, before it shrinks
+WAIT = 50  # short ticks before it grows; doubled each time that it must shrink again after growing
+MAX_WAIT = (
+    800  # largest such wait; also the short ticks at full budget after which it is WAIT again
+)
 MIN_BUDGET = 16  # smallest budget; fewer samples would hardly save time
 AIM = 0.6  # duration of a tick to aim for when the budget shrinks, relative to the period
 

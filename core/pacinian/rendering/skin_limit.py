@@ -199,8 +199,8 @@ class SkinLimit:
 
         least: cosine of the angle between their normal and the direction to it.
         """
-        which = which[self._may_see(skin, which, least)]
-        return which[skin.find_exposed(which)]
+        which = which[skin.find_exposed(which)]
+        return which[self._may_see(skin, which, least)]
 
     def _may_see(self, skin: PosedSkin, which: Indices, least: float) -> Flags:
         """Return whether the cosine of a normal and the direction to a transducer exceeds `least`, about, (I,).

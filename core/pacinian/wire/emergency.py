@@ -79,7 +79,7 @@ def request_stop(address: str, secret: str, timeout: float) -> bool:
     nonce, due = secrets.token_bytes(NONCE_BYTES), time.perf_counter() + timeout
     with ExitStack() as stack:
         try:
-            made = _connect(address, stack, nonce.hex())
+            made = _connect(address, stack, nonce[:4].hex())
             while (left := due - time.perf_counter()) > 0.0:
                 made.settimeout(min(left, RESEND_PERIOD))
                 with suppress(TimeoutError):
@@ -102,7 +102,7 @@ def _connect(address: str, stack: ExitStack, name: str) -> socket.socket:
     if sys.platform == "linux":
         made.bind("")  # an abstract address without a file: unix(7), autobind
     else:
-        ours = Path(f"{at}-{name}")
+        ours = Path(f"{at}-{name}")  # the path of a socket has 100 bytes at most
         stack.callback(ours.unlink, missing_ok=True)
         made.bind(str(ours))
     made.connect(at)

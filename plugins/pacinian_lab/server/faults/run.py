@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.errors import PacinianError
 from pacinian.rendering.pipeline import MAX_AGE
+from pacinian.serving.control import process as control_process
 from pacinian.serving.guard import process as guard_process
 from pacinian.serving.ipc import child_process
 from pacinian.serving.settings import Safety
@@ -32,6 +33,7 @@ LED = "the same, plus the time that frames wait in the device"
 TICK, GUARD_ROUND = 1e-3, 2 * guard_process.POLL_INTERVAL
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
 LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.stale + 2 * GUARD_ROUND
+LINK, ENDED = control_process.OWNER + GUARD_ROUND, control_process.CHECK_INTERVAL + GUARD_ROUND
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
 # [s]; a hang is detected in steps of 20 ms
 HUNG = STATED.hung / child_process.HASTE + 0.05 + OPENED
@@ -51,7 +53,7 @@ class Fault(NamedTuple):
 
 
 FAULTS = (
-    Fault("client killed -9", client_faults.kill_client, LEASE, "end of the link, or lease"),
+    Fault("client killed -9", client_faults.kill_client, LINK, "the next check of the link"),
     Fault("client stopped (SIGSTOP)", client_faults.stop_client, LEASE, "lease"),
     Fault("game thread frozen", client_faults.freeze_client, LEASE, "lease"),
     Fault(
@@ -83,11 +85,11 @@ FAULTS = (
     Fault("solver holds the interpreter", parts.hold_solver, STALE, "stale"),
     Fault("renderer killed -9", parts.kill_render, STALE, "stale"),
     Fault("renderer stopped", parts.stop_render, STALE, "stale"),
-    Fault("bus killed -9", parts.kill_bus, math.nan, "until its end is detected"),
+    Fault("bus killed -9", parts.kill_bus, ENDED, "until its end is detected"),
     Fault("guard killed -9", parts.kill_guard, OPENED, "device's watchdog, or the spare guard"),
     Fault("guard stopped", parts.stop_guard, HUNG, "an eighth of `hung`, then the spare guard"),
     Fault("device blocks in a frame", parts.block_guard, HUNG, "the same"),
-    Fault("control killed -9", parts.kill_control, LEASE, "lease"),
+    Fault("control killed -9", parts.kill_control, GUARD_ROUND, "a round, after its end"),
     Fault("control stopped", parts.stop_control, LEASE, "lease"),
     Fault(
         "all processes suspended and resumed",
