@@ -20,6 +20,7 @@ from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.auth import Authenticator, make_secrets
+from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory import settle_memory
@@ -39,17 +40,19 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from pacinian.serving.control.supervisor import Process
+    from pacinian.serving.ipc.child_pipe import ChildPipe
     from pacinian.serving.settings import Network, Settings
 
-RESERVE = 16  # file descriptors reserved for restarted processes
-# Fewest file descriptors with which a server starts. Its own are 45; ZeroMQ ends the process that has none left.
+# The other processes, the spare, and one that the system does not let end.
+MAX_CHILDREN = 5
+# Fewest file descriptors with which a server starts. Its own are 52; ZeroMQ ends the process that has none left.
 MIN_FILES = 64
 
 
 def serve(
     settings: Settings,
     ready: Callable[[Path], object] = lambda path: None,
-    start: Callable[[str, child_process.LaunchConfig], Process] = child_process.start,
+    start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process] = child_process.start,
     ending: threading.Event | None = None,
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
@@ -62,8 +65,9 @@ def serve(
     with contextlib.ExitStack() as stack:
         stack.enter_context(_alone(path))
         configure(settings.log, "control")
-        _limit_files(RESERVE)
+        _raise_file_limit()
         stack.callback(flush)
+        pipes = stack.enter_context(ChildPipes(MAX_CHILDREN))
         stack.enter_context(_signals(ending))
         secrets = make_secrets(settings)
         _check_ports(settings)
@@ -92,11 +96,11 @@ def serve(
         connection = _connection(network, secrets, stop.address)
 
         def begin(name: str, spare: int) -> Process:
-            with _reserve():
-                if name == SPARE:
-                    return start(GUARD, replace(config, spare=spare))
-                # The other processes have no socket.
-                return start(name, replace(config, secrets=secrets) if name == "bus" else config)
+            if name == SPARE:
+                return start(GUARD, replace(config, spare=spare), pipes.take())
+            # The other processes have no socket.
+            told = replace(config, secrets=secrets) if name == "bus" else config
+            return start(name, told, pipes.take())
 
         supervisor = Supervisor(begin, settings.safety.hung)
         stack.callback(_end, supervisor)
@@ -140,8 +144,8 @@ def _alone(path: Path) -> FileLock:
     return lock
 
 
-def _limit_files(reserve: int) -> None:
-    """Allow as many connections as the system permits, less `reserve`. Each connection takes a file descriptor.
+def _raise_file_limit() -> None:
+    """Allow as many connections as the system permits. Each connection takes a file descriptor.
 
     Raises ServerError if the system permits too few.
     """
@@ -155,19 +159,8 @@ def _limit_files(reserve: int) -> None:
             f"the system permits {most} files, and a server needs {MIN_FILES}: run `ulimit -Hn {MIN_FILES}` as root, "
             "or raise the limit of this user or service"
         )
-    soft = most if most == resource.RLIM_INFINITY else most - reserve
     with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, most))
-
-
-@contextlib.contextmanager
-def _reserve() -> Generator[None]:
-    """Release the reserved file descriptors to a process that is being started."""
-    _limit_files(0)
-    try:
-        yield
-    finally:
-        _limit_files(RESERVE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _end(supervisor: Supervisor) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 from contextlib import ExitStack
@@ -33,10 +32,9 @@ MAX_WAIT = 20.0  # [s] longest wait for an answer
 PROMPT = 100e-6  # [s] longest time to write a value; runs with a slower write do not count
 POLL_INTERVAL = 50e-6  # [s] between polls
 PARENT = """
-import sys, time
-import msgspec
+import time
 from pacinian.serving.ipc import child_process
-started = child_process.start("guard", msgspec.json.decode(sys.argv[1], type=child_process.LaunchConfig))
+started = child_process.start("guard", child_process.Parent().config)
 time.sleep(3600)
 """
 
@@ -58,8 +56,7 @@ class GuardProcess:
         self._epoch = self._sequence = 0
         config = child_process.LaunchConfig(str(self._folder), settings)
         if orphan:
-            text = msgspec.json.encode(config).decode()
-            self.process = subprocess.Popen([sys.executable, "-c", PARENT, text])
+            self.process = child_process.launch([sys.executable, "-c", PARENT], config)
         else:
             self.process = child_process.start("guard", config)
 

@@ -39,13 +39,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    from pacinian.serving.ipc.child_pipe import ChildPipe
     from pacinian.serving.ipc.child_process import LaunchConfig
 
 
 class Pretender:
     """A fake process. It sends a heartbeat at each `poll`, and answers all orders."""
 
-    stdin, pid = None, 7
+    pid = 7
 
     def __init__(self, name: str, told: LaunchConfig, extra: dict[str, Any]) -> None:
         self.name, self.told, self.extra = name, told, extra
@@ -88,6 +89,9 @@ class Pretender:
     def call(self) -> None:
         self.called()
 
+    def close(self) -> None:
+        pass
+
     def kill(self) -> None:
         self.killed, self.code = True, -9
 
@@ -122,7 +126,7 @@ class Server:
         except BaseException as error:
             self.error = error
 
-    def _start(self, name: str, told: LaunchConfig) -> Pretender:
+    def _start(self, name: str, told: LaunchConfig, _: ChildPipe) -> Pretender:
         made = Pretender(name, told, self.extra[name])
         made.silent = name in self.silent or told.spare > 0
 

@@ -69,14 +69,14 @@ class Server:
             backends=(Plugin(name="usb-autd"),),
         )  # fmt: skip
         self.files["device"].write(pack(before))
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: child_process.Process | subprocess.Popen[bytes] | None = None
         self._sequence = self._resets = 0
 
-    def start(self) -> subprocess.Popen[bytes]:
+    def start(self) -> child_process.Process:
         """As control starts it."""
-        self._process = child_process.start("guard", self.told)
+        self._process = process = child_process.start("guard", self.told)
         self._wait_until_open()
-        return self._process
+        return process
 
     def adopted(self) -> subprocess.Popen[bytes]:
         """Its parent, which can be killed."""
@@ -124,7 +124,7 @@ class Server:
 
         def look() -> DeviceStatus | None:
             if self._process is not None:
-                assert self._process.poll() is None, f"the guard ended: {self._process.returncode}"
+                assert self._process.poll() is None, f"the guard ended: {self._process.wait()}"
             if playing:
                 self.play()
             device = self.device()
@@ -144,8 +144,8 @@ class Server:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-            if self._process.stdin is not None:
-                self._process.stdin.close()
+            if isinstance(self._process, child_process.Process):
+                self._process.close()
         for file in self.files.values():
             file.close()
         self._stack.close()

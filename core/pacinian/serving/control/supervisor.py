@@ -14,7 +14,6 @@ from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from typing import IO
 
 CHILDREN = "guard", "bus", "render"  # in starting order
 # The guard has a spare, which waits to be called.
@@ -38,17 +37,16 @@ class Process(Protocol):
         """Process id."""
         ...
 
-    @property
-    def stdin(self) -> IO[bytes] | None:
-        """Standard input. The process ends when it is closed."""
-        ...
-
     def poll(self) -> int | None:
         """Return the exit code; None while the process runs."""
         ...
 
     def call(self) -> None:
         """Let a spare begin; returns at once."""
+        ...
+
+    def close(self) -> None:
+        """Close its standard input, which ends the process. For the end of the server."""
         ...
 
     def kill(self) -> None:
@@ -208,49 +206,34 @@ class Supervisor:
 
     def _check_child(self, child: Child, beat: float, hung: float, now: float) -> str:
         if (code := child.process.poll()) is not None:
-            _close_input(child.process)
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = beat >= child.started
         if beat != child.beat:
             child.beat, child.heard = beat, self._watched
         if self._watched - child.heard <= (hung if seen else child.patience):
             return ""
-        _kill_process(child.process)
+        child.process.kill()
         return "hung, and was killed" if seen else "did not start, and was killed"
 
     def end(self) -> list[str]:
         """End all processes in order; return the names of those that had to be killed."""
         killed: list[str] = []
         if self._spare is not None:  # it has no device
-            _kill_process(self._spare.process)
+            self._spare.process.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._spare.process.wait(MAX_END_TIME)
         rest = [name for name in self.children if name not in ENDED]
         for name in [*ENDED, *rest]:
             child = self.children.get(name)
             if child is None or child.process.poll() is not None:
-                if child is not None:
-                    _close_input(child.process)
                 continue
-            _close_input(child.process)
+            child.process.close()
             try:
                 child.process.wait(MAX_END_TIME)
             except subprocess.TimeoutExpired:
-                _kill_process(child.process)
+                child.process.kill()
                 killed.append(name)
                 # The system does not let it end.
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     child.process.wait(MAX_END_TIME)
         return killed
-
-
-def _close_input(process: Process) -> None:
-    with contextlib.suppress(OSError):
-        if process.stdin is not None:
-            process.stdin.close()
-
-
-def _kill_process(process: Process) -> None:
-    """Kill a process, which ends when the system lets it."""
-    process.kill()
-    _close_input(process)

@@ -17,6 +17,8 @@ from msgspec import Struct
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import scheduling
+from pacinian.serving.ipc.child_pipe import ChildPipe
+from pacinian.serving.ipc.spawned_process import start_process
 from pacinian.serving.settings import Settings
 
 if TYPE_CHECKING:
@@ -54,75 +56,76 @@ class LaunchConfig(Struct, frozen=True):
         return Path(self.folder)
 
 
-class Process(subprocess.Popen[bytes]):
+class Process:
     """A running child. Its standard input stays open; closing it ends the child."""
 
-    _telling: threading.Thread | None = None
+    def __init__(self, command: Sequence[str], pipe: ChildPipe) -> None:
+        self._system, self._pipe = start_process(command, pipe.source), pipe
+        pipe.child = self._system
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._system.pid
+
+    def poll(self) -> int | None:
+        """Return the exit code; None while the process runs."""
+        return self._system.poll()
 
     def tell(self, data: bytes) -> None:
-        """Write to the child's standard input, after all earlier data.
-
-        This uses a thread, because the child may not read. Raises OSError or RuntimeError if the system permits no more
-        files or threads.
-        """
-        if self.stdin is None:
-            return
-        file, before = os.dup(self.stdin.fileno()), self._telling
-
-        def write() -> None:
-            if before is not None:
-                before.join()
-            with contextlib.suppress(OSError), os.fdopen(file, "wb") as pipe:
-                pipe.write(data)
-
-        # A child that does not read blocks nobody. If it has died, its exit code shows that.
-        thread = threading.Thread(target=write, name="tell", daemon=True)
-        try:
-            thread.start()
-        except RuntimeError:
-            os.close(file)
-            raise
-        self._telling = thread
+        """Write to the child's standard input, after all earlier data. Raises RuntimeError as `ChildPipe.tell`."""
+        self._pipe.tell(data)
 
     def call(self) -> None:
         """Let a spare begin. One that cannot receive this is a spare that hangs."""
-        with contextlib.suppress(OSError, RuntimeError):
+        with contextlib.suppress(RuntimeError):
             self.tell(CALL)
 
+    def close(self) -> None:
+        """Close the child's standard input, which ends the child. No other child can use that pipe then."""
+        self._pipe.close()
 
-def start(module: str, config: LaunchConfig) -> Process:
+    def kill(self) -> None:
+        """Kill the process."""
+        self._system.kill()
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait until the process has ended; return its exit code. Raises subprocess.TimeoutExpired."""
+        return self._system.wait(timeout)
+
+
+def start(module: str, config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:
     """Start `python -m pacinian.serving.<module>.process`.
 
     Call this from a thread that lives as long as the child: on Linux, the child is killed when that thread ends.
     """
-    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], config)
+    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], config, pipe)
 
 
-def launch(command: Sequence[str], config: LaunchConfig) -> Process:
-    """Start a child by any command that calls `read_launch_config`.
+def launch(command: Sequence[str], config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:
+    """Start a child by any command that calls `read_launch_config`. pipe: its standard input; None makes one.
 
     Raises ServerError if the configuration is too long or cannot be sent; OSError if the child cannot be started.
     """
     data = msgspec.json.encode(config)
     if len(data) > MAX_CONFIG_BYTES:
         raise ServerError(f"the settings take {len(data)} bytes, more than {MAX_CONFIG_BYTES}")
-    # Own process group: Ctrl-C goes to the parent only, which then ends its children in order.
-    process = Process(command, stdin=subprocess.PIPE, start_new_session=os.name == "posix")
+    process = Process(command, ChildPipe() if pipe is None else pipe)
     scheduling.lower_child_priority(process.pid)
     try:
         process.tell(len(data).to_bytes(4, "little") + data)
-    except (OSError, RuntimeError) as error:
+    except RuntimeError as error:
         process.kill()
-        end(process)
+        process.wait()
+        if pipe is None:
+            process.close()
         raise ServerError(f"a process cannot be told its settings: {error}") from error
     return process
 
 
-def end(process: subprocess.Popen[bytes], within: float = 1.0) -> int:
+def end(process: Process, within: float = 1.0) -> int:
     """Let a child end by itself within `within` seconds, otherwise kill it; return its exit status."""
-    if process.stdin is not None:
-        with contextlib.suppress(OSError):
-            process.stdin.close()
+    process.close()
     try:
         return process.wait(within)
     except subprocess.TimeoutExpired:

@@ -65,8 +65,8 @@ import sys
 from pacinian.serving.ipc import child_process
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Safety, Settings
-def start(name, told):
-    process = child_process.launch([sys.executable, "-c", sys.argv[2], name], told)
+def start(name, told, pipe):
+    process = child_process.launch([sys.executable, "-c", sys.argv[2], name], told, pipe)
     name = "spare" if told.spare else name
     print("started", name, process.pid, told.folder, flush=True)
     return process
@@ -78,7 +78,7 @@ serve(settings, lambda path: print("ready", path, flush=True), start)
 class Fake:
     """A process that only has an exit code. log: all calls of all fakes."""
 
-    stdin, pid = None, 7
+    pid = 7
 
     def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
         self.name, self.log, self.stubborn = name, log, stubborn
@@ -90,6 +90,9 @@ class Fake:
 
     def call(self) -> None:
         self.log.append(("call", self.name))
+
+    def close(self) -> None:
+        self.log.append(("close", self.name))
 
     def kill(self) -> None:
         self.log.append(("kill", self.name))
@@ -142,7 +145,8 @@ def test_the_guard_is_started_first_and_ended_last() -> None:
     watch = Watch()
     assert [fake.name for fake in watch.started] == ["guard", "bus", "render"]
     assert watch.supervisor.end() == []
-    assert watch.log == [("wait", "render"), ("wait", "bus"), ("wait", "guard")]
+    names = "render", "bus", "guard"
+    assert watch.log == [(does, name) for name in names for does in ("close", "wait")]
 
 
 def test_one_that_does_not_end_when_asked_is_killed_and_the_others_are_ended_all_the_same() -> None:
@@ -405,7 +409,7 @@ def test_at_the_end_the_spare_goes_first() -> None:
     watch, _, _ = with_spare()
     watch.log.clear()
     watch.supervisor.end()
-    assert watch.log[:3] == [("kill", "spare"), ("wait", "spare"), ("wait", "render")]
+    assert watch.log[:3] == [("kill", "spare"), ("wait", "spare"), ("close", "render")]
 
 
 @pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])
@@ -475,7 +479,7 @@ def test_if_one_cannot_be_started_those_before_are_ended() -> None:
 
     with pytest.raises(OSError, match="no memory"):
         Supervisor(start, 1.0)
-    assert log == [("wait", "bus"), ("wait", "guard")]
+    assert log == [(does, name) for name in ("bus", "guard") for does in ("close", "wait")]
 
 
 # real processes

@@ -42,10 +42,9 @@ def server() -> Iterator[Server]:
     made.close()
 
 
-def ended(process: subprocess.Popen[bytes]) -> int:
-    assert process.stdin is not None
+def ended(process: child_process.Process) -> int:
     status = process.wait(PATIENCE)
-    process.stdin.close()
+    process.close()
     return status
 
 
@@ -92,7 +91,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
 def test_a_signal_ends_it_with_silence(number: int, server: Server, log: Path) -> None:
     process = server.start(server.make_config(log))
     server.sound()
-    process.send_signal(number)
+    os.kill(process.pid, number)
     assert ended(process) == 0
     assert log.read_text().split()[-2:] == ["silence", "close"]
 

@@ -101,7 +101,7 @@ def test_a_spare_takes_over_by_itself_from_one_that_is_killed(server: Server, lo
     told = server.make_config(log)
     guard, spare, before = begin(server, told)
     assert log.read_text().count("open") == 1, "a spare opens nothing"
-    guard.send_signal(signal.SIGKILL)
+    os.kill(guard.pid, signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)
     assert not after.sounding
     assert after.backends == before.backends
@@ -116,7 +116,7 @@ def test_a_spare_ends_a_guard_that_stands_still_while_it_may_sound(
 ) -> None:
     told = server.make_config(log, hung=2.0)
     guard, _, before = begin(server, told)
-    guard.send_signal(signal.SIGSTOP)
+    os.kill(guard.pid, signal.SIGSTOP)
     server.until(lambda device: device.generation > before.generation)
     assert guard.wait(1.0) == -signal.SIGKILL
 
@@ -128,9 +128,9 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
     told = server.make_config(log)
     guard, _, before = begin(server, told)
     assert before.choice == PluginConfig("logged", {"log": str(log), "does": ""})
-    guard.send_signal(signal.SIGSTOP)  # so that it does not see the selection
+    os.kill(guard.pid, signal.SIGSTOP)  # so that it does not see the selection
     server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="simulated")))))
-    guard.send_signal(signal.SIGKILL)
+    os.kill(guard.pid, signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)
     assert after.name == "simulated"
     assert log.read_text().split()[-2:] == ["open", "close"]
@@ -139,8 +139,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
 @linux
 def test_a_spare_ends_with_its_parent_and_opens_nothing(server: Server, log: Path) -> None:
     guard, spare, _ = begin(server, server.make_config(log))
-    assert spare.stdin is not None
-    spare.stdin.close()
+    spare.close()
     eventually(lambda: not runs(spare.pid))
     assert guard.poll() is None
     assert log.read_text().count("open") == 1

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import errno
 import os
 import secrets
 import signal
@@ -14,6 +13,7 @@ import pytest
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.child_process import LaunchConfig
 from pacinian.serving.settings import Settings
 
@@ -23,6 +23,7 @@ from ..processes import runs
 if TYPE_CHECKING:
     from pathlib import Path
 
+posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="the system kills orphans on Linux only")
 
 CHILD = """
@@ -52,6 +53,34 @@ from pacinian.serving.settings import Settings
 started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.LaunchConfig(sys.argv[2], Settings()))
 print(started.pid, flush=True)
 time.sleep(600)
+"""
+FULL = """
+import os, resource, subprocess, sys, time
+from pathlib import Path
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.child_pipe import ChildPipes
+from pacinian.serving.settings import Settings
+told = Path(sys.argv[2]) / "told"
+config = child_process.LaunchConfig(sys.argv[2], Settings(), {"long": "x" * 300_000})
+with ChildPipes(1) as pipes:
+    resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+    for _ in range(3):
+        try:
+            while True:
+                os.open(os.devnull, os.O_RDONLY)
+        except OSError:
+            print("full")
+        command = [sys.executable, "-c", "import time; time.sleep(600)"]  # does not read
+        deaf = child_process.launch(command, config, pipes.take())
+        deaf.kill()
+        deaf.wait()
+        child = child_process.launch([sys.executable, "-c", sys.argv[1]], config, pipes.take())
+        while not told.exists():
+            time.sleep(0.01)
+        print("told")
+        child.kill()
+        print(child.wait())
+        told.unlink()
 """
 
 
@@ -129,15 +158,48 @@ def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Pat
     assert child_process.end(process, PATIENCE) == 0
 
 
-@pytest.mark.parametrize("limit", ["threads", "files"])
-def test_where_no_more_threads_or_files_are_permitted_no_child_is_left(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str
+@posix
+def test_where_no_more_files_are_permitted_children_are_started(tmp_path: Path) -> None:
+    """And again after each end, whatever the one before has not read."""
+    command = [sys.executable, "-c", FULL, source(WAITS), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.stdout.split() == ["full", "told", "-9"] * 3, done.stderr
+
+
+def test_a_pipe_has_one_child_at_a_time(tmp_path: Path) -> None:
+    told = LaunchConfig(str(tmp_path), Settings(rate=500.0))
+    with ChildPipes(1) as pipes:
+        first = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        with pytest.raises(ServerError, match="not ended yet"):
+            pipes.take()
+        first.kill()
+        first.wait(PATIENCE)
+        (tmp_path / "told").unlink(missing_ok=True)
+        second = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        eventually((tmp_path / "told").exists)
+        assert child_process.end(second, PATIENCE) == 0
+    assert (tmp_path / "orphaned").exists()
+
+
+@posix
+def test_a_child_does_not_inherit_the_files_of_its_parent(tmp_path: Path) -> None:
+    ends = os.pipe()
+    os.set_inheritable(ends[1], True)  # as the shell may have left it
+    with ChildPipes(1) as pipes:
+        told = LaunchConfig(str(tmp_path), Settings())
+        child = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        os.close(ends[1])
+        assert os.read(ends[0], 1) == b"", "the child holds the other end"
+        os.close(ends[0])
+        child.kill()
+        child.wait(PATIENCE)
+
+
+def test_where_no_more_threads_are_permitted_no_child_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     spare = launched(WAITS, tmp_path)
-    if limit == "threads":
-        monkeypatch.setattr("threading.Thread.start", refuse_thread)
-    else:
-        monkeypatch.setattr("pacinian.serving.ipc.child_process.os.dup", refuse_file)
+    monkeypatch.setattr("threading.Thread.start", refuse_thread)
     before = set(psutil.Process().children())
     with pytest.raises(ServerError, match="cannot be told"):
         launched(WAITS, tmp_path)
@@ -150,10 +212,6 @@ def test_where_no_more_threads_or_files_are_permitted_no_child_is_left(
 
 def refuse_thread(_: object) -> None:
     raise RuntimeError("can't start new thread")
-
-
-def refuse_file(_: object) -> int:
-    raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
 
 def test_secrets_are_not_shown() -> None:

@@ -533,17 +533,15 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
         if end == "terminate":
             os.kill(process.pid, signal.SIGTERM)
         else:
-            assert process.stdin is not None
-            process.stdin.close()
-        process.wait(PATIENCE)
+            process.close()
+        code = process.wait(PATIENCE)
         if end == "terminate":
-            assert process.returncode == 0
+            assert code == 0
             assert FrameHead.unpack(files["frame"].read()[1]).rows == 0  # type: ignore[index]
     finally:
         process.kill()
         process.wait()
-        if process.stdin is not None:
-            process.stdin.close()
+        process.close()
         for file in files.values():
             file.close()
 
