@@ -12,7 +12,7 @@ Solve
     reachability.py, cycle.py         samples that sound reaches; regions rendered by several frames in turn
     skin_limit.py                     the pressure limit on all skin that is seen
 From gains to levels
-    modulator.py, envelope_groups.py, mixing.py   rows of gains, with their envelopes
+    modulator.py, row_times.py, envelope_groups.py, mixing.py   rows of gains, with their envelopes
     slew_limiter.py, quantiser.py     no jumps; levels of the device
 What is reported
     report.py, deviations.py, frame_deviations.py   counts and times; what is left out or changed

@@ -56,9 +56,9 @@ class BackgroundSchedule:
         """Return the number of ticks over which to spread a change. ends: whether there will be silence."""
         return min(self.interval, self._count_ticks(END_SPREAD)) if ends else self.interval
 
-    def pass_tick(self) -> None:
-        """Count a tick."""
-        self._since += 1
+    def pass_ticks(self, count: int) -> None:
+        """Count ticks, including those that did not take place."""
+        self._since += count
 
     def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
         """Return whether a solve is to begin beside this tick, and count it if so.

@@ -27,10 +27,10 @@ class MeasurementSchedule:
         self._passed = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
         self._measured: tuple[CachedSolution, ...] = ()
 
-    def pass_tick(self, played: Solved) -> None:
-        """Count a tick that plays this."""
+    def pass_ticks(self, played: Solved, count: int) -> None:
+        """Count ticks that play this, including those that did not take place."""
         if len(played.samples):
-            self._passed += 1
+            self._passed += count
         else:
             self._passed = TICKS_PER_LOOK - FIRST_LOOK
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.errors import ArgumentError
 from pacinian.rendering.background_schedule import MAX_TICKS, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.cycle import Cycle, split_frames
@@ -24,6 +23,7 @@ from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.outcome import Outcome
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
+from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
 from pacinian.rendering.warmup import load_envelopes, try_out
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
 MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
-MAX_ROWS = 1000  # most frames per tick
 
 
 class Pipeline:
@@ -85,7 +84,7 @@ class Pipeline:
         sampler.prepare(session.array, session.medium)
         self.strict = sampler.strict = strict
         sampler.peak = peak
-        times, gap = row_times(capability, period)
+        times, gap = compute_row_times(capability, period)
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
         self.solver = SampleSolver(session, times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
@@ -120,6 +119,10 @@ class Pipeline:
         self._changed = True  # whether the scene has changed since the last job began
         self._deviations = FrameDeviations()
         self._made: tuple[object, ...] = ()  # inputs of the last frame
+        self._time, self._repeated = (
+            math.nan,
+            False,
+        )  # of the last tick; whether its frame was the one before
         self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""
@@ -148,7 +151,7 @@ class Pipeline:
         """Make frames for a device with this capability from now on. Raises ArgumentError."""
         if capability == self.quantiser.capability:
             return
-        times, gap = row_times(capability, self.period)
+        times, gap = compute_row_times(capability, self.period)
         self._discard_job()
         self.player.retime(times, gap)
         self.solver.times = times
@@ -191,20 +194,27 @@ class Pipeline:
         """Whether the last frame is silent, and so are all later ones if nothing changes."""
         return bool(self._made) and self.player.steady and not self._frame.amplitude.any()
 
+    @property
+    def still(self) -> bool:
+        """Whether the last tick repeated the frame before, and nothing that was seen is pending."""
+        return self._repeated and not (self._changed or self.background.running)
+
     def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.limits, self._taken, self.job_readings = limits, None, []
         self._changed, self._seen = self._changed or scene is not self._seen, scene
         solver = self.session.solver  # other threads may set another one at any time
+        ticks = self._count_ticks(t)
         if beside := self._may_wait(limits, solver):
-            self._solve_beside(scene, limits, solver, t)
+            self._solve_beside(scene, limits, solver, t, ticks)
         else:
             self._solve_now(scene, limits, solver, t)
-        self._measuring.pass_tick(self.played.solved)
+        self._measuring.pass_ticks(self.played.solved, ticks)
         self.lag = t - self.played.time
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
-        if self.player.steady and self._made == made and not self._fresh:
+        self._repeated = self.player.steady and self._made == made and not self._fresh
+        if self._repeated:
             skipped[NOTHING_CHANGED] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
@@ -214,6 +224,11 @@ class Pipeline:
         self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
         self._made = made
         return self._frame
+
+    def _count_ticks(self, t: float) -> int:
+        """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""
+        last, self._time = self._time, t
+        return max(1, round((t - last) / self.period)) if self._repeated and t > last else 1
 
     def _may_wait(self, limits: Limits, solver: Solver) -> bool:
         """Return whether the solve for this tick may run beside it, because an older result is still right to play."""
@@ -238,12 +253,17 @@ class Pipeline:
         else:
             self.stages.report.add_measurement(*measure())
 
-    def _solve_beside(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
-        """Take the result of the job beside the ticks if it is done, and start the next if it is time to."""
+    def _solve_beside(
+        self, scene: Scene, limits: Limits, solver: Solver, t: float, ticks: int
+    ) -> None:
+        """Take the result of the job beside the ticks if it is done, and start the next if it is time to.
+
+        ticks: number of ticks since the last one.
+        """
         if self._solved_now:
             self.finish_measuring()
             self._solved_now = False
-        self.schedule.pass_tick()
+        self.schedule.pass_ticks(ticks)
         if self.background.running:
             if not self._is_done():
                 self.stages.report.skipped[UNDER_WAY] += 1
@@ -321,7 +341,7 @@ class Pipeline:
             if counts is not last and len(counts.samples):
                 self._note_unreachable(counts)
             stages.enter("solve")
-            self.solver.skins = self.sampler.skins
+            self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
             seconds = self._job_tape.now() - begin if beside else math.nan
@@ -476,21 +496,3 @@ class Pipeline:
 def find_ceiling(limits: Limits) -> float:
     """Return the largest amplitude that limits permit, 0..1."""
     return min(1.0, limits.gain or 1.0)
-
-
-def row_times(capability: Capability, period: float) -> tuple[Floats, float]:
-    """Return the times of a tick's rows from its start, (K,) [s], and the interval between them [s].
-
-    Raises ArgumentError.
-    """
-    rate = 1.0 / period
-    if capability.rate < rate * (1.0 - 1e-9):
-        raise ArgumentError("rate", f"of {rate:g} Hz is above the backend's {capability.rate:g} Hz")
-    count = max(1, round(capability.rate / rate))  # rows per tick
-    if count > MAX_ROWS:
-        raise ArgumentError(
-            "rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MAX_ROWS}"
-        )
-    gap = period / count
-    times: Floats = np.arange(count, dtype=np.float64) * gap
-    return times, gap

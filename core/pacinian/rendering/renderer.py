@@ -185,6 +185,14 @@ class Renderer(Closing):
         return self._pipeline.silent if self.halted is None else not self._emitter.loud
 
     @property
+    def still(self) -> bool:
+        """Whether the last tick repeated the frame before it, so that the next ones most probably do, too.
+
+        They do not if the scene changes, or if something that moves comes into reach.
+        """
+        return self._outcome is not None and self._pipeline.still
+
+    @property
     def player(self) -> Modulator:
         """The modulator, which turns samples into rows of gains."""
         return self._pipeline.player

@@ -104,7 +104,7 @@ def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[BackgroundSched
     schedule, began, changed = beside(), list[int](), False
     for k in range(ticks):
         changed = changed or k % every == 0
-        schedule.pass_tick()
+        schedule.pass_ticks(1)
         if (not began or k >= began[-1] + taken) and schedule.begin_solve(changed):
             began.append(k)
             changed = False
@@ -139,7 +139,7 @@ def test_the_intervals_are_times_whatever_the_rate(rate: float, ticks: int) -> N
     assert schedule.begin_solve(False)
     began = 0
     while True:
-        schedule.pass_tick()
+        schedule.pass_ticks(1)
         began += 1
         if schedule.begin_solve(False):
             break

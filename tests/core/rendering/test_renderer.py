@@ -22,7 +22,8 @@ from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-from .by_hand import ByHand
+from ...waiting import eventually
+from .by_hand import ByHand, solve_beside
 
 ARRAY = pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
@@ -383,6 +384,46 @@ def test_a_change_of_limits_or_solver_is_followed_though_nothing_moved() -> None
         renderer.tick()
         assert renderer.solution is not None
         assert renderer.solution.solver == "gs-pat"
+
+
+def test_it_is_still_once_a_frame_repeats_and_until_something_new_is_seen() -> None:
+    renderer, _, clock = make()
+
+    def look() -> bool:
+        renderer.tick()
+        clock.advance(renderer.period)
+        return renderer.still
+
+    with renderer:
+        assert not renderer.still
+        for P in (5.0, 3.0):
+            renderer.scene = pc.Scene((replace(POINT, radiation_pressure=P),))
+            assert not look()
+            eventually(lambda: all(look() for _ in range(10)))  # after a measurement in a thread
+        background = solve_beside(renderer)
+        background.ready = False
+        assert not look(), "a solve is under way"
+        background.ready = True
+        assert [look() for _ in range(3)] == [False] * 3, "each tick begins another solve"
+        renderer.restart()
+        assert not renderer.still
+
+
+def test_a_hand_that_moves_through_empty_space_needs_no_solve() -> None:
+    item = pc.Volume(shape=pc.Sphere(0.02), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=5.0)
+    hands = [pc.Hand.open("right", pc.Pose((0.001 * k, 0.0, 0.4))) for k in range(20)]
+    renderer, _, clock = make(pc.Scene((item,)))
+    with renderer:
+        for hand in hands:
+            renderer.scene = pc.Scene((item,), hands=(hand,))
+            renderer.tick()
+            clock.advance(renderer.period)
+        assert renderer.still
+        assert renderer.report.solves == 1
+        renderer.scene = pc.Scene((item,), hands=(pc.Hand.open("right", pc.Pose((0, 0, 0.17))),))
+        renderer.tick()
+        assert not renderer.still
+        assert renderer.report.solves == 2
 
 
 def test_what_is_remembered_of_the_last_solution_is_intact() -> None:

@@ -157,8 +157,8 @@ class Sampler:
         self._ramps = PressureRamps(self.ramp)
         self._asked: tuple[object, ...] = ()
         self._target = no_samples()
-        self.skins: tuple[PosedSkin, ...] = ()
-        """The skins of the hands at the last call of `sample`, where they were seen, not blended; no lost hands."""
+        # Hands of the last call, and its time [s].
+        self._present: tuple[list[PosedSkin], float] = [], 0.0
         self.sample_counts = SampleCounts()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
@@ -190,6 +190,11 @@ class Sampler:
             self._asked = asked
         return self._ramps.follow(self._target, t)
 
+    def pose_seen(self) -> tuple[PosedSkin, ...]:
+        """Return the skins of the hands at the last call of `sample`, as they were seen: not blended, and none lost."""
+        hands, t = self._present
+        return tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand in hands)
+
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
         counts = self.sample_counts = SampleCounts(scene.objects)
@@ -203,7 +208,7 @@ class Sampler:
     def _make_samples(self, scene: Scene, t: float, counts: SampleCounts) -> Samples:
         skin = bool(scene.hands)
         hands = self._track_hands(scene, t, counts)
-        self.skins = tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand, _ in hands)
+        self._present = [hand for hand, _ in hands], t
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()

@@ -50,6 +50,9 @@ FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
+# Longest time between two ticks while each repeats the frame before [s], if nothing new comes: something that moves by
+# itself may come into reach meanwhile. Also as a share of `stale`, after which the device is silenced without frames.
+STILL_INTERVAL, STILL_SHARE = 4e-3, 0.25
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
@@ -139,22 +142,32 @@ class RenderLoop:
         self._report(self.clock.now())
 
     def run_ticks(self, wake: WakePipe) -> None:
-        """Tick for ever, or rest while there is nothing to do. wake: ends the rest.
+        """Tick for ever; less often while nothing changes, and not while there is nothing to do. wake: ends a wait.
 
         Late ticks are skipped, so that frames are current and the newest hands are used at once.
         """
         renderer = self.renderer
         with realtime_section():
+            due = -math.inf
             while True:
                 for due, lost in pace(self.clock, renderer.period, behind=0.0):
                     renderer.tick(due, lost)
                     self.run_between()
-                    if self.rests:
+                    if self.rests or (renderer.still and wake.works):
                         break
+                if not self.rests:
+                    wake.wait(self._find_still_wait(), lambda: True)
+                    self.clock.wait_until(due + renderer.period)  # however often it is woken
                 while self.rests:
                     due = self._reported + max(REST, self._report_interval)
                     wake.wait(due - self.clock.now(), lambda: self._has_news)
                     self.run_between()
+
+    def _find_still_wait(self) -> float:
+        """Return how long the next tick may wait, after one that repeated the frame before [s]."""
+        longest = min(STILL_INTERVAL, STILL_SHARE * self._settings.safety.stale)
+        fade = self._permit.value.until - EARLY - self.clock.now()
+        return min(longest, fade) if fade >= 0.0 else longest
 
     @property
     def rests(self) -> bool:

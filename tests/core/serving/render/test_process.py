@@ -24,6 +24,7 @@ from pacinian.serving.ipc.messages import (
     HandInfo,
     Permit,
     PutObject,
+    RemoveObject,
     RendererStatus,
     RequestedSettings,
     ResetScene,
@@ -32,7 +33,7 @@ from pacinian.serving.ipc.messages import (
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.render_loop import FILES, RenderLoop
+from pacinian.serving.render.render_loop import EARLY, FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
@@ -498,6 +499,120 @@ def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
     server.tick(1000)
     assert 55 <= server.files["report"].number - before <= 62
     assert server.report.run == server.loop.run
+
+
+class Wake:
+    """A wait of the loop on its manual clock. at: what comes during the wait that lasts to or past this time [s]."""
+
+    def __init__(self, server: Server, end: float, works: bool = True) -> None:
+        self.works, self.waits = works, list[float]()
+        self.at: dict[float, Callable[[], object]] = {}
+        self._clock, self._end = server.clock, end
+
+    def wait(self, seconds: float, _: Callable[[], bool]) -> None:
+        self.waits.append(seconds)
+        due = self._clock.now() + seconds
+        for at in [at for at in sorted(self.at) if at <= due][:1]:
+            self._clock.wait_until(at)
+            self.at.pop(at)()
+            return
+        self._clock.wait_until(due)
+        if due >= self._end:
+            raise KeyboardInterrupt
+
+
+def run(server: Server, seconds: float, wake: Wake | None = None) -> list[tuple[float, int]]:
+    """Run the loop; return when it sent each frame, from now on [s], and the largest level of that."""
+    clock, begin = server.clock, server.clock.now()
+    backend, sent = server.loop.renderer.backend, list[tuple[float, int]]()
+    send = backend.send
+
+    def note(frame: pc.Frame) -> None:
+        send(frame)
+        sent.append((clock.now() - begin, int(frame.amplitude.max())))
+        if clock.now() >= begin + seconds:
+            raise KeyboardInterrupt
+
+    backend.send = note  # type: ignore[method-assign]
+    with pytest.raises(KeyboardInterrupt):
+        server.loop.run_ticks(wake or Wake(server, begin + seconds))  # type: ignore[arg-type]
+    backend.send = send  # type: ignore[method-assign]
+    return sent
+
+
+def still(server: Server) -> None:
+    """Arm and put a point that does not move, and let its ramp end."""
+    server.arm()
+    server.put()
+    server.tick(100)
+    eventually(lambda: server.loop.renderer.still, server.tick)  # once the sound has been measured
+    assert server.sounds
+
+
+def test_while_nothing_changes_it_ticks_less_often_but_no_frame_gets_old(
+    make: Callable[..., Server],
+) -> None:
+    server = make()
+    still(server)
+    sent = run(server, 1.0)
+    assert all(level > 0 for _, level in sent)
+    assert 240 <= len(sent) <= 260
+    assert np.diff([t for t, _ in sent]).max() <= 0.25 * Safety().stale + 1e-9
+
+
+def test_the_shortest_age_of_frames_is_kept_while_nothing_changes(
+    make: Callable[..., Server],
+) -> None:
+    server = make(Settings(safety=Safety(stale=0.002)))
+    still(server)
+    assert np.diff([t for t, _ in run(server, 0.1)]).max() <= 0.001 + 1e-9
+
+
+@pytest.mark.parametrize("why", ["an envelope", "a technique", "no named pipes"])
+def test_what_changes_with_time_is_sent_at_the_full_rate(
+    make: Callable[..., Server], why: str
+) -> None:
+    server = make()
+    still(server)
+    if why == "an envelope":
+        server.put(msgspec.structs.replace(POINT, envelope=pc.Sine(frequency=200.0)))
+    if why == "a technique":
+        server.tell("orders", RequestedSettings(technique=(1, AM(frequency=200.0))))
+        server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
+    server.tick(50)
+    wake = Wake(server, server.clock.now() + 0.2, works=why != "no named pipes")
+    assert len(run(server, 0.2, wake)) in (200, 201)
+    assert not wake.waits
+
+
+def test_a_change_ends_the_wait_but_no_flood_of_them_makes_more_ticks(
+    make: Callable[..., Server],
+) -> None:
+    server = make()
+    still(server)
+    begin = server.clock.now()
+    wake = Wake(server, begin + 1.0)
+    wake.at[begin + 0.0015] = lambda: server.change(RemoveObject("a"))
+    sent = run(server, 0.02, wake)
+    assert [t for t, _ in sent][:2] == pytest.approx([0.0, 0.0015])
+    assert not sent[-1][1]
+
+    begin = server.clock.now()
+    wake = Wake(server, begin + 1.0)
+    wake.at = {begin + k * 1e-5: lambda: None for k in range(5000)}
+    assert len(run(server, 0.05, wake)) <= 52
+
+
+@pytest.mark.parametrize("left", [0.021, 0.0225, 0.03])
+def test_a_permit_that_ends_while_nothing_changes_fades_as_soon_as_ever(
+    make: Callable[..., Server], left: float
+) -> None:
+    server = make()
+    still(server)
+    server.arm(until=server.clock.now() + left)
+    sent = run(server, left)
+    fades = next(t for t, level in sent if level < sent[0][1])
+    assert left - EARLY <= fades <= left - EARLY + 0.001 + 1e-9
 
 
 @pytest.mark.parametrize("end", ["terminate", "orphan"])

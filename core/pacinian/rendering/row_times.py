@@ -1,0 +1,33 @@
+"""When the rows of a tick sound: a tick has as many as the device takes meanwhile."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pacinian.plugins.backend import Capability
+    from pacinian.types import Floats
+
+MAX_ROWS = 1000  # most rows of a tick
+
+
+def compute_row_times(capability: Capability, period: float) -> tuple[Floats, float]:
+    """Return the times of a tick's rows from its start, (K,) [s], and the interval between them [s].
+
+    Raises ArgumentError.
+    """
+    rate = 1.0 / period
+    if capability.rate < rate * (1.0 - 1e-9):
+        raise ArgumentError("rate", f"of {rate:g} Hz is above the backend's {capability.rate:g} Hz")
+    count = max(1, round(capability.rate / rate))  # rows per tick
+    if count > MAX_ROWS:
+        raise ArgumentError(
+            "rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MAX_ROWS}"
+        )
+    gap = period / count
+    times: Floats = np.arange(count, dtype=np.float64) * gap
+    return times, gap
