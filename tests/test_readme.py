@@ -34,7 +34,7 @@ SHOWN = [
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
     """Run a server whose limits are long, so that a machine that pauses for a moment ends nothing."""
-    safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
+    safety = Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0)
     with run_server(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
         patch.setitem(BaseClient.__init__.__kwdefaults__, "timeout", 60.0)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):

@@ -297,7 +297,7 @@ def play_before_viewer(
     start: Callable[[Path], Game],
 ) -> Iterator[tuple[Game, Callable[[], Image.Image]]]:
     """Play a game against a server; yield it, and a function that takes a picture of the viewer."""
-    safety = Safety(lease=10.0, stale=1.0)
+    safety = Safety(lease=10.0, frame_timeout=1.0)
     with open_viewer(safety, SIZE) as (server, shown), start(server.connection) as game:
 
         def view() -> Image.Image:

@@ -215,6 +215,8 @@ def refuses(address: str) -> bool:
         create_connection((host, int(port)), PATIENCE).close()
     except ConnectionRefusedError:
         return True
+    except ConnectionResetError:  # libzmq is just closing it
+        return False
     return False
 
 

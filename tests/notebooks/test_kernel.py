@@ -111,7 +111,7 @@ def test_stop_ends_a_run_in_silence_and_the_kernel_goes_on(kernel: Any) -> None:
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
     """A machine that stands still for a moment ends nothing in it."""
-    safety = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
+    safety = Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0)
     with run_server(Settings(array=Units(1, 1), safety=safety)) as running:
         yield running
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 SETTINGS = Settings(
     array=Units(1, 1),
     log=Log(level="warning"),
-    safety=Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0),
+    safety=Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0),
 )
 """Long limits, so that nothing ends if the machine stops for a moment."""
 

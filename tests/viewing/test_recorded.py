@@ -17,7 +17,7 @@ import pacinian as pc
 from pacinian.plugins.backend import Frame
 from pacinian.rendering.recording import Recorder as Tape
 from pacinian.rendering.recording import Tick
-from pacinian.serving.render import status
+from pacinian.serving.render import renderer_status
 from pacinian.testing import ManualClock
 from pacinian.viewing.feed_file import FeedFile, FeedRecorder, FeedWriter
 from pacinian.viewing.feed_player import FeedPlayer
@@ -302,7 +302,7 @@ def test_a_renderers_recording_is_rendered_again_for_its_samples(tmp_path: Path)
     renderer = rendered(tmp_path / "r.pac", 0.49)
     with open_view(tmp_path / "r.pac", samples=True) as recorded:
         states = [msgpack.unpackb(recorded.data(e)) for e in recorded.entries if e.kind == "state"]
-    wanted = status.make_status(renderer, 0.48)  # after the last tick
+    wanted = renderer_status.make_status(renderer, 0.48)  # after the last tick
     assert states[-1]["ticks"] == wanted["ticks"] == 49
     for name in ("points", "normals", "asked", "achieved", "index", "error", "status", "hands"):
         assert states[-1][name] == wanted[name], name

@@ -3,7 +3,7 @@ using Pacinian.Wire;
 
 namespace Pacinian.Tests
 {
-    /// <summary>Tests of round trips, clocks, requests and notices.</summary>
+    /// <summary>Tests of round trips, clocks, requests and events.</summary>
     internal sealed class ClientUnitParts
     {
         public void TripsAndTheServersClock()
@@ -98,17 +98,17 @@ namespace Pacinian.Tests
             ClientUnit.Holds(requests.Next == request && requests.Next == request);
             requests.Open(2, inbox);
             ClientUnit.Holds(requests.Next == null);
-            Notice notice;
-            Standing standing = new Standing();
-            ClientUnit.Holds(inbox.TakeNotice(out notice, ref standing)); // the caller of the request is notified
-            ClientUnit.Equal(Happening.Answered, notice.What);
-            ClientUnit.Holds(notice.Answer == null);
+            ClientEvent clientEvent;
+            SessionState sessionState = new SessionState();
+            ClientUnit.Holds(inbox.TakeEvent(out clientEvent, ref sessionState)); // the caller of the request is notified
+            ClientUnit.Equal(ClientEventKind.Answered, clientEvent.What);
+            ClientUnit.Holds(clientEvent.Answer == null);
         }
 
         public void TheNewestStateIsReadUntilTheNextLook()
         {
             Inbox inbox = new Inbox();
-            Standing standing;
+            SessionState sessionState;
             Trips trips;
             double offset;
             ClientUnit.Holds(inbox.Read == null);
@@ -119,16 +119,16 @@ namespace Pacinian.Tests
                 bool looks = i % 3 == 0;
                 if (looks)
                 {
-                    ClientUnit.Holds(inbox.TakeState(out standing, out trips, out offset));
-                    ClientUnit.Holds(!inbox.TakeState(out standing, out trips, out offset));
+                    ClientUnit.Holds(inbox.TakeState(out sessionState, out trips, out offset));
+                    ClientUnit.Holds(!inbox.TakeState(out sessionState, out trips, out offset));
                 }
                 ClientUnit.Equal(i / 3 * 3, inbox.Read == null ? 0 : (int)inbox.Read.Sequence);
                 ClientUnit.Holds(inbox.Read != inbox.Back);
             }
             inbox.PublishState();
-            inbox.SetStanding(new Standing { Session = 2 });
+            inbox.SetSessionState(new SessionState { Session = 2 });
             ClientUnit.Holds(inbox.Read != null); // valid until the next look
-            ClientUnit.Holds(!inbox.TakeState(out standing, out trips, out offset));
+            ClientUnit.Holds(!inbox.TakeState(out sessionState, out trips, out offset));
             ClientUnit.Holds(inbox.Read == null); // states of another session are not read
         }
 
@@ -139,13 +139,13 @@ namespace Pacinian.Tests
             {
                 inbox.AddRefusal(new Refusal { Message = i.ToString() });
             }
-            Notice notice;
-            Standing standing = new Standing();
+            ClientEvent clientEvent;
+            SessionState sessionState = new SessionState();
             int count = 0;
             string last = "";
-            while (inbox.TakeNotice(out notice, ref standing))
+            while (inbox.TakeEvent(out clientEvent, ref sessionState))
             {
-                last = notice.Why.Message;
+                last = clientEvent.Why.Message;
                 count++;
             }
             ClientUnit.Equal(1000, count);

@@ -46,9 +46,9 @@ class Client(BaseClient):
     or a folder. reconnect: whether the call after one that raised ConnectionLost connects again, unless it is `renew`,
     `hold` or `watch`. clock: a steady clock [s].
 
-    The server forgets a client that sends nothing for `safety.forget`, with all its objects. While the client is not
-    armed, any call also renews the session, however long it waits. While it is armed, only `renew`, `hold` and `select`
-    do.
+    The server forgets a client that sends nothing for `safety.session_timeout`, with all its objects. While the client
+    is not armed, any call also renews the session, however long it waits. While it is armed, only `renew`, `hold` and
+    `select` do.
 
     Calls wait for their reply unless `wait=False`. Then they never block. If the socket has no room, commands wait; a
     newer command replaces the waiting ones that it makes useless. `errors` lists the commands that the server refused.

@@ -102,7 +102,7 @@ def serve(
             told = replace(config, secrets=secrets) if name == "bus" else config
             return start(name, told, pipes.take())
 
-        supervisor = Supervisor(begin, settings.safety.hung)
+        supervisor = Supervisor(begin, settings.safety.hang_timeout)
         stack.callback(_end, supervisor)
         control = ControlLoop(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))

@@ -73,42 +73,42 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     """Safety limits. All times are in seconds.
 
-    lease: from the owner's last renewal to silence. stale: the device is silenced when its newest frame is older than
-    this. hung: a process is killed when its last heartbeat is older than this. forget: a session ends when its last
-    renewal is older than this. takeover: whether a client may take the output from another. pressure: maximum radiation
-    pressure of an object, and on the skin of the hands [Pa]. The default, 200 Pa, is 165 dB SPL on skin and ten times
-    the strongest object of the gallery: it stops a mistaken unit, not a strong effect. zones: quiet zones of the
-    installation.
+    lease: from the owner's last renewal to silence. frame_timeout: the device is silenced when its newest frame is
+    older than this. hang_timeout: a process is killed when its last heartbeat is older than this. session_timeout:
+    a session ends when its last renewal is older than this. takeover: whether a client may take the output from
+    another. pressure: maximum radiation pressure of an object, and on the skin of the hands [Pa]. The default, 200
+    Pa, is 165 dB SPL on skin and ten times the strongest object of the gallery: it stops a mistaken unit, not a
+    strong effect. zones: quiet zones of the installation.
     """
 
     lease: float = 0.25
-    stale: float = 0.02
-    hung: float = 2.0
-    forget: float = 10.0
+    frame_timeout: float = 0.02
+    hang_timeout: float = 2.0
+    session_timeout: float = 10.0
     takeover: bool = True
     pressure: float = 200.0
     zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         check_number("lease", self.lease, low=0.05, high=10.0)
-        check_number("stale", self.stale, low=0.002, high=1.0)
-        check_number("hung", self.hung, low=0.1, high=60.0)
-        check_number("forget", self.forget, low=0.1, high=3600.0)
+        check_number("frame_timeout", self.frame_timeout, low=0.002, high=1.0)
+        check_number("hang_timeout", self.hang_timeout, low=0.1, high=60.0)
+        check_number("session_timeout", self.session_timeout, low=0.1, high=3600.0)
         check_number("pressure", self.pressure, low=0.0, above=True)
 
 
 class Clients(Struct, frozen=True, forbid_unknown_fields=True):
     """Limits for clients.
 
-    most: maximum number of sessions, not of connections. objects: of one scene; per_client: of one client. rate:
-    messages per second of one connection. command_bytes: of one command.
+    max_sessions: not connections. max_objects: of one scene; max_client_objects: of one client. max_rate: messages per
+    second of one connection. max_command_bytes: of one command.
     """
 
-    most: Annotated[int, Meta(ge=1, le=1024)] = 64
-    objects: Annotated[int, Meta(ge=1, le=65_536)] = 4096
-    per_client: Annotated[int, Meta(ge=1, le=65_536)] = 1024
-    rate: Annotated[float, Meta(ge=1.0, le=1e6)] = 20_000.0
-    command_bytes: Annotated[int, Meta(ge=MAX_CONTROL_BYTES, le=MAX_COMMAND_BYTES)] = (
+    max_sessions: Annotated[int, Meta(ge=1, le=1024)] = 64
+    max_objects: Annotated[int, Meta(ge=1, le=65_536)] = 4096
+    max_client_objects: Annotated[int, Meta(ge=1, le=65_536)] = 1024
+    max_rate: Annotated[float, Meta(ge=1.0, le=1e6)] = 20_000.0
+    max_command_bytes: Annotated[int, Meta(ge=MAX_CONTROL_BYTES, le=MAX_COMMAND_BYTES)] = (
         MAX_COMMAND_BYTES
     )
 

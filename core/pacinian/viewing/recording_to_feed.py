@@ -15,7 +15,7 @@ from msgspec import Raw
 
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
-from pacinian.serving.render import status
+from pacinian.serving.render import renderer_status
 from pacinian.viewing.messages import ArrayMessage, encode_message
 from pacinian.viewing.recording_tick_stats import TickStats
 from pacinian.viewing.scene_mirror import SceneMirror
@@ -169,7 +169,7 @@ def _state(recording: Recording, tick: Tick, past: TickStats, renderer: Renderer
         "rate": recording.tick_rate,
     }
     if renderer is not None:
-        fields |= status.make_status(renderer, tick.time) | {"tick_counts": b""}
+        fields |= renderer_status.make_status(renderer, tick.time) | {"tick_counts": b""}
     if past.different:
         fields["faults"] = (f"{past.different} frames, rendered again, differ from what was sent",)
     fields |= {

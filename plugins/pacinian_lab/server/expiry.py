@@ -74,7 +74,7 @@ def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1
     """
     settings = Settings() if settings is None else settings
     chance = random.Random(seed)
-    stale = settings.safety.stale
+    stale = settings.safety.frame_timeout
     yield _row(
         "expired, simulated clock [rounds]",
         1.0,
@@ -104,7 +104,9 @@ def _measure_simulated(settings: Settings, count: int, chance: random.Random) ->
     array, clock = settings.array.make(), ManualClock()
     backend = registry.backend("simulated", keep=1)
     backend.open(array)
-    guard = OutputGate(len(array), gain=1.0, stale=settings.safety.stale, clock=clock.now)
+    guard = OutputGate(
+        len(array), gain=1.0, frame_timeout=settings.safety.frame_timeout, clock=clock.now
+    )
     guard.take(backend, backend.capability)
     data = levels(array)
     found: list[float] = []
@@ -185,7 +187,7 @@ def _stale(real: GuardProcess, count: int) -> list[float]:
 
 def _measure_killed(settings: Settings, count: int) -> list[float]:
     """Return the times from kill -9 of the guard's parent to silence. The permit stays valid and the frames fresh."""
-    patient = replace(settings, safety=replace(settings.safety, stale=1.0))
+    patient = replace(settings, safety=replace(settings.safety, frame_timeout=1.0))
     found: list[float] = []
     while len(found) < count:
         with GuardProcess(patient, orphan=True) as real:

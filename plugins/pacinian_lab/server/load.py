@@ -80,7 +80,7 @@ def settings(side: int) -> Settings:
     return Settings(
         array=Units(side, side),
         workspace=Workspace(*positions.WORKSPACE),
-        clients=Clients(most=256, rate=1e6),
+        clients=Clients(max_sessions=256, max_rate=1e6),
         log=Log(level="warning"),
     )
 

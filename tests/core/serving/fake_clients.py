@@ -23,7 +23,9 @@ class FakeControl:
 
     def __init__(self, **safety: Any) -> None:
         self.clock = ManualClock(100.0)
-        self.sessions = ClientSessions(Settings(safety=Safety(**safety), clients=Clients(most=4)))
+        self.sessions = ClientSessions(
+            Settings(safety=Safety(**safety), clients=Clients(max_sessions=4))
+        )
 
     @property
     def permit(self) -> Permit:

@@ -119,7 +119,7 @@ class Server:
         settings = Settings(
             array=Lattice(0.05, 0.05),
             backend=PluginConfig("logged", options) if log else "simulated",
-            safety=Safety(stale=1.0, hung=hung),
+            safety=Safety(frame_timeout=1.0, hang_timeout=hung),
         )
         return child_process.LaunchConfig(str(self.folder), settings)
 

@@ -6,7 +6,9 @@ import psutil
 
 from pacinian.serving.settings import Log, Safety, Settings
 
-PATIENT = Settings(log=Log(level="warning"), safety=Safety(lease=10.0, forget=3600.0, hung=60.0))
+PATIENT = Settings(
+    log=Log(level="warning"), safety=Safety(lease=10.0, session_timeout=3600.0, hang_timeout=60.0)
+)
 """Settings with leases and watchdogs that outlast a stopped machine."""
 
 

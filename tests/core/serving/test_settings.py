@@ -66,13 +66,13 @@ def test_the_example_names_every_key() -> None:
         ("[safety]\nlease = 11", "$.safety", "`lease` must be 0.05 or more and at most 10"),
         ("[safety]\nlease = nan", "$.safety", "finite"),
         ("[safety]\npressure = 0", "$.safety", "more than 0"),
-        ("[safety]\nstale = 1e-4", "$.safety", "0.002"),
+        ("[safety]\nframe_timeout = 1e-4", "$.safety", "0.002"),
         ("[network]\nhost = 'example.org'", "$.network", "IP address"),
         ("[network]\ncontrol = 70000", "$.network.control", "65535"),
         ("[network]\nhost = '0.0.0.0'", "", "pacinian keys server"),
         ("[network]\nhost = '::'", "", "`security.keys`"),
-        ("[clients]\nmost = 0", "$.clients.most", ">= 1"),
-        ("[clients]\ncommand_bytes = 9999999", "$.clients.command_bytes", "<="),
+        ("[clients]\nmax_sessions = 0", "$.clients.max_sessions", ">= 1"),
+        ("[clients]\nmax_command_bytes = 9999999", "$.clients.max_command_bytes", "<="),
         ("[log]\nformat = 'xml'", "$.log.format", "xml"),
         ("gain = 1.5", "", "at most 1"),
         ("power = 0", "", "1e-12"),
@@ -180,7 +180,7 @@ def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: P
 def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
     from pacinian.acoustics.array import autd
     from pacinian.cli.status import air, describe_air
-    from pacinian.serving.control.status import describe_sound
+    from pacinian.serving.control.server_status import describe_sound
 
     for medium, said in (
         (Air(temperature=26.0), "26 °C, 347.7 m/s"),

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from pacinian.wire.state import Output
 
-SETTINGS = Settings(safety=Safety(lease=1.0, stale=0.02, forget=3600.0))
+SETTINGS = Settings(safety=Safety(lease=1.0, frame_timeout=0.02, session_timeout=3600.0))
 ARRAY = SETTINGS.array.make()
 N = len(ARRAY)
 RANK: dict[Output, int] = {output: rank for rank, output in enumerate(OUTPUTS)}  # worst last
@@ -137,7 +137,7 @@ class Status(RuleBasedStateMachine):
 
     def begin(self) -> None:
         self.guarded, self.started = True, self.clock.now()
-        self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=self.clock.now)
+        self.guard = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=self.clock.now)
         made: Any = lambda choice: Breaks(self.broken)  # noqa: E731
         self.devices = DeviceSwitcher(
             self.guard, ARRAY, Choice(name="a"), 1000.0, made, self.threads.append

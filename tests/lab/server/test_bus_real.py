@@ -21,7 +21,7 @@ from pacinian_lab.server.load import Final, Row
 from pacinian_lab.server.soak_game import Game, Play
 
 pytestmark = pytest.mark.deep
-PATIENT = Safety(lease=10.0, stale=1.0, hung=60.0, forget=3600.0)
+PATIENT = Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0)
 
 
 def test_hands_arrive_and_are_timed_in_order(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def test_it_has_a_row_for_each_state(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(footprint, "SETTLE", 0.3)
     # A busy machine does not end sessions.
-    patient = Safety(lease=10.0, forget=60.0, hung=60.0)
+    patient = Safety(lease=10.0, session_timeout=60.0, hang_timeout=60.0)
     monkeypatch.setattr(footprint, "Settings", partial(Settings, safety=patient))
     arguments = ["--seconds", "1", "--rounds", "1", "--units", "1", "--json"]
     result = CliRunner().invoke(cli, ["bench", "footprint", *arguments], catch_exceptions=False)

@@ -60,7 +60,7 @@ class Server:
         settings = Settings(
             array=Units(1, 1),
             backend=PluginConfig("usb-autd", options),
-            safety=Safety(stale=1.0, hung=60.0),
+            safety=Safety(frame_timeout=1.0, hang_timeout=60.0),
         )
         self.told = child_process.LaunchConfig(str(self.folder), settings)
         # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels

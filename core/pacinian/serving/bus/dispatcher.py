@@ -73,7 +73,9 @@ class CommandDispatcher:
         self._settings, self._run = settings, run
         self._reread, self._emitted, self._log = reread, emitted, log
         self._superseded = 0  # in scenes that have ended
-        self._peers = PeerRateLimiter(settings.clients.rate, PEERS * settings.clients.most)
+        self._peers = PeerRateLimiter(
+            settings.clients.max_rate, PEERS * settings.clients.max_sessions
+        )
         self._numbers = 0
 
     def sessions(self, sessions: SessionTable) -> None:
@@ -113,7 +115,7 @@ class CommandDispatcher:
         allowed = self._peers.allows(message.peer, message.time)
         if not allowed:
             problem = (
-                f"sends more than {self._settings.clients.rate:g} messages a second: slow down"
+                f"sends more than {self._settings.clients.max_rate:g} messages a second: slow down"
             )
             self._refuse(message.peer, message.data, "busy", problem, message.time)
         return allowed

@@ -202,7 +202,7 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
-        gate.protect(socket, settings.clients.command_bytes)
+        gate.protect(socket, settings.clients.max_command_bytes)
         socket.router_mandatory = False  # replies to a closed connection are dropped
         # A long queue only makes messages older. `rcvbuf` stays at the system's default: 16 KiB
         # halved the throughput of one client.

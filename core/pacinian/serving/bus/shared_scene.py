@@ -158,8 +158,8 @@ class SharedScene:
         old = [old for stored in stored_objects if (old := self.objects.get(stored.name))]
         own = [stored for stored in old if stored.owner is client]
         for have, most, whose in (
-            (client.objects - len(own), limits.per_client, "of one client"),
-            (len(self.objects) - len(old), limits.objects, "of one scene"),
+            (client.objects - len(own), limits.max_client_objects, "of one client"),
+            (len(self.objects) - len(old), limits.max_objects, "of one scene"),
         ):
             if have + len(stored_objects) > most:
                 raise CommandRejected("limit", f"would be more than {most} {whose}", "$.objects")

@@ -4,5 +4,5 @@ process.py                     begins here: the loop that answers requests
 sockets.py, sessions.py        requests and replies; clients, from hello to goodbye
 output_lease.py, selection.py  who may sound and until when; another solver, backend or intensity
 supervisor.py                  starts, restarts and ends the other processes
-status.py, explain_silence.py, metrics.py   the published state; why the output is silent; figures for Prometheus
+server_status.py, explain_silence.py, metrics.py   the published state; why the output is silent; figures for Prometheus
 """

@@ -15,8 +15,8 @@ from msgspec.structs import replace
 
 from pacinian.errors import WireError, describe_error
 from pacinian.serving.control.selection import Selection
+from pacinian.serving.control.server_status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.sessions import ClientSessions
-from pacinian.serving.control.status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.supervisor import SPARE
 from pacinian.serving.ipc.clocks import TokenBucket
 from pacinian.serving.ipc.logs import RateLimitedLog, log
@@ -177,7 +177,7 @@ class ControlLoop:
         now = self._clock()
         self.counts["requests"] += 1
         rate, tells = self._rates.setdefault(
-            peer, (TokenBucket(self._settings.clients.rate), TokenBucket(TELLS))
+            peer, (TokenBucket(self._settings.clients.max_rate), TokenBucket(TELLS))
         )
         self._rates.move_to_end(peer)
         while len(self._rates) > PEERS:
@@ -281,7 +281,7 @@ class ControlLoop:
             self.sessions.end_peer(peer, self._clock())
 
     def _slow_down(self, peer: bytes, number: int) -> None:
-        most = f"more than {self._settings.clients.rate:g} messages a second"
+        most = f"more than {self._settings.clients.max_rate:g} messages a second"
         self._send(peer, Error(id=number, code="busy", message=most))
 
     def _probe(self, now: float, *, owner: bool) -> None:

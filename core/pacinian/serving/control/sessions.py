@@ -65,9 +65,9 @@ class ClientSessions:
     def pass_time(self, now: float) -> None:
         """End the leases and sessions that expire at `now` [s]."""
         self.lease.pass_time(now)
-        forget = self._settings.safety.forget
-        for session in [s for s in self.all if now - s.renewed > forget]:
-            problem = f"nothing was renewed for {forget:g} s: the session is over"
+        timeout = self._settings.safety.session_timeout
+        for session in [s for s in self.all if now - s.renewed > timeout]:
+            problem = f"nothing was renewed for {timeout:g} s: the session is over"
             self._tell(session.peer, Error(code="session", message=problem, advice="say hello"))
             self._end(session, now)
 
@@ -152,7 +152,7 @@ class ClientSessions:
             return
         if old := self._by_peer.get(peer):
             self._end(old, now, soft=True)
-        most = self._settings.clients.most
+        most = self._settings.clients.max_sessions
         if len(self._by_key) >= most:
             self._error(peer, message.id, "limit", f"the server has its maximum of {most} clients")
             return

@@ -87,8 +87,8 @@ class Supervisor:
     without a heartbeat after which a process is killed [s]. trusted: whether all have been ready once. Until then, the
     end of a process is an error, because it would most likely end again.
 
-    Only time spent watching counts towards `hung`. If the whole machine stood still, or this process got no CPU,
-    missing heartbeats prove nothing. (The permit's deadline silences the array in that case.)
+    Only time spent watching counts towards `hang_timeout`. If the whole machine stood still, or this process got no
+    CPU, missing heartbeats prove nothing. (The permit's deadline silences the array in that case.)
 
     Once the processes are trusted, the guard has a spare. It takes over as soon as the guard has ended. The next spare
     is started after the new guard's first heartbeat (decision 35).
@@ -97,11 +97,11 @@ class Supervisor:
     def __init__(
         self,
         start: Callable[[str, int], Process],
-        hung: float,
+        hang_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
         names: Iterable[str] = CHILDREN,
     ) -> None:
-        self._start, self._hung, self._clock = start, hung, clock
+        self._start, self._hang_timeout, self._clock = start, hang_timeout, clock
         self.trusted = False
         self._last = clock()  # time of the last check [s]
         self._watched = 0.0  # time spent watching [s]
@@ -145,11 +145,11 @@ class Supervisor:
         self._last = now
         for name, child in self.children.items():
             now = self._clock()
-            hung = compute_hang_limit(self._hung, sound=sound and name == GUARD)
+            limit = compute_hang_limit(self._hang_timeout, sound=sound and name == GUARD)
             child.sounded = child.sounded or (sound and name == GUARD)
             if child.due is not None:
                 why = self._again(child, now)
-            elif why := self._check_child(child, beats.get(name, 0.0), hung, now):
+            elif why := self._check_child(child, beats.get(name, 0.0), limit, now):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
                 if now - child.started > TRUSTED_AFTER:
@@ -191,7 +191,7 @@ class Supervisor:
         spare = self._spare if child.name == GUARD else None
         if spare is not None and spare.process.poll() is None:
             child.process, self._spare, self._spare_due = spare.process, None, child.due
-            child.patience = self._hung if now - spare.started > TRUSTED_AFTER else STARTING
+            child.patience = self._hang_timeout if now - spare.started > TRUSTED_AFTER else STARTING
             child.process.call()
         elif now < child.due:
             return ""
@@ -204,13 +204,13 @@ class Supervisor:
         child.restarts += 1
         return ""
 
-    def _check_child(self, child: Child, beat: float, hung: float, now: float) -> str:
+    def _check_child(self, child: Child, beat: float, limit: float, now: float) -> str:
         if (code := child.process.poll()) is not None:
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = beat >= child.started
         if beat != child.beat:
             child.beat, child.heard = beat, self._watched
-        if self._watched - child.heard <= (hung if seen else child.patience):
+        if self._watched - child.heard <= (limit if seen else child.patience):
             return ""
         child.process.kill()
         return "hung, and was killed" if seen else "did not start, and was killed"

@@ -1,6 +1,6 @@
 """The guard's decision in each round: send the frame to the device, or silence the device.
 
-How old a frame may be is `Safety.stale` in settings.py.
+How old a frame may be is `Safety.frame_timeout` in settings.py.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
 class OutputGate:
     """Passes frames to a device while they are permitted and fresh; otherwise silences the device at once.
 
-    columns: number of transducers. gain: upper limit of every amplitude. stale: the device is
+    columns: number of transducers. gain: upper limit of every amplitude. frame_timeout: the device is
     silenced when its newest frame is older than this [s].
 
     A device sounds its last frame until the next one, so the age of a frame counts from when the gate first saw it.
@@ -49,7 +49,7 @@ class OutputGate:
         columns: int,
         *,
         gain: float,
-        stale: float,
+        frame_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.backend: Backend | None = None
@@ -66,7 +66,7 @@ class OutputGate:
         self.sounding = self.is_stale = False
         self.changed = True
         """There is news to report at once; the reporter clears it."""
-        self._columns, self._gain, self._max_age, self._clock = columns, gain, stale, clock
+        self._columns, self._gain, self._max_age, self._clock = columns, gain, frame_timeout, clock
         self._generations = 0
         self._can = self._coming_can = Capability()
         self._head, self._data = NONE, b""  # the newest frame

@@ -54,7 +54,7 @@ SWITCH = 1e-4
 MAX_EXIT_TIME = 1.0  # time to end after the parent has gone [s]
 # Time to wait for the parent's lock on the shared memory after the parent has gone [s].
 LOCK_WAIT = 0.1
-# Alarm delay, as a multiple of `hung`: control can tell a slow guard from a hung one, so it gets to
+# Alarm delay, as a multiple of `hang_timeout`: control can tell a slow guard from a hung one, so it gets to
 # kill the guard first.
 ALARM_FACTOR = 2.0
 
@@ -90,7 +90,9 @@ class GuardLoop:
         self.backends: tuple[Plugin, ...] | None = None
         self._replaces = False
         array = settings.array.make()
-        self.guard = OutputGate(len(array), gain=settings.gain, stale=settings.safety.stale)
+        self.guard = OutputGate(
+            len(array), gain=settings.gain, frame_timeout=settings.safety.frame_timeout
+        )
         chosen = settings.backend
         configured = chosen if isinstance(chosen, PluginConfig) else PluginConfig(chosen)
         self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
@@ -218,7 +220,7 @@ def main() -> None:
     if config.spare:
         starter.prepare()
         _settle(loop)
-        stand_by(starter, config.settings.safety.hung, loop.watch)
+        stand_by(starter, config.settings.safety.hang_timeout, loop.watch)
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, asked)
     starter.watch(orphaned, kill=False)
@@ -236,7 +238,9 @@ def main() -> None:
             if not loop.guard.stuck:
                 # No alarm while there is no device: opening one may take long.
                 _rearm_alarm(
-                    ALARM_FACTOR * config.settings.safety.hung if loop.guard.backend else 0.0
+                    ALARM_FACTOR * config.settings.safety.hang_timeout
+                    if loop.guard.backend
+                    else 0.0
                 )
             loop.wait(loop.turn())
         _rearm_alarm(MAX_EXIT_TIME)

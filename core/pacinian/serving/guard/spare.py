@@ -41,12 +41,12 @@ class HangDetector:
         return self._silent > self._limit
 
 
-def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]) -> None:
+def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float, bool]]) -> None:
     """Return when this spare must take over: the parent calls it, or the guard has ended.
 
-    hung: as in the settings [s]. look: returns the guard's last heartbeat [s] and whether there may be sound. On a
-    system that cannot report the end of another process, only the parent's call counts. Raises SystemExit when the
-    parent has gone.
+    hang_timeout: as in the settings [s]. look: returns the guard's last heartbeat [s] and whether there may be sound.
+    On a system that cannot report the end of another process, only the parent's call counts. Raises SystemExit when
+    the parent has gone.
     """
     if sys.platform != "linux":
         parent.wait()
@@ -56,7 +56,7 @@ def stand_by(parent: Parent, hung: float, look: Callable[[], tuple[float, bool]]
     except OSError:  # the guard has ended already, and the parent knows it
         parent.wait()
         return
-    pulse, poll = HangDetector(compute_hang_limit(hung, sound=True)), select.poll()
+    pulse, poll = HangDetector(compute_hang_limit(hang_timeout, sound=True)), select.poll()
     poll.register(guard, select.POLLIN)
     poll.register(parent.pipe, select.POLLIN)
     sound = False

@@ -216,6 +216,6 @@ def _read(pipe: int, length: int) -> bytes:
     return data
 
 
-def compute_hang_limit(hung: float, *, sound: bool) -> float:
+def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
     """Return the time without a heartbeat after which a process is killed [s]. sound: the guard's limit with sound."""
-    return min(hung, max(MIN_HANG_LIMIT, hung / HASTE)) if sound else hung
+    return min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / HASTE)) if sound else hang_timeout

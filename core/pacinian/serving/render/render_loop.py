@@ -20,7 +20,7 @@ from pacinian.scene.scene import Scene
 from pacinian.serving.ipc import messages
 from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.serving.ipc.shared_memory import RegisterReader
-from pacinian.serving.render import status
+from pacinian.serving.render import renderer_status
 from pacinian.serving.render.change_decoding import decode_changes
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.quiet_zones import ZonePlacement
@@ -51,7 +51,7 @@ EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
 # Longest time between two ticks while each repeats the frame before [s], if nothing new comes: something that moves by
-# itself may come into reach meanwhile. Also as a share of `stale`, after which the device is silenced without frames.
+# itself may come into reach meanwhile. Also as a share of the time after which the device is silenced without frames.
 STILL_INTERVAL, STILL_SHARE = 4e-3, 0.25
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
@@ -165,7 +165,7 @@ class RenderLoop:
 
     def _find_still_wait(self) -> float:
         """Return how long the next tick may wait, after one that repeated the frame before [s]."""
-        longest = min(STILL_INTERVAL, STILL_SHARE * self._settings.safety.stale)
+        longest = min(STILL_INTERVAL, STILL_SHARE * self._settings.safety.frame_timeout)
         fade = self._permit.value.until - EARLY - self.clock.now()
         return min(longest, fade) if fade >= 0.0 else longest
 
@@ -336,7 +336,7 @@ class RenderLoop:
 
     def _state(self, now: float) -> dict[str, Any]:
         renderer = self.renderer
-        state = status.make_status(renderer, now - renderer.start)
+        state = renderer_status.make_status(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity
         state["presentation"] = self._presentation
         if not self._quiet:
@@ -349,6 +349,6 @@ class RenderLoop:
         """Return why there are no samples although a hand is seen. Distances are computed now and then."""
         if now >= self._explained + EXPLAIN_PERIOD:
             self._explained, shown = now, self.renderer.shown
-            hands = status.find_hands(self.renderer, now - self.renderer.start)
+            hands = renderer_status.find_hands(self.renderer, now - self.renderer.start)
             self._contact = explain_contact(hands, shown.objects)
         return self._contact

@@ -32,11 +32,11 @@ LED = "the same, plus the time that frames wait in the device"
 # [s]; a guard's round is its pause plus its work
 TICK, GUARD_ROUND = 1e-3, 2 * guard_process.POLL_INTERVAL
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
-LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.stale + 2 * GUARD_ROUND
+LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.frame_timeout + 2 * GUARD_ROUND
 LINK, ENDED = control_process.OWNER + GUARD_ROUND, control_process.CHECK_INTERVAL + GUARD_ROUND
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
 # [s]; a hang is detected in steps of 20 ms
-HUNG = STATED.hung / child_process.HASTE + 0.05 + OPENED
+HUNG = STATED.hang_timeout / child_process.HASTE + 0.05 + OPENED
 
 
 class Fault(NamedTuple):
@@ -87,7 +87,9 @@ FAULTS = (
     Fault("renderer stopped", parts.stop_render, STALE, "stale"),
     Fault("bus killed -9", parts.kill_bus, ENDED, "until its end is detected"),
     Fault("guard killed -9", parts.kill_guard, OPENED, "device's watchdog, or the spare guard"),
-    Fault("guard stopped", parts.stop_guard, HUNG, "an eighth of `hung`, then the spare guard"),
+    Fault(
+        "guard stopped", parts.stop_guard, HUNG, "an eighth of `hang_timeout`, then the spare guard"
+    ),
     Fault("device blocks in a frame", parts.block_guard, HUNG, "the same"),
     Fault("control killed -9", parts.kill_control, GUARD_ROUND, "a round, after its end"),
     Fault("control stopped", parts.stop_control, LEASE, "lease"),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pacinian_lab.server.faults.rig import Rig
 
 WINDOW = 0.5  # [s] observed for gaps, with and without a swap
-STILL = 1.3 * Safety().hung  # [s]
+STILL = 1.3 * Safety().hang_timeout  # [s]
 READY, USED = 0.5, 0.03  # [s]: a waiting spare uses less than USED of CPU time in READY
 SWAPPING = 0.03  # [s] after a selection during which the swap is in progress
 
@@ -112,7 +112,10 @@ def stop_control(rig: Rig) -> Times:
 
 
 def stop_all(rig: Rig) -> Times:
-    """Suspend all processes, as on a suspended machine, for longer than `hung`, then resume them. None is replaced."""
+    """Suspend all processes for longer than `hang_timeout`, as on a suspended machine, then resume them.
+
+    None is replaced.
+    """
     before = rig.server.parts()
     processes = [psutil.Process(rig.server.process.pid), *before.values()]
 

@@ -103,7 +103,7 @@ def test_only_a_client_s_own_of_the_same_objects_replaces(kind: str) -> None:
 
 def test_who_sends_too_much_is_told_also_of_what_would_be_replaced() -> None:
     made = CommandDispatcher(
-        Settings(clients=msgspec.structs.replace(Settings().clients, rate=5.0)), ARRAY, 7, lambda: None,
+        Settings(clients=msgspec.structs.replace(Settings().clients, max_rate=5.0)), ARRAY, 7, lambda: None,
         lambda: (None, 0.0), RateLimitedLog(lambda: 0.0), AtOnce(),  # type: ignore[arg-type]
     )  # fmt: skip
     made.sessions(SessionTable((SessionInfo(KEYS[0], "c", "s", "pacinian"),), "s"))

@@ -19,7 +19,7 @@ from pacinian.wire.modulation import Wave
 
 from ..fake_renderer import KEY, client, hands, move, point, put, quiet, remove, room_of, wrap
 
-SMALL = Settings(clients=Clients(objects=5, per_client=3), safety=Safety(pressure=50.0))
+SMALL = Settings(clients=Clients(max_objects=5, max_client_objects=3), safety=Safety(pressure=50.0))
 JOINTS = pack(pc.Hand.open().joints)  # type: ignore[arg-type]
 
 

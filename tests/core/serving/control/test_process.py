@@ -69,7 +69,7 @@ def test_arm_renew_stop_reset_bye(server: Any) -> None:
 
 def test_the_lease_expires_while_the_connection_lives(start_server: Any) -> None:
     """The game is frozen, but its sockets live: ZeroMQ's heartbeats continue, and the lease expires."""
-    server = start_server(Settings(safety=Safety(forget=3600.0)))
+    server = start_server(Settings(safety=Safety(session_timeout=3600.0)))
     game = server.client().hello()
     game.ask(Arm)
     reply = eventually(lambda: isinstance(said := game.hear(), Error) and said)
@@ -142,7 +142,7 @@ def test_malformed_requests_are_answered_with_where(server: Any) -> None:
 
 
 def test_one_who_asks_too_much_is_told_and_still_can_stop(start_server: Any) -> None:
-    server = start_server(replace(PATIENT, clients=Clients(rate=20.0)))
+    server = start_server(replace(PATIENT, clients=Clients(max_rate=20.0)))
     game = server.client().hello()
     game.ask(Arm)
     for i in range(300):
@@ -174,7 +174,7 @@ def test_a_process_that_ends_silences_and_is_started_again(
 
 
 def test_a_process_that_hangs_is_killed(start_server: Any) -> None:
-    server = start_server(Settings(safety=Safety(hung=0.1)))
+    server = start_server(Settings(safety=Safety(hang_timeout=0.1)))
     server.processes["render"][0].silent = True
     eventually(lambda: server.processes["render"][0].killed)
     eventually(lambda: len(server.processes["render"]) == 2)

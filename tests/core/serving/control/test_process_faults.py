@@ -139,7 +139,7 @@ def test_a_spare_that_is_lost_is_replaced_and_disturbs_nobody(server: Any, logge
 
 @pytest.mark.parametrize("sounds", [True, False])
 def test_a_guard_that_may_sound_is_given_less_time(start_server: Any, sounds: bool) -> None:
-    server = start_server(replace(PATIENT, safety=replace(PATIENT.safety, hung=2.0)))
+    server = start_server(replace(PATIENT, safety=replace(PATIENT.safety, hang_timeout=2.0)))
     game = server.client().hello()
     guard = server.processes["guard"][0]
     if sounds:

@@ -209,7 +209,7 @@ def test_a_client_that_is_killed_is_silenced_by_its_link(server: Any) -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_a_client_that_is_stopped_is_silenced_by_its_lease(start_server: Any) -> None:
-    server = start_server(Settings(log=Log(level="warning"), safety=Safety(forget=3600.0)))
+    server = start_server(Settings(log=Log(level="warning"), safety=Safety(session_timeout=3600.0)))
     with other(server) as process:
         watcher = server.client().hello("watcher")
         os.kill(process.pid, signal.SIGSTOP)

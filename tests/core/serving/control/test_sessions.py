@@ -208,7 +208,7 @@ def test_a_jump_of_the_clients_clock_never_lengthens_the_lease(jump: float) -> N
 def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
     """10,000 expiries with any phase, delay and interval between checks: the lease never lasts longer."""
     random.seed(5)
-    desk = FakeControl(forget=3600.0)
+    desk = FakeControl(session_timeout=3600.0)
     game = desk.hello()
     worst = 0.0
     for _ in range(10_000):
@@ -241,7 +241,7 @@ def test_the_lease_is_a_hard_bound_over_many_expiries() -> None:
 
 
 def test_a_session_that_does_not_renew_is_forgotten() -> None:
-    desk = FakeControl(forget=10.0)
+    desk = FakeControl(session_timeout=10.0)
     game, other = desk.hello(), desk.hello(b"other")
     told = []
     for _ in range(3):

@@ -70,7 +70,7 @@ def start(name, told, pipe):
     name = "spare" if told.spare else name
     print("started", name, process.pid, told.folder, flush=True)
     return process
-settings = Settings(connection=sys.argv[1], safety=Safety(hung=3.0), log=Log(level="error"))
+settings = Settings(connection=sys.argv[1], safety=Safety(hang_timeout=3.0), log=Log(level="error"))
 serve(settings, lambda path: print("ready", path, flush=True), start)
 """
 

@@ -64,7 +64,7 @@ class Bench:
 
     def __init__(self, choice: Choice | PluginConfig | None = None) -> None:
         self.clock = ManualClock()
-        self.guard = OutputGate(N, gain=1.0, stale=0.02, clock=ManualClock().now)
+        self.guard = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=ManualClock().now)
         self.hang = ""  # name of a device that opens too late
         self.busy = 0  # number of further attempts to open that fail
         self.broken: dict[str, set[str]] = {}
@@ -370,7 +370,7 @@ def test_results_do_not_grow(bench: Bench) -> None:
 
 
 def test_real_threads_open_a_real_plug_in() -> None:
-    guard = OutputGate(N, gain=1.0, stale=0.02)
+    guard = OutputGate(N, gain=1.0, frame_timeout=0.02)
     devices = DeviceSwitcher(
         guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0
     )

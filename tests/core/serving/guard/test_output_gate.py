@@ -91,7 +91,12 @@ class Bench:
 
     def __init__(self, **changes: Any) -> None:
         self.clock = ManualClock(100.0)
-        options: dict[str, Any] = {"gain": 1.0, "stale": STALE, "clock": self.clock.now, **changes}
+        options: dict[str, Any] = {
+            "gain": 1.0,
+            "frame_timeout": STALE,
+            "clock": self.clock.now,
+            **changes,
+        }
         self.guard = OutputGate(N, **options)
         self.backend = Recorded(self.clock)
         self.guard.take(self.backend, self.backend.can)
@@ -475,7 +480,7 @@ def test_without_a_device_nothing_happens() -> None:
 def test_generations_go_on_after_a_restart() -> None:
     """Until it has a device, the output of the earlier guard may still sound."""
     last = Bench().status
-    guard = OutputGate(N, gain=1.0, stale=STALE)
+    guard = OutputGate(N, gain=1.0, frame_timeout=STALE)
     guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
     assert (guard.device({}, ()).generation, guard.sounding) == (0, True)
     backend = Recorded(ManualClock())
@@ -665,7 +670,9 @@ def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
         while not rounds.guard.loud:
             rounds.wait(1e4)
             rounds.turn()
-        assert rounds.guard.compute_time_left(rounds._permit.value) <= SIMULATED.safety.stale
+        assert (
+            rounds.guard.compute_time_left(rounds._permit.value) <= SIMULATED.safety.frame_timeout
+        )
         memory["permit"].write(FOREVER._replace(until=time.perf_counter() + 1e-3).pack())
         rounds.wait(1e4)
         assert rounds.turn() <= 1e-3 or not rounds.guard.loud

@@ -557,13 +557,13 @@ def test_while_nothing_changes_it_ticks_less_often_but_no_frame_gets_old(
     sent = run(server, 1.0)
     assert all(level > 0 for _, level in sent)
     assert 240 <= len(sent) <= 260
-    assert np.diff([t for t, _ in sent]).max() <= 0.25 * Safety().stale + 1e-9
+    assert np.diff([t for t, _ in sent]).max() <= 0.25 * Safety().frame_timeout + 1e-9
 
 
 def test_the_shortest_age_of_frames_is_kept_while_nothing_changes(
     make: Callable[..., Server],
 ) -> None:
-    server = make(Settings(safety=Safety(stale=0.002)))
+    server = make(Settings(safety=Safety(frame_timeout=0.002)))
     still(server)
     assert np.diff([t for t, _ in run(server, 0.1)]).max() <= 0.001 + 1e-9
 
@@ -709,7 +709,7 @@ def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
         return {"points": bytes(messages.CAPACITIES["report"]) if how == "long" else "\ud800"}
 
     server.tick()
-    monkeypatch.setattr("pacinian.serving.render.status.make_status", state)
+    monkeypatch.setattr("pacinian.serving.render.renderer_status.make_status", state)
     before = server.clock.now()
     report = server.report
     assert report.beat > before

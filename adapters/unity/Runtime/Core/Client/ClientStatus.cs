@@ -42,7 +42,7 @@ namespace Pacinian
     }
 
     /// <summary>A snapshot of the client's state.</summary>
-    internal struct Standing
+    internal struct SessionState
     {
         public ClientStatus Status;
         public string Problem;
@@ -55,9 +55,9 @@ namespace Pacinian
         public int Session;
 
         /// <summary>Returns the state without a session.</summary>
-        public static Standing None(ClientStatus status, string problem)
+        public static SessionState None(ClientStatus status, string problem)
         {
-            return new Standing { Status = status, Problem = problem, Scene = "", Server = "" };
+            return new SessionState { Status = status, Problem = problem, Scene = "", Server = "" };
         }
     }
 }

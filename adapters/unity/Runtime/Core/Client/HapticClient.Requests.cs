@@ -90,7 +90,7 @@ namespace Pacinian
         private bool Add(PendingRequest request)
         {
             return IsGamesThread(request.What)
-                && ReportNoSession(request.What, WakeWorker(_shared.Requests.Add(_standing.Session, request)));
+                && ReportNoSession(request.What, WakeWorker(_shared.Requests.Add(_sessionState.Session, request)));
         }
     }
 }

@@ -50,7 +50,7 @@ namespace Pacinian
         /// <summary>Removes all objects, hands and quiet zones of this client.</summary>
         public bool Clear()
         {
-            return IsGamesThread("Clear") && ReportNoSession("clear", WakeWorker(_shared.Outbox.Clear(_standing.Session, Now)));
+            return IsGamesThread("Clear") && ReportNoSession("clear", WakeWorker(_shared.Outbox.Clear(_sessionState.Session, Now)));
         }
 
         /// <summary>Replaces the envelope of an existing object.</summary>
@@ -87,7 +87,7 @@ namespace Pacinian
             {
                 hands[i].Write(part);
             }
-            return WakeWorker(_shared.Outbox.Write(_standing.Session, Kind.Hands, part, time));
+            return WakeWorker(_shared.Outbox.Write(_sessionState.Session, Kind.Hands, part, time));
         }
 
         /// <summary>Replaces all quiet zones of this client.</summary>
@@ -103,12 +103,12 @@ namespace Pacinian
             {
                 zones[i].Write(part);
             }
-            return ReportNoSession("quiet", WakeWorker(_shared.Outbox.Write(_standing.Session, Kind.Quiet, part, Now)));
+            return ReportNoSession("quiet", WakeWorker(_shared.Outbox.Write(_sessionState.Session, Kind.Quiet, part, Now)));
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)
         {
-            return WakeWorker(_shared.Outbox.Write(_standing.Session, kind, name, part, ref movement, Now));
+            return WakeWorker(_shared.Outbox.Write(_sessionState.Session, kind, name, part, ref movement, Now));
         }
 
         /// <summary>

@@ -9,43 +9,43 @@ namespace Pacinian
         /// <summary>The state of the connection.</summary>
         public ClientStatus Status
         {
-            get { return _standing.Status; }
+            get { return _sessionState.Status; }
         }
 
         /// <summary>Why there is no session, and what to do; "" if there is one.</summary>
         public string Problem
         {
-            get { return _standing.Problem; }
+            get { return _sessionState.Problem; }
         }
 
         /// <summary>Whether this client has armed the output and owns it.</summary>
         public bool Armed
         {
-            get { return _standing.Armed && _standing.Owner; }
+            get { return _sessionState.Armed && _sessionState.Owner; }
         }
 
         /// <summary>Whether this client owns the output.</summary>
         public bool Owner
         {
-            get { return _standing.Owner; }
+            get { return _sessionState.Owner; }
         }
 
         /// <summary>The time from the last tick to silence, as granted by the server [s].</summary>
         public double Lease
         {
-            get { return _standing.Lease; }
+            get { return _sessionState.Lease; }
         }
 
         /// <summary>The name of the scene.</summary>
         public string Scene
         {
-            get { return _standing.Scene; }
+            get { return _sessionState.Scene; }
         }
 
         /// <summary>The server's description of itself.</summary>
         public string Server
         {
-            get { return _standing.Server; }
+            get { return _sessionState.Server; }
         }
 
         /// <summary>The median round trip of the last renewals [s].</summary>
@@ -69,7 +69,7 @@ namespace Pacinian
         /// <summary>The server's capabilities; null until it has reported them.</summary>
         public Abilities Capabilities
         {
-            get { return _standing.Abilities; }
+            get { return _sessionState.Abilities; }
         }
 
         /// <summary>The newest state, valid until the next tick; null before the first one of this session.</summary>
@@ -87,7 +87,7 @@ namespace Pacinian
         /// <summary>Why the output is silent, and what to do, from the newest state; "" while it sounds.</summary>
         public Silence Silence
         {
-            get { return Silence.Of(_standing, State); }
+            get { return Silence.Of(_sessionState, State); }
         }
 
         /// <summary>The hands that now feel an object of this client's scene.</summary>

@@ -21,7 +21,7 @@ namespace Pacinian
         private readonly Worker _worker;
         private readonly List<Thread> _stops = new List<Thread>();
         private readonly Touches _touches = new Touches();
-        private Standing _standing = Standing.None(ClientStatus.Stopped, "");
+        private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
         private Trips _trips;
         private double _offset;
         private bool _started, _ended, _reportedNoSession;
@@ -82,8 +82,8 @@ namespace Pacinian
             if (!_started && !_ended)
             {
                 _started = true;
-                _standing = Standing.None(ClientStatus.Connecting, "");
-                _shared.Inbox.SetStanding(_standing);
+                _sessionState = SessionState.None(ClientStatus.Connecting, "");
+                _shared.Inbox.SetSessionState(_sessionState);
                 _worker.Start();
             }
         }
@@ -106,11 +106,11 @@ namespace Pacinian
             {
                 StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.75 * still });
             }
-            bool fresh = _shared.Inbox.TakeState(out _standing, out _trips, out _offset);
-            Notice notice;
-            while (!_ended && _shared.Inbox.TakeNotice(out notice, ref _standing))
+            bool fresh = _shared.Inbox.TakeState(out _sessionState, out _trips, out _offset);
+            ClientEvent clientEvent;
+            while (!_ended && _shared.Inbox.TakeEvent(out clientEvent, ref _sessionState))
             {
-                Raise(notice);
+                Raise(clientEvent);
             }
             if (fresh && !_ended)
             {
@@ -139,7 +139,7 @@ namespace Pacinian
                     stop.Join(Left(due));
                 }
             }
-            _standing = Standing.None(ClientStatus.Stopped, _shared.Inbox.Standing.Problem);
+            _sessionState = SessionState.None(ClientStatus.Stopped, _shared.Inbox.SessionState.Problem);
         }
 
         private static int Left(double due)
@@ -152,15 +152,15 @@ namespace Pacinian
             _touches.ReportChanges(state, TouchBegan, TouchMoved, TouchEnded);
         }
 
-        private void Raise(Notice notice)
+        private void Raise(ClientEvent clientEvent)
         {
-            switch (notice.What)
+            switch (clientEvent.What)
             {
-                case Happening.Connected: _reportedNoSession = false; Connected?.Invoke(); break;
-                case Happening.Lost: UpdateTouches(null); Lost?.Invoke(notice.Why.Message); break;
-                case Happening.Ended: Ended?.Invoke(notice.Why); break;
-                case Happening.Refused: Refused?.Invoke(notice.Why); break;
-                case Happening.Answered: notice.Callback(notice.Answer); break;
+                case ClientEventKind.Connected: _reportedNoSession = false; Connected?.Invoke(); break;
+                case ClientEventKind.Lost: UpdateTouches(null); Lost?.Invoke(clientEvent.Why.Message); break;
+                case ClientEventKind.Ended: Ended?.Invoke(clientEvent.Why); break;
+                case ClientEventKind.Refused: Refused?.Invoke(clientEvent.Why); break;
+                case ClientEventKind.Answered: clientEvent.Callback(clientEvent.Answer); break;
             }
         }
     }

@@ -5,16 +5,16 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// What the worker passes to the game: the client's state, notices and the newest state of the server. Both sides
+    /// What the worker passes to the game: the client's state, events and the newest state of the server. Both sides
     /// hold the lock only for a few assignments. Three state objects rotate, so that none is allocated.
     /// </summary>
     internal sealed class Inbox
     {
-        private const int MaxNotices = 1000; // the oldest are dropped beyond that
+        private const int MaxEvents = 1000; // the oldest are dropped beyond that
 
         private readonly object _lock = new object();
-        private readonly Queue<Notice> _notices = new Queue<Notice>(16);
-        private Standing _standing = Standing.None(ClientStatus.Stopped, "");
+        private readonly Queue<ClientEvent> _events = new Queue<ClientEvent>(16);
+        private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
         private State _read = new State(), _ready = new State();
         private Trips _trips;
         private double _offset;
@@ -41,14 +41,14 @@ namespace Pacinian
         }
 
         /// <summary>Sets the client's state. Published states of another session become invalid.</summary>
-        public void SetStanding(Standing standing)
+        public void SetSessionState(SessionState sessionState)
         {
             lock (_lock)
             {
-                bool other = standing.Session != _standing.Session;
+                bool other = sessionState.Session != _sessionState.Session;
                 _stale |= other;
                 _fresh &= !other;
-                _standing = standing;
+                _sessionState = sessionState;
             }
         }
 
@@ -61,67 +61,67 @@ namespace Pacinian
             }
         }
 
-        public void AddNotice(Notice notice)
+        public void AddEvent(ClientEvent clientEvent)
         {
             lock (_lock)
             {
-                while (_notices.Count >= MaxNotices)
+                while (_events.Count >= MaxEvents)
                 {
-                    _notices.Dequeue();
+                    _events.Dequeue();
                 }
-                _notices.Enqueue(notice);
+                _events.Enqueue(clientEvent);
             }
         }
 
-        /// <summary>Adds a notice that the server refused something.</summary>
+        /// <summary>Adds an event that the server refused something.</summary>
         public void AddRefusal(Refusal why)
         {
-            AddNotice(new Notice { What = Happening.Refused, Why = why });
+            AddEvent(new ClientEvent { What = ClientEventKind.Refused, Why = why });
         }
 
-        /// <summary>Adds a notice with the answer to a request; null: there will be none.</summary>
+        /// <summary>Adds an event with the answer to a request; null: there will be none.</summary>
         public void AddAnswer(PendingRequest request, Pressures answer)
         {
             if (request.Callback != null)
             {
-                AddNotice(new Notice { What = Happening.Answered, Callback = request.Callback, Answer = answer });
+                AddEvent(new ClientEvent { What = ClientEventKind.Answered, Callback = request.Callback, Answer = answer });
             }
         }
 
         /// <summary>The client's state.</summary>
-        public Standing Standing
+        public SessionState SessionState
         {
             get
             {
                 lock (_lock)
                 {
-                    return _standing;
+                    return _sessionState;
                 }
             }
         }
 
-        /// <summary>Takes the next notice, and the client's present state. Returns false if there is no notice.</summary>
-        public bool TakeNotice(out Notice notice, ref Standing standing)
+        /// <summary>Takes the next event, and the client's present state. Returns false if there is no event.</summary>
+        public bool TakeEvent(out ClientEvent clientEvent, ref SessionState sessionState)
         {
             lock (_lock)
             {
-                if (_notices.Count == 0)
+                if (_events.Count == 0)
                 {
-                    notice = new Notice();
+                    clientEvent = new ClientEvent();
                     return false;
                 }
-                notice = _notices.Dequeue();
-                standing = _standing;
+                clientEvent = _events.Dequeue();
+                sessionState = _sessionState;
                 return true;
             }
         }
 
         /// <summary>Makes the newest state the one that the game reads. Returns false if no new one has arrived.</summary>
-        public bool TakeState(out Standing standing, out Trips trips, out double offset)
+        public bool TakeState(out SessionState sessionState, out Trips trips, out double offset)
         {
             lock (_lock)
             {
-                standing = _standing;
+                sessionState = _sessionState;
                 trips = _trips;
                 offset = _offset;
                 _any &= !_stale;

@@ -11,7 +11,7 @@ namespace Pacinian
         private int _session;
 
         /// <summary>
-        /// Starts a session without waiting requests. session: 0 for none. inbox: receives a notice of each dropped
+        /// Starts a session without waiting requests. session: 0 for none. inbox: receives an event of each dropped
         /// request.
         /// </summary>
         public void Open(int session, Inbox inbox)

@@ -93,8 +93,8 @@ namespace Pacinian
 
         private void Handle(Renewed renewed, double now)
         {
-            _standing.Armed = renewed.Armed;
-            _standing.Owner = renewed.Owner;
+            _sessionState.Armed = renewed.Armed;
+            _sessionState.Owner = renewed.Owner;
             if (renewed.Id != 0)
             {
                 double sent = _table.TakeRenewal(renewed.Id);
@@ -114,7 +114,7 @@ namespace Pacinian
             GoodbyeAnswered |= _leaving && request == null;
             if (request != null && (request.Arms || request.LetsGo))
             {
-                _standing.Armed = _standing.Owner = request.Arms;
+                _sessionState.Armed = _sessionState.Owner = request.Arms;
                 PublishStatus();
             }
         }
@@ -127,9 +127,9 @@ namespace Pacinian
                 return;
             }
             _session.Set(welcome.Session.Data, 0, welcome.Session.Count);
-            _standing.Lease = welcome.Lease;
-            _standing.Scene = welcome.Scene;
-            _standing.Server = welcome.Server;
+            _sessionState.Lease = welcome.Lease;
+            _sessionState.Scene = welcome.Scene;
+            _sessionState.Server = welcome.Server;
             _serverClock.AddMark(_greetedAt, now, welcome.Time);
             _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
             Send(new Capabilities { Session = _session, Id = _table.NextId() });
@@ -138,9 +138,9 @@ namespace Pacinian
         private void Handle(Abilities abilities)
         {
             _buffers.Reply = null; // the game uses it from now on
-            _standing.Abilities = abilities;
+            _sessionState.Abilities = abilities;
             Begun = true;
-            _shared.StartSession(_standing);
+            _shared.StartSession(_sessionState);
         }
 
         private void Handle(Pressures pressures)
@@ -166,9 +166,9 @@ namespace Pacinian
             }
             else if (error.Id == 0 && Problems.Ends(error.Code))
             {
-                _standing.Armed = false;
+                _sessionState.Armed = false;
                 PublishStatus();
-                _shared.Inbox.AddNotice(new Notice { What = Happening.Ended, Why = why });
+                _shared.Inbox.AddEvent(new ClientEvent { What = ClientEventKind.Ended, Why = why });
             }
             else
             {
@@ -194,7 +194,7 @@ namespace Pacinian
         {
             if (Begun)
             {
-                _shared.Inbox.SetStanding(_standing);
+                _shared.Inbox.SetSessionState(_sessionState);
             }
         }
     }

@@ -18,7 +18,7 @@ namespace Pacinian
         private readonly ServerClock _serverClock = new ServerClock();
         private readonly string _at;
         private readonly double _begun;
-        private Standing _standing = Standing.None(ClientStatus.Connected, "");
+        private SessionState _sessionState = SessionState.None(ClientStatus.Connected, "");
         private bool _greeted, _leaving;
         private double _renewed = double.NegativeInfinity;
         private Bulk _session;
@@ -32,7 +32,7 @@ namespace Pacinian
             _buffers = buffers;
             _at = at;
             _begun = now;
-            _standing.Session = session;
+            _sessionState.Session = session;
             Over = "";
         }
 
@@ -93,7 +93,7 @@ namespace Pacinian
             {
                 return;
             }
-            if (ticked - _renewed >= Share * _standing.Lease)
+            if (ticked - _renewed >= Share * _sessionState.Lease)
             {
                 Renew(now, ticked);
             }

@@ -18,12 +18,12 @@ namespace Pacinian
         }
 
         /// <summary>Starts a session: commands and requests from now on belong to it.</summary>
-        public void StartSession(Standing standing)
+        public void StartSession(SessionState sessionState)
         {
-            Outbox.Open(standing.Session);
-            Requests.Open(standing.Session, Inbox);
-            Inbox.SetStanding(standing);
-            Inbox.AddNotice(new Notice { What = Happening.Connected });
+            Outbox.Open(sessionState.Session);
+            Requests.Open(sessionState.Session, Inbox);
+            Inbox.SetSessionState(sessionState);
+            Inbox.AddEvent(new ClientEvent { What = ClientEventKind.Connected });
         }
 
         /// <summary>Ends the session. begun: whether there was one, so that its loss is reported.</summary>
@@ -31,11 +31,11 @@ namespace Pacinian
         {
             Outbox.Open(0);
             Requests.Open(0, Inbox);
-            Standing standing = Standing.None(refused ? ClientStatus.Refused : ClientStatus.Connecting, problem);
-            Inbox.SetStanding(standing);
+            SessionState sessionState = SessionState.None(refused ? ClientStatus.Refused : ClientStatus.Connecting, problem);
+            Inbox.SetSessionState(sessionState);
             if (begun)
             {
-                Inbox.AddNotice(new Notice { What = Happening.Lost, Why = new Refusal { Message = problem } });
+                Inbox.AddEvent(new ClientEvent { What = ClientEventKind.Lost, Why = new Refusal { Message = problem } });
             }
         }
     }

@@ -25,12 +25,12 @@ namespace Pacinian
         }
 
         /// <summary>state: the newest one; null if there is none yet.</summary>
-        internal static Silence Of(Standing standing, State state)
+        internal static Silence Of(SessionState sessionState, State state)
         {
-            if (standing.Status != ClientStatus.Connected)
+            if (sessionState.Status != ClientStatus.Connected)
             {
-                string why = standing.Problem.Length > 0 ? standing.Problem
-                    : standing.Status == ClientStatus.Stopped ? Stopped : "it is connecting";
+                string why = sessionState.Problem.Length > 0 ? sessionState.Problem
+                    : sessionState.Status == ClientStatus.Stopped ? Stopped : "it is connecting";
                 return new Silence { Cause = "not connected", Text = why };
             }
             if (state == null)
@@ -38,7 +38,7 @@ namespace Pacinian
                 return new Silence { Cause = "not connected", Text = NoState };
             }
             bool ended = state.Cause == "stopped" || state.Cause == "fault"; // for every client
-            if (!ended && state.Owner.Length > 0 && !standing.Owner && state.Scene != standing.Scene)
+            if (!ended && state.Owner.Length > 0 && !sessionState.Owner && state.Scene != sessionState.Scene)
             {
                 string why = "\"" + state.Owner + "\" owns the output: end that program, or arm with `take`";
                 return new Silence { Cause = "not the owner", Text = why };

@@ -58,7 +58,7 @@ namespace Pacinian
                 using (ITransport transport = _shared.Options.Transport())
                 {
                     _transport = transport;
-                    RunSessions(new Sessions(_shared, transport, ConnectionFile.Read), transport);
+                    RunSessionLoop(new SessionLoop(_shared, transport, ConnectionFile.Read), transport);
                 }
             }
             catch (Exception error)
@@ -68,11 +68,11 @@ namespace Pacinian
             finally
             {
                 _shared.EndSession(problem, false, false);
-                _shared.Inbox.SetStanding(Standing.None(ClientStatus.Stopped, problem));
+                _shared.Inbox.SetSessionState(SessionState.None(ClientStatus.Stopped, problem));
             }
         }
 
-        private void RunSessions(Sessions sessions, ITransport transport)
+        private void RunSessionLoop(SessionLoop sessions, ITransport transport)
         {
             Func<double> clock = _shared.Options.Clock;
             while (!_end)

@@ -224,11 +224,11 @@ class StatusPublisher:
             "gain": settings.gain,
             "pressure": settings.safety.pressure,
             "lease": settings.safety.lease,
-            "clients": settings.clients.most,
-            "objects": settings.clients.objects,
-            "objects_per_client": settings.clients.per_client,
-            "messages_per_second": settings.clients.rate,
-            "command_bytes": settings.clients.command_bytes,
+            "clients": settings.clients.max_sessions,
+            "objects": settings.clients.max_objects,
+            "objects_per_client": settings.clients.max_client_objects,
+            "messages_per_second": settings.clients.max_rate,
+            "command_bytes": settings.clients.max_command_bytes,
         }
         if settings.power is not None:
             limits["power"] = settings.power

@@ -9,7 +9,7 @@ import pytest
 import pacinian as pc
 from pacinian.acoustics.propagation import matrix
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.serving.render.status import make_status
+from pacinian.serving.render.renderer_status import make_status
 from pacinian.testing import ManualClock
 from pacinian.wire.state import State
 from pacinian_plugins.backends.simulated import Simulated

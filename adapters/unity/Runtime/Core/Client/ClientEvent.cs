@@ -3,8 +3,8 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>The kinds of notices.</summary>
-    internal enum Happening
+    /// <summary>The kinds of events.</summary>
+    internal enum ClientEventKind
     {
         None,
         Connected,
@@ -15,9 +15,9 @@ namespace Pacinian
     }
 
     /// <summary>Something that an event reports on the game's thread.</summary>
-    internal struct Notice
+    internal struct ClientEvent
     {
-        public Happening What;
+        public ClientEventKind What;
         public Refusal Why;
         public Action<Pressures> Callback;
         public Pressures Answer;

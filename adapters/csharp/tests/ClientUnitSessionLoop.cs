@@ -9,13 +9,13 @@ namespace Pacinian.Tests
     {
         private readonly Scripted _wire = new Scripted();
         private readonly SharedState _shared = new SharedState(new Options());
-        private readonly Sessions _sessions;
+        private readonly SessionLoop _sessionLoop;
         private string _problem = "";
         private double _now = 100.0;
 
         public ClientUnitSessions()
         {
-            _sessions = new Sessions(_shared, _wire, (string path, out string problem) =>
+            _sessionLoop = new SessionLoop(_shared, _wire, (string path, out string problem) =>
             {
                 problem = _problem;
                 return new ConnectionFile { Control = "here" };
@@ -29,21 +29,21 @@ namespace Pacinian.Tests
             _problem = "";
             _wire.End = Ending.Nobody;
             Pauses(0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0);
-            ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.Standing.Status);
+            ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.SessionState.Status);
             _wire.End = Ending.Denied;
             Pauses(0.1);
-            ClientUnit.Equal(ClientStatus.Refused, _shared.Inbox.Standing.Status);
-            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("token or key"));
+            ClientUnit.Equal(ClientStatus.Refused, _shared.Inbox.SessionState.Status);
+            ClientUnit.Holds(_shared.Inbox.SessionState.Problem.Contains("token or key"));
             ClientUnit.Equal("", TakeNotices());
         }
 
         public void ItIsConnectedWhenTheServerHasSaidWhatItCan()
         {
             Connect();
-            Standing standing = _shared.Inbox.Standing;
-            ClientUnit.Equal("hall", standing.Scene);
-            ClientUnit.Equal(1, standing.Session);
-            ClientUnit.Holds(!standing.Armed && standing.Abilities != null && standing.Problem == "");
+            SessionState sessionState = _shared.Inbox.SessionState;
+            ClientUnit.Equal("hall", sessionState.Scene);
+            ClientUnit.Equal(1, sessionState.Session);
+            ClientUnit.Holds(!sessionState.Armed && sessionState.Abilities != null && sessionState.Problem == "");
             ClientUnit.Equal("Connected", TakeNotices());
             ClientUnit.Equal("Hello Capabilities", _wire.Said());
         }
@@ -52,7 +52,7 @@ namespace Pacinian.Tests
         {
             Step(0.0);
             Step(2.01);
-            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("no answer to `hello` within 2 s"));
+            ClientUnit.Holds(_shared.Inbox.SessionState.Problem.Contains("no answer to `hello` within 2 s"));
             ClientUnit.Equal("", TakeNotices());
         }
 
@@ -68,7 +68,7 @@ namespace Pacinian.Tests
             ClientUnit.Near(ticked, ((Renew)_wire.Last).Time); // not the time of sending
             Answer(new Renewed { Id = 3, Owner = true, Armed = true, ServerTime = _now });
             Step(0.001);
-            ClientUnit.Holds(_shared.Inbox.Standing.Armed);
+            ClientUnit.Holds(_shared.Inbox.SessionState.Armed);
             _shared.Heartbeat.LastTick = ticked + 0.01; // soon after
             Step(0.01);
             _shared.Heartbeat.LastTick = ticked + 0.04;
@@ -90,8 +90,8 @@ namespace Pacinian.Tests
                 Connect();
                 _wire.End = ending;
                 Step(0.001);
-                ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("has gone; nothing of this session goes on"));
-                ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.Standing.Status);
+                ClientUnit.Holds(_shared.Inbox.SessionState.Problem.Contains("has gone; nothing of this session goes on"));
+                ClientUnit.Equal(ClientStatus.Connecting, _shared.Inbox.SessionState.Status);
             }
         }
 
@@ -100,7 +100,7 @@ namespace Pacinian.Tests
             _wire.End = Ending.Foreign;
             _wire.Why = "the peer wants another mechanism";
             Step(0.0);
-            ClientUnit.Holds(_shared.Inbox.Standing.Problem.EndsWith("or is too busy: the peer wants another mechanism"));
+            ClientUnit.Holds(_shared.Inbox.SessionState.Problem.EndsWith("or is too busy: the peer wants another mechanism"));
         }
 
         public void AfterALossNothingResumes()
@@ -111,14 +111,14 @@ namespace Pacinian.Tests
             Step(0.001);
             Answer(new Ok { Id = 3 });
             Step(0.001);
-            ClientUnit.Holds(_shared.Inbox.Standing.Armed);
+            ClientUnit.Holds(_shared.Inbox.SessionState.Armed);
             _wire.Full = true;
             _shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now);
             _shared.Requests.Add(1, new PendingRequest("field", new Field(), 2.0, answer => { }));
             _wire.End = Ending.Gone;
             Step(0.001);
-            ClientUnit.Holds(_shared.Inbox.Standing.Problem.Contains("has gone; nothing of this session goes on"));
-            ClientUnit.Holds(!_shared.Inbox.Standing.Armed && _shared.Inbox.Standing.Session == 0);
+            ClientUnit.Holds(_shared.Inbox.SessionState.Problem.Contains("has gone; nothing of this session goes on"));
+            ClientUnit.Holds(!_shared.Inbox.SessionState.Armed && _shared.Inbox.SessionState.Session == 0);
             ClientUnit.Equal("Connected Answered Lost", TakeNotices());
             ClientUnit.Holds(!_shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now));
             _wire.End = Ending.None;
@@ -128,8 +128,8 @@ namespace Pacinian.Tests
             Connect();
             Step(0.001);
             ClientUnit.Equal("Hello Capabilities", _wire.Said());
-            ClientUnit.Equal(2, _shared.Inbox.Standing.Session);
-            ClientUnit.Holds(!_shared.Inbox.Standing.Armed);
+            ClientUnit.Equal(2, _shared.Inbox.SessionState.Session);
+            ClientUnit.Holds(!_shared.Inbox.SessionState.Armed);
         }
 
         public void WhatCameBeforeTheEndIsHeard()
@@ -159,16 +159,16 @@ namespace Pacinian.Tests
 
         public void ItSaysGoodbye()
         {
-            ClientUnit.Holds(!_sessions.SayGoodbye(_now) && _sessions.GoodbyeAnswered);
+            ClientUnit.Holds(!_sessionLoop.SayGoodbye(_now) && _sessionLoop.GoodbyeAnswered);
             Connect();
             _wire.Said();
-            ClientUnit.Holds(_sessions.SayGoodbye(_now) && !_sessions.GoodbyeAnswered);
+            ClientUnit.Holds(_sessionLoop.SayGoodbye(_now) && !_sessionLoop.GoodbyeAnswered);
             _shared.Heartbeat.LastTick = _now;
             Step(0.001);
             ClientUnit.Equal("Bye", _wire.Said());
             Answer(new Ok { Id = 3 });
             Step(0.001);
-            ClientUnit.Holds(_sessions.GoodbyeAnswered);
+            ClientUnit.Holds(_sessionLoop.GoodbyeAnswered);
         }
 
         private void Connect()
@@ -180,7 +180,7 @@ namespace Pacinian.Tests
             Step(0.001);
             Answer(new Abilities { Id = 2 });
             Step(0.001);
-            ClientUnit.Equal(ClientStatus.Connected, _shared.Inbox.Standing.Status);
+            ClientUnit.Equal(ClientStatus.Connected, _shared.Inbox.SessionState.Status);
         }
 
         private void Pauses(params double[] wanted)
@@ -191,7 +191,7 @@ namespace Pacinian.Tests
                 Step(0.0);
                 ClientUnit.Equal(_problem.Length > 0 ? opened : opened + 1, _wire.Opened);
                 Step(pause - 0.001);
-                ClientUnit.Near(Math.Min(0.05, 0.001), _sessions.Patience(_now), 1e-6);
+                ClientUnit.Near(Math.Min(0.05, 0.001), _sessionLoop.Patience(_now), 1e-6);
                 _now += 0.0011;
             }
         }
@@ -199,7 +199,7 @@ namespace Pacinian.Tests
         private void Step(double seconds)
         {
             _now += seconds;
-            _sessions.Step(_now, _shared.Heartbeat.LastTick);
+            _sessionLoop.Step(_now, _shared.Heartbeat.LastTick);
         }
 
         private void Answer(IMessage message)
@@ -210,11 +210,11 @@ namespace Pacinian.Tests
         private string TakeNotices()
         {
             List<string> all = new List<string>();
-            Notice notice;
-            Standing standing = new Standing();
-            while (_shared.Inbox.TakeNotice(out notice, ref standing))
+            ClientEvent clientEvent;
+            SessionState sessionState = new SessionState();
+            while (_shared.Inbox.TakeEvent(out clientEvent, ref sessionState))
             {
-                all.Add(notice.What.ToString());
+                all.Add(clientEvent.What.ToString());
             }
             return string.Join(" ", all.ToArray());
         }

@@ -6,7 +6,7 @@ namespace Pacinian
     /// Runs one session after another. Reconnects with growing pauses, and carries nothing of a lost session into the
     /// next. Never blocks, and does not read a clock: times are arguments.
     /// </summary>
-    internal sealed class Sessions
+    internal sealed class SessionLoop
     {
         private const double Asleep = 0.05; // [s] between two polls of what brings no message
 
@@ -19,7 +19,7 @@ namespace Pacinian
         private int _count;
 
         /// <summary>read: reads the connection file.</summary>
-        public Sessions(SharedState shared, ITransport transport, ConnectionReader read)
+        public SessionLoop(SharedState shared, ITransport transport, ConnectionReader read)
         {
             _shared = shared;
             _transport = transport;
