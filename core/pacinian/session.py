@@ -21,7 +21,6 @@ from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.corrections import MAX_CORRECTIONS, WORTHWHILE, correct_amplitudes
-from pacinian.solving.evidence import determine_status, measure_violations, relative_error
 from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce_zones
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
@@ -30,6 +29,7 @@ from pacinian.solving.quiet_subspace import Preparation
 from pacinian.solving.regions import carry_solution, settle_phases
 from pacinian.solving.relaxation import MAX_POINTS
 from pacinian.solving.solution import Solution
+from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
 from pacinian.solving.status import Status
 
 if TYPE_CHECKING:

@@ -81,7 +81,7 @@ def install(package: Package, target: Path, *, replace: bool) -> Installed:
     ours = {path: file.read_bytes() for path, file in _list_files(package.folder)}
     try:
         target.parent.mkdir(exist_ok=True)
-        _mend(target)
+        _clean_up_interrupted(target)
         if target.is_symlink():
             raise PackageError(f"{target} is a link to {target.readlink()}: remove the link first")
         if not target.exists():
@@ -147,7 +147,7 @@ def _write(ours: Mapping[str, bytes], added: Mapping[str, bytes], target: Path) 
         shutil.rmtree(work, ignore_errors=True)
 
 
-def _mend(target: Path) -> None:
+def _clean_up_interrupted(target: Path) -> None:
     """Undo what a run that was killed has left."""
     for work in target.parent.glob(f"{WORK}*"):
         if (work / "old").is_dir() and not target.exists():

@@ -79,7 +79,7 @@ class UsbLink:
         answer = self._call(doing, self._device.ctrl_transfer, *request)
         return bytes(answer) if isinstance(data, int) else b""
 
-    def mend(self) -> None:
+    def clear_halt(self) -> None:
         """Clear a stall after a failed `write`, so that the next one can succeed. Raises BackendError.
 
         With a device that hangs this may block for seconds, so send it another request first.

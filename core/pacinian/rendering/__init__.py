@@ -3,7 +3,8 @@
 The loop
     renderer.py, pipeline.py          the API; one tick, from a scene to a frame
     settings.py, scene_renderer.py    settings as plain values; a renderer from a scene file
-    clock.py, warmup.py, realtime_section.py   time; what is done before the first tick, and against delays
+    clock.py, tick_pacing.py          time; when ticks are due, and which are skipped
+    warmup.py, realtime_section.py    what is done before the first tick, and against delays
     fail_safe_output.py               the backend, whose failures silence the output
 Solve
     sample_solver.py, cached_solution.py, outcome.py   solve for samples, reuse solutions, pass them on

@@ -34,6 +34,11 @@ class Outcome(NamedTuple):
     seconds: float = math.nan
 
     @property
+    def tells_time(self) -> bool:
+        """Whether its duration tells how long solves take: there was one, or silence needed none."""
+        return bool(self.fresh) or not len(self.solved.samples)
+
+    @property
     def labels(self) -> set[str]:
         """Labels of all objects that it concerns."""
         return {*self.sample_counts.labels, *label_samples(self.solved.samples)}

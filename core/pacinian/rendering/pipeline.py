@@ -204,8 +204,10 @@ class Pipeline:
         self.limits, self._taken, self.job_readings = limits, None, []
         self._changed, self._seen = self._changed or scene is not self._seen, scene
         solver = self.session.solver  # other threads may set another one at any time
-        ticks = self._count_ticks(t)
-        if beside := self._may_wait(limits, solver):
+        ticks, beside = self._count_ticks(t), self._may_wait(limits, solver)
+        if ticks > 1 and not beside:
+            self.sampler.rest_until(t - self.period)
+        if beside:
             self._solve_beside(scene, limits, solver, t, ticks)
         else:
             self._solve_now(scene, limits, solver, t)
@@ -380,7 +382,7 @@ class Pipeline:
         report = self.stages.report
         report.skipped.update(self._skipped)
         self._skipped.clear()
-        if outcome.fresh and not math.isnan(outcome.seconds):
+        if outcome.tells_time and not math.isnan(outcome.seconds):
             self.schedule.note_solve(outcome.seconds, self._allowed == self.sampler.budget)
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
@@ -426,14 +428,14 @@ class Pipeline:
         if not math.isnan(taken.seconds):
             seconds = MAX_LOAD * taken.seconds / SOLVE_TICKS
         elif not taken.solved.brief:
-            if taken.fresh:
+            if taken.tells_time:
                 self.schedule.note_tick(seconds)
             return
-        if not taken.fresh:
+        if not taken.tells_time:
             return
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
-        samples = max(len(one.samples) for one in taken.fresh)
+        samples = max((len(one.samples) for one in taken.fresh), default=0)
         self._allowed = self.governor.tick(seconds, samples, self.schedule.interval)
 
     def quantise_gains(self, gains: Gains) -> Gains:

@@ -15,7 +15,7 @@ from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.background_solve import start_daemon
-from pacinian.rendering.clock import BEHIND, Clock, SystemClock, pace
+from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.cycle import MAX_FRAMES
 from pacinian.rendering.deviations import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
@@ -27,6 +27,7 @@ from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.scene_warnings import find_warnings
 from pacinian.rendering.settings import to_config
 from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.tick_pacing import BEHIND, pace
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler

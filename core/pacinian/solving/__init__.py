@@ -11,7 +11,7 @@ What solvers share
 What comes out
     solution.py, solution_values.py, solution_file.py, solution_tables.py, status.py
 Evidence
-    evidence.py, gain_evaluation.py   from the gains: status, limits, bound; in double precision
+    solution_check.py, gain_evaluation.py   from the gains: status, limits, bound; in double precision
     felt_regions.py, surface_force.py   between and beside the samples; force on a surface
     relaxation.py                     a lower bound for any phases
 """

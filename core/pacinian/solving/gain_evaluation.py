@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.evidence import (
+from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.propagator import Propagator
+from pacinian.solving.relaxation import least_error
+from pacinian.solving.solution_check import (
     TOLERANCE,
     compute_bound,
     compute_reached_multiple,
@@ -17,9 +20,6 @@ from pacinian.solving.evidence import (
     measure_violations,
     relative_error,
 )
-from pacinian.solving.felt_regions import FeltPlaces
-from pacinian.solving.propagator import Propagator
-from pacinian.solving.relaxation import least_error
 from pacinian.solving.status import Status
 
 if TYPE_CHECKING:

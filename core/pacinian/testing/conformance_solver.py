@@ -13,10 +13,10 @@ from pacinian.acoustics.array import lattice
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.plugins.solver import Result, Solver
 from pacinian.session import AIR, Session
-from pacinian.solving.evidence import EVEN
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
+from pacinian.solving.solution_check import EVEN
 from pacinian.solving.status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions

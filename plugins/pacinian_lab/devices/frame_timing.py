@@ -15,8 +15,9 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Frame
-from pacinian.rendering.clock import SystemClock, pace
+from pacinian.rendering.clock import SystemClock
 from pacinian.rendering.realtime_section import realtime_section
+from pacinian.rendering.tick_pacing import pace
 from pacinian_lab.solvers.tables import plain_table, short
 from pacinian_lab.solvers.timing import measure, quantile
 

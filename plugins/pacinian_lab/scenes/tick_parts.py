@@ -16,9 +16,9 @@ from msgspec import Struct
 
 from pacinian.gallery import SCENES, TRACKED
 from pacinian.plugins import registry
-from pacinian.rendering.clock import pace
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.tick_pacing import pace
 from pacinian.solving import linalg
 from pacinian_lab.solvers.timing import calibrate
 

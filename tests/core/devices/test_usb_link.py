@@ -48,7 +48,7 @@ def test_frames_reach_it_whole_and_in_order_until_it_is_given_back(bus: UsbBus, 
     for act, doing in (
         (lambda: link.write(FRAME, 0.01), "sending a frame"),
         (lambda: link.control((0xC1, 1, 0, 0), 9, 0.01, "asking"), "asking"),
-        (link.mend, "ending a stall"),
+        (link.clear_halt, "ending a stall"),
     ):
         refused(act, f"pads A: {doing}: it is closed")
     assert (bus.open, len(pad.writes)) == (0, 3)
@@ -97,9 +97,9 @@ def test_a_write_that_fails_is_an_error_at_once_and_not_repeated(
     assert link.gone == (fault == "unplug")
     pad.fault = None
     if fault == "unplug":
-        refused(link.mend, WRITES[fault])
+        refused(link.clear_halt, WRITES[fault])
     else:
-        link.mend()
+        link.clear_halt()
         link.write(FRAME, 0.01)
         assert pad.took.endswith(FRAME)
     link.close()
@@ -111,7 +111,7 @@ def test_a_stall_lasts_until_it_is_mended(bus: UsbBus, pad: Pad) -> None:
     pad.fault = "stall"
     for _ in range(3):
         refused(lambda: link.write(FRAME, 0.01), WRITES["stall"])
-    link.mend()
+    link.clear_halt()
     link.write(FRAME, 0.01)
     assert pad.took == FRAME
     link.close()

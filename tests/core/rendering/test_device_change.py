@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.clock import pace
 from pacinian.rendering.recording import Recorder
+from pacinian.rendering.tick_pacing import pace
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
-from pacinian.rendering.background_schedule import SOLVE_TICKS
+from pacinian.rendering.background_schedule import MIN_FITTING, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.slew_limiter import Smoothing
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
@@ -424,6 +424,25 @@ def test_a_hand_that_moves_through_empty_space_needs_no_solve() -> None:
         renderer.tick()
         assert not renderer.still
         assert renderer.report.solves == 2
+
+
+def test_a_busy_moment_is_over_after_some_seconds_of_silence_though_a_hand_moves() -> None:
+    renderer, _, clock = make()
+    hands = [pc.Hand.open("right", pc.Pose((0.001 * k, 0.0, 0.4))) for k in range(2)]
+    with renderer:
+        renderer._pipeline.background = ByHand()
+        renderer._pipeline.schedule = BackgroundSchedule(renderer.period, beside=True)
+        renderer.tick()
+        renderer._pipeline._allowed = 32
+        assert renderer.governor is not None
+        renderer.governor.allowed = 32
+        for k in range(9 * MIN_FITTING):
+            renderer.scene = pc.Scene(hands=(hands[k // 4 % 2],))
+            renderer.tick()
+            clock.advance(renderer.period)
+        assert renderer.report.solves == 2  # the point, and silence
+        assert not renderer.schedule.beside
+        assert renderer._pipeline._allowed == renderer.sampler.budget
 
 
 def test_what_is_remembered_of_the_last_solution_is_intact() -> None:

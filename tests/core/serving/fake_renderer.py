@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from pacinian.serving.bus.admission import BusSession
-from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import (
     AnyChange,

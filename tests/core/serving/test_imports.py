@@ -17,7 +17,7 @@ SCENES = {"pacinian.scene.hands", "pacinian.scene.objects", "pacinian.scene.scen
 GUARD = """
 from pacinian.scene.setup import PluginConfig
 from pacinian.serving.guard import process
-from pacinian.serving.guard.device_switcher import import_backend
+from pacinian.serving.guard.device_manager import import_backend
 from pacinian.serving.ipc.plugin_list import list_offers
 import_backend(PluginConfig("simulated"))
 list_offers("backend")

@@ -15,7 +15,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 import pacinian as pc
 from pacinian.serving.control.process import ControlLoop
-from pacinian.serving.guard.device_switcher import DeviceSwitcher
+from pacinian.serving.guard.device_manager import DeviceManager
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import (
     BusStatus,
@@ -137,10 +137,10 @@ class Status(RuleBasedStateMachine):
 
     def begin(self) -> None:
         self.guarded, self.started = True, self.clock.now()
-        self.guard = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=self.clock.now)
+        self.gate = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=self.clock.now)
         made: Any = lambda choice: Breaks(self.broken)  # noqa: E731
-        self.devices = DeviceSwitcher(
-            self.guard, ARRAY, Choice(name="a"), 1000.0, made, self.threads.append
+        self.devices = DeviceManager(
+            self.gate, ARRAY, Choice(name="a"), 1000.0, made, self.threads.append
         )
         self.devices.begin(self.orders)
 
@@ -157,7 +157,7 @@ class Status(RuleBasedStateMachine):
         self.devices.follow(self.orders)
         self.devices.poll()
         permit = Permit.unpack(self.memory["permit"].data)
-        while self.guard.step(permit):
+        while self.gate.step(permit):
             pass
         self.tell()
 
@@ -165,23 +165,23 @@ class Status(RuleBasedStateMachine):
     def frame(self, sounds: bool) -> None:
         """The renderer writes a frame, and the guard reads it."""
         permit = Permit.unpack(self.memory["permit"].data)
-        device = self.guard.next or self.guard.generation
+        device = self.gate.next or self.gate.generation
         self.sequence += 1
         head = FrameHead(self.sequence, 0.0, permit.epoch, device, 1 if sounds else 0, N).pack()
         levels = b"\1\0" * 2 * N if sounds else b""
-        if self.guarded and self.guard.step(permit, head + levels):
-            self.guard.step(permit)
+        if self.guarded and self.gate.step(permit, head + levels):
+            self.gate.step(permit)
         self.tell()
 
     def tell(self) -> None:
-        if self.guarded and (self.guard.backend or self.guard.fault):  # as in the process
-            told = self.guard.device(self.devices.results, (Plugin(name="a"), Plugin(name="b")))
+        if self.guarded and (self.gate.backend or self.gate.fault):  # as in the process
+            told = self.gate.device(self.devices.results, (Plugin(name="a"), Plugin(name="b")))
             self.memory["device"].write(pack(told))
             self.told = self.guard_is
 
     @property
     def guard_is(self) -> Output:
-        guard = self.guard
+        guard = self.gate
         if guard.fault or guard.problem or guard.backend is None:
             return "faulted"
         return "sounding" if guard.sounding else "stale" if guard.is_stale else "silent"

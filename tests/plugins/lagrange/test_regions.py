@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.evidence import EVEN
+from pacinian.solving.solution_check import EVEN
 from pacinian_plugins.solvers.lagrange import regions
 
 from ..problems import ARRAY, optimum

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.solving.evidence import EVEN
+from pacinian.solving.solution_check import EVEN
 
 from ..problems import optimum
 

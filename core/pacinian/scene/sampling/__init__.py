@@ -5,7 +5,7 @@ Where
     broad_phase.py, contact.py        objects near a hand; skin that touches them, and how strongly it is pressed
     posed_skin.py                     the skin of a hand where it is now
     sources.py, refine.py             samples of whole objects, points and paths; closer ones for small regions
-    array_resolution.py               what the array resolves and sees
+    spacing.py, array_resolution.py   how far apart samples lie; what the array resolves and sees
     surround.py, bands.py             silent samples beside a region; parts of a large region in turn
 How many, how strong
     sample_budget.py, sample_counts.py   samples divided among objects; what becomes of them

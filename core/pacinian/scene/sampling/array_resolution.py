@@ -41,8 +41,8 @@ class ArrayResolution:
         """Corners of the array's bounding box, (V, 3) [m]."""
         self._cells: dict[tuple[int, int, int], tuple[float, float]] = {}
 
-    def compute_spacing(self, place: tuple[float, float, float]) -> float:
-        """Return the sample spacing at `place` [m]: a wavelength, or the resolution there if that is coarser.
+    def compute_isolated_spacing(self, place: tuple[float, float, float]) -> float:
+        """Return the spacing of isolated samples at `place` [m]: a wavelength, or the resolution there if coarser.
 
         The spacing changes in steps of sqrt(2), so that a moving object mostly keeps its samples.
         """

@@ -42,6 +42,11 @@ class PressureRamps:
         """Whether all pressures have reached their targets."""
         return self._last is self._asked
 
+    def rest_until(self, t: float) -> None:
+        """Let the next change begin at time t [s], if all ramps have ended."""
+        if self.settled:
+            self._time = max(self._time, t)
+
     def follow(self, asked: Samples, t: float) -> Samples:
         """Return the samples at time t [s]: the object `asked` itself once all ramps have ended."""
         seconds = min(max(t - self._time, 0.0), MAX_TICK) if self._time > -math.inf else 0.0

@@ -14,9 +14,9 @@ from pacinian.native.scene import merge
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
-from pacinian.scene.sampling.array_resolution import COARSER, ArrayResolution
+from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.broad_phase import cull
-from pacinian.scene.sampling.contact import Contact, find_contact
+from pacinian.scene.sampling.contact import find_contact
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
@@ -47,6 +47,14 @@ from pacinian.scene.sampling.sources import (
     is_dense,
     is_sequential,
 )
+from pacinian.scene.sampling.spacing import (
+    CONTACT_SAMPLES,
+    DENSE,
+    FINE_CONTACT_SAMPLES,
+    WAVELENGTH,
+    compute_spacing,
+    space_contacts,
+)
 from pacinian.scene.sampling.surround import add_surround
 from pacinian.scene.setup import FINEST
 from pacinian.skip_reasons import (
@@ -70,7 +78,6 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene, Workspace
     from pacinian.types import Floats
 
-WAVELENGTH = 0.0085  # spacing before an array is known [m]
 NAMES = 1 << 31  # numbers of objects in sample keys are smaller than this
 OFF = Constant(0.0)
 COUNTED = {
@@ -81,15 +88,6 @@ COUNTED = {
     PRESSURE_LIMITED: FORCES_LIMITED,
 }
 """Reasons of `Sampler.skipped`, by those of the sample counts."""
-# Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
-DENSE = 0.5 / COARSER
-# Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
-NARROW, WIDE = 0.08, 0.3
-# Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
-# long. Points of a skin lie less densely, so that contacts have about half of these.
-CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
-# a contact keeps its spacing if the spacing would change by less than this factor
-KEPT_SPACING = 1.3
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
@@ -190,6 +188,10 @@ class Sampler:
             self._asked = asked
         return self._ramps.follow(self._target, t)
 
+    def rest_until(self, t: float) -> None:
+        """Let a change at the next call of `sample` begin at time t [s]: nothing has changed until then."""
+        self._ramps.rest_until(t)
+
     def pose_seen(self) -> tuple[PosedSkin, ...]:
         """Return the skins of the hands at the last call of `sample`, as they were seen: not blended, and none lost."""
         hands, t = self._present
@@ -242,7 +244,9 @@ class Sampler:
         parts = [self._focal(parts[0], counts)]
         if self.surround and skin and solid and self._resolving is not None:
             touching, centre = [hand for hand, _ in hands], self._resolving.centre
-            resolved = min(self._resolving.compute_spacing(hand.centre) for hand in touching)
+            resolved = min(
+                self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
+            )
             left = budget - len(parts[0])
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
@@ -380,24 +384,10 @@ class Sampler:
                 if source is not None:
                     sources.append((source, self._compute_spacing(item, hand.centre)))
         if self.spacing is None:
-            self._space_contacts(sources)
+            count = FINE_CONTACT_SAMPLES if self.fine else CONTACT_SAMPLES
+            self._wanted = space_contacts(sources, count, self._wanted)
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
-
-    def _space_contacts(self, sources: list[tuple[Source, float]]) -> None:
-        """Set the spacings of all contacts that are regions, by the number of samples of all together."""
-        wanted, self._wanted = self._wanted, {}
-        dense = [
-            (n, source, spacing / DENSE)
-            for n, (source, spacing) in enumerate(sources)
-            if isinstance(source, Contact) and is_dense(source.item)
-        ]
-        count = FINE_CONTACT_SAMPLES if self.fine else CONTACT_SAMPLES
-        each = sum(contact.extent for _, contact, _ in dense) / count
-        for n, contact, resolved in dense:
-            spacing = _choose_spacing(each, resolved, wanted.get(contact.name))
-            self._wanted[contact.name] = contact.fine = spacing
-            sources[n] = contact, spacing
 
     def find_fine_textures(self, scene: Scene) -> Iterator[tuple[int, float, float]]:
         """Yield the objects whose texture is finer than the array resolves where they are.
@@ -421,10 +411,8 @@ class Sampler:
 
     def _compute_spacing(self, item: Object, place: tuple[float, float, float]) -> float:
         """Return the spacing of an object's samples at `place` [m]."""
-        if self.spacing is not None:
-            return self.spacing
-        resolved = WAVELENGTH if self._resolving is None else self._resolving.compute_spacing(place)
-        return DENSE * resolved if is_dense(item) else resolved
+        own = self.spacing
+        return compute_spacing(item, place, self._resolving) if own is None else own
 
     def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
         """Return a function that drops the samples outside the workspace."""
@@ -468,17 +456,6 @@ class Sampler:
             return whole
         counts.note_rows(MERGED, whole, ~kept & (whole.radiation_pressure > 0.0))
         return whole.changed(radiation_pressure=P, area=area).only(kept)
-
-
-def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
-    """Return the spacing of a contact's samples [m], but no finer than the array can use.
-
-    each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. last: previous
-    spacing [m], which is kept if the new one is similar.
-    """
-    wanted = min(max(math.sqrt(each), NARROW * resolved), WIDE * resolved)
-    steady = last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING
-    return last if last is not None and steady else wanted
 
 
 def _name(item: Object, index: int) -> int:

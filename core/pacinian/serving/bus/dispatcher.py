@@ -10,7 +10,7 @@ from pacinian.errors import WireError
 from pacinian.serving.bus.admission import BusSession, PeerRateLimiter
 from pacinian.serving.bus.change_batcher import ChangeBatcher
 from pacinian.serving.bus.coalescing import coalesce
-from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.field_queries import FieldQueries
 from pacinian.serving.bus.scene_snapshot import make_snapshot
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene

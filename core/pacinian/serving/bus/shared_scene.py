@@ -11,7 +11,7 @@ import msgspec
 
 from pacinian.errors import WireError
 from pacinian.serving.bus.client_hands import TrackedHands, track_hands
-from pacinian.serving.bus.conversion import EnvelopeConversion, ObjectConversion
+from pacinian.serving.bus.conversion_queue import EnvelopeConversion, ObjectConversion
 from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, PendingChanges
 from pacinian.serving.bus.stored_object import (
     AT_ONCE,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from pacinian.serving.bus.admission import BusSession
-    from pacinian.serving.bus.conversion import Converter
+    from pacinian.serving.bus.conversion_queue import Converter
     from pacinian.serving.ipc.messages import SetHands
     from pacinian.serving.settings import Settings
     from pacinian.wire.commands import Envelopes, Hands, Move, Put, Zone

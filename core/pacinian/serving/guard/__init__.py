@@ -2,6 +2,6 @@
 
 process.py          begins here: the rounds
 output_gate.py      each round's decision: send the frame, or silence the device
-device_switcher.py  opens and closes devices while another sounds
+device_manager.py  opens, retries, resets and closes devices, while another may sound
 spare.py            the guard that waits to replace this one
 """

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from msgspec.msgpack import Decoder
 
 from pacinian.scene.setup import PluginConfig
-from pacinian.serving.guard.device_switcher import DeviceSwitcher, import_backend
+from pacinian.serving.guard.device_manager import DeviceManager, import_backend
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
@@ -90,12 +90,12 @@ class GuardLoop:
         self.backends: tuple[Plugin, ...] | None = None
         self._replaces = False
         array = settings.array.make()
-        self.guard = OutputGate(
+        self.gate = OutputGate(
             len(array), gain=settings.gain, frame_timeout=settings.safety.frame_timeout
         )
         chosen = settings.backend
         configured = chosen if isinstance(chosen, PluginConfig) else PluginConfig(chosen)
-        self.devices = DeviceSwitcher(self.guard, array, configured, settings.rate)
+        self.devices = DeviceManager(self.gate, array, configured, settings.rate)
         self.processor = scheduling.ANY
         self._reported_at = -REPORT_INTERVAL  # [s]
         # There is nothing to do until time passes, or a new permit, frame or order ends the wait.
@@ -120,13 +120,13 @@ class GuardLoop:
         last = self._last.value
         if last is not None:
             self._replaces, self.backends = True, last.backends
-            self.guard.replace(last)
+            self.gate.replace(last)
         self.devices.begin(self._orders.value, last.choice if last else None)
         return self
 
-    def turn(self) -> float:
+    def run_round(self) -> float:
         """Run one round; return the time to `wait` until the next [s]."""
-        guard = self.guard
+        gate = self.gate
         if self._orders.look():
             self.devices.follow(self._orders.value)
         self.devices.poll()
@@ -134,19 +134,19 @@ class GuardLoop:
         # Read the permit after the frame, so that it is never older than the permit the frame was
         # made for.
         self._permit.look()
-        switched = guard.step(self._permit.value, frame)
+        switched = gate.step(self._permit.value, frame)
         now = time.perf_counter()
-        known = self.backends is not None and (self._replaces or guard.backend or guard.fault)
-        if known and (guard.changed or now - self._reported_at >= REPORT_INTERVAL):
-            self.tell()
+        known = self.backends is not None and (self._replaces or gate.backend or gate.fault)
+        if known and (gate.changed or now - self._reported_at >= REPORT_INTERVAL):
+            self.publish_status()
             self._reported_at = now
         if switched:
             return 0.0
-        permit, pending = self._permit.value, guard.stuck or self.devices.busy
-        if not (permit.armed or guard.loud):
+        permit, pending = self._permit.value, gate.stuck or self.devices.busy
+        if not (permit.armed or gate.loud):
             self._listens = bool(known) and not pending
             return REST_REPORT_INTERVAL if self._listens else IDLE_INTERVAL
-        left = guard.compute_time_left(permit)
+        left = gate.compute_time_left(permit)
         self._listens = self._wake.works and not pending and left > 0.0
         if not self._listens:
             return POLL_INTERVAL
@@ -163,12 +163,12 @@ class GuardLoop:
         """End the wait. May be called from any thread, and from a signal handler."""
         self._wake.wake()
 
-    def tell(self) -> None:
+    def publish_status(self) -> None:
         """Publish the device status."""
-        self.guard.changed = False
+        self.gate.changed = False
         self._device.write(
             pack(
-                self.guard.device(
+                self.gate.device(
                     self.devices.results, self.backends or (), self.processor, self.devices.choice
                 )
             )
@@ -176,15 +176,15 @@ class GuardLoop:
 
     def __exit__(self, *_: object) -> None:
         """Silence the device, report the final status, and close everything."""
-        guard, due = self.guard, time.perf_counter() + 0.5 * MAX_EXIT_TIME
+        gate, due = self.gate, time.perf_counter() + 0.5 * MAX_EXIT_TIME
         with self._stack:
-            guard.silence("end")
-            while guard.loud and time.perf_counter() < due:
+            gate.silence("end")
+            while gate.loud and time.perf_counter() < due:
                 time.sleep(IDLE_INTERVAL)
-                guard.silence("end")
+                gate.silence("end")
             with contextlib.suppress(Exception):
-                self.tell()
-            for backend in (guard.backend, guard.coming, *guard.leaving):
+                self.publish_status()
+            for backend in (gate.backend, gate.coming, *gate.leaving):
                 if backend is not None:
                     with contextlib.suppress(Exception):
                         backend.close()
@@ -225,8 +225,8 @@ def main() -> None:
         signal.signal(name, asked)
     starter.watch(orphaned, kill=False)
     with loop:
-        while not (ended.is_set() or loop.guard.backend or loop.guard.fault):
-            loop.turn()  # opening a device may take long
+        while not (ended.is_set() or loop.gate.backend or loop.gate.fault):
+            loop.run_round()  # opening a device may take long
             time.sleep(IDLE_INTERVAL)
         if loop.backends is None:
             # Listing the backends takes long, but an open device is still silent here.
@@ -235,14 +235,12 @@ def main() -> None:
         while not ended.is_set():
             # While a released device is still open, let the alarm kill this process, which closes
             # the device.
-            if not loop.guard.stuck:
+            if not loop.gate.stuck:
                 # No alarm while there is no device: opening one may take long.
                 _rearm_alarm(
-                    ALARM_FACTOR * config.settings.safety.hang_timeout
-                    if loop.guard.backend
-                    else 0.0
+                    ALARM_FACTOR * config.settings.safety.hang_timeout if loop.gate.backend else 0.0
                 )
-            loop.wait(loop.turn())
+            loop.wait(loop.run_round())
         _rearm_alarm(MAX_EXIT_TIME)
     # If the parent has gone, it cannot remove the files itself.
     shared_memory.remove(config.path, LOCK_WAIT)

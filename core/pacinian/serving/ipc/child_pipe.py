@@ -51,16 +51,19 @@ class ChildPipe:
         before = self._writer
 
         def write() -> None:
-            if before is not None:
-                before.join()
-            rest = data
-            with contextlib.suppress(OSError):  # the child has died; its exit code shows that
-                while rest and not self._closed:
-                    rest = rest[os.write(self._sink, rest) :]
-            self._count(-1)
+            try:
+                if before is not None:
+                    before.join()
+                rest = memoryview(data)
+                with contextlib.suppress(OSError):  # the child has died; its exit code shows that
+                    while rest:
+                        rest = rest[os.write(self._sink, rest) :]
+            finally:
+                self._count(-1)
 
         thread = threading.Thread(target=write, name="tell", daemon=True)
-        self._count(1)
+        if not self._count(1):
+            return  # closed: nobody listens
         try:
             thread.start()
         except RuntimeError:
@@ -87,11 +90,15 @@ class ChildPipe:
                 os.close(self.source)
                 self._close_sink()
 
-    def _count(self, change: int) -> None:
+    def _count(self, change: int) -> bool:
+        """Count a text that is to be written, or was. Returns False, and does nothing, for a new one after `close`."""
         with self._lock:
+            if change > 0 and self._closed:
+                return False
             self._unwritten += change
-            if change < 0 and self._closed:
+            if self._closed:
                 self._close_sink()
+            return True
 
     def _close_sink(self) -> None:
         if not self._unwritten:

@@ -10,9 +10,10 @@ from msgspec.msgpack import Decoder
 from msgspec.structs import replace
 
 from pacinian.errors import describe_error, shorten
-from pacinian.rendering.clock import Clock, SystemClock, pace
+from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.renderer import Renderer
+from pacinian.rendering.tick_pacing import pace
 from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler
@@ -51,7 +52,7 @@ EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
 # Longest time between two ticks while each repeats the frame before [s], if nothing new comes: something that moves by
-# itself may come into reach meanwhile. Also as a share of the time after which the device is silenced without frames.
+# itself may come into reach meanwhile. Also as a share of the time after which there is silence without a new frame.
 STILL_INTERVAL, STILL_SHARE = 4e-3, 0.25
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
@@ -93,7 +94,7 @@ class RenderLoop:
             files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0)
         )
         zones = settings.safety.zones
-        self.felt = SceneReplica(
+        self.replica = SceneReplica(
             settings.workspace,
             loader,
             tuple(Zone(z.position, pressure=z.pressure, radius=z.radius) for z in zones),
@@ -132,12 +133,12 @@ class RenderLoop:
     def open(self) -> None:
         """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
         self.renderer.open()
-        self.felt.start = self.renderer.start
+        self.replica.start = self.renderer.start
         self._changes.skip()
         self._files["taken"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
         self._try(self._orders.look)
         self._reset = self._orders.value.reset
-        self._obey(self._orders.value)
+        self._apply_settings(self._orders.value)
         self.renderer.scene = self._scene
         self._report(self.clock.now())
 
@@ -165,7 +166,9 @@ class RenderLoop:
 
     def _find_still_wait(self) -> float:
         """Return how long the next tick may wait, after one that repeated the frame before [s]."""
-        longest = min(STILL_INTERVAL, STILL_SHARE * self._settings.safety.frame_timeout)
+        watchdog = self._device.value.watchdog or math.inf
+        limit = min(self._settings.safety.frame_timeout, watchdog)
+        longest = min(STILL_INTERVAL, STILL_SHARE * limit)
         fade = self._permit.value.until - EARLY - self.clock.now()
         return min(longest, fade) if fade >= 0.0 else longest
 
@@ -181,8 +184,8 @@ class RenderLoop:
             or self._permit.value.armed
             or self._changes.waiting
             or self._switched
-            or self.renderer.shown is not self.felt.hushed
-            or self.felt.loading
+            or self.renderer.shown is not self.replica.silenced
+            or self.replica.loading
             or self._quieting.preparing
         )
 
@@ -197,7 +200,12 @@ class RenderLoop:
 
     def run_between(self, report: object = None) -> None:
         """Do the work between two ticks: orders, a new device, a new solver, a report. Never raises an Exception."""
-        for step in self._follow, self._listen, self._choose, self._mend:
+        for step in (
+            self._follow_device,
+            self._poll_settings,
+            self._poll_solver,
+            self._restart_after_reset,
+        ):
             self._try(step)
         now = self.clock.now()
         if now >= self._reported + self._report_interval:
@@ -210,19 +218,19 @@ class RenderLoop:
             step()
         except Exception as error:
             problem = describe_error(error)
-            self.felt.refuse("", problem)
+            self.replica.refuse("", problem)
             return problem
         return ""
 
-    def _follow(self) -> None:
+    def _follow_device(self) -> None:
         if self._device.look():
             before = self.renderer.backend
-            self._note(self._outputs.follow(self.renderer))
+            self._record_results(self._outputs.follow(self.renderer))
             self._switched = self._switched or self.renderer.backend is not before
 
-    def _listen(self) -> None:
+    def _poll_settings(self) -> None:
         if self._orders.look():
-            self._obey(self._orders.value)
+            self._apply_settings(self._orders.value)
 
     def _scene(self, t: float) -> Scene:
         """Return the scene of a tick."""
@@ -234,39 +242,39 @@ class RenderLoop:
         self._quiet = self._is_quiet()
         permit = self._permit.value
         over = self.clock.now() > permit.until - EARLY
-        other = permit.scene != self.felt.number
+        other = permit.scene != self.replica.number
         hushed = permit.armed != 1 or permit.stopped or over or other or not self._quiet
-        return self.felt.hushed if hushed else self.felt.scene
+        return self.replica.silenced if hushed else self.replica.scene
 
     def _take(self) -> None:
         """Apply the new changes."""
         last = self._changes.value[0]
         if not self._changes.look():
-            self.felt.apply()
+            self.replica.apply()
             return
         new, damaged = self._changes.value
         again = () if new.run == last.run else (messages.ResetScene(),)
-        self.felt.apply((*again, *new.changes))
+        self.replica.apply((*again, *new.changes))
         if damaged:
-            self.felt.refuse("", f"{damaged} changes were damaged")
+            self.replica.refuse("", f"{damaged} changes were damaged")
         self._files["taken"].write(
             messages.pack(messages.ChangesAck(new.number, self.run, new.run))
         )
 
     def _is_quiet(self) -> bool:
         """Whether the current quiet zones can be enforced. There is silence until they are prepared."""
-        if not self._quieting.keeps(self.felt.zones):
+        if not self._quieting.keeps(self.replica.zones):
             return False
         self.renderer.limits = self._quieting.limits
         return True
 
-    def _choose(self) -> None:
-        self._note(self._choosing.poll())
+    def _poll_solver(self) -> None:
+        self._record_results(self._choosing.poll())
         solver, session = self._choosing.chosen, self.renderer.session
         if session.solver is not solver:
             session.solver = solver
 
-    def _obey(self, orders: RequestedSettings) -> None:
+    def _apply_settings(self, orders: RequestedSettings) -> None:
         """Carry out the new orders. An order that fails does not stop the others."""
         done, self._done = self._done, orders
         (solver, choice), (technique, asked), (intensity, level) = (
@@ -275,34 +283,38 @@ class RenderLoop:
         if solver != done.solver[0] and choice is not None:
             problem = self._try(lambda: self._choosing.order(solver, choice))
             if problem:
-                self._note({f"solver {solver}": problem})
+                self._record_results({f"solver {solver}": problem})
         if technique != done.technique[0]:
-            self._note({f"technique {technique}": self._try(lambda: self._present(asked))})
+            self._record_results(
+                {f"technique {technique}": self._try(lambda: self._set_technique(asked))}
+            )
         if intensity != done.intensity[0]:
-            self._note({f"intensity {intensity}": self._try(lambda: self._dim(level))})
+            self._record_results(
+                {f"intensity {intensity}": self._try(lambda: self._set_intensity(level))}
+            )
 
-    def _present(self, technique: WireTechnique | None) -> None:
+    def _set_technique(self, technique: WireTechnique | None) -> None:
         """Set the default technique. Raises ArgumentError, WireError."""
         name = "" if technique is None else str(technique.__struct_config__.tag)
         kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
-        self.felt.present(kind, self._intensity)
+        self.replica.present(kind, self._intensity)
         self._kind, self._presentation = (name, kind), technique
 
-    def _dim(self, intensity: float) -> None:
+    def _set_intensity(self, intensity: float) -> None:
         """Set the factor on all pressures."""
-        self.felt.present(self._kind[1], intensity)
+        self.replica.present(self._kind[1], intensity)
         self._intensity = intensity
 
-    def _mend(self) -> None:
+    def _restart_after_reset(self) -> None:
         """After a reset, restart the renderer once the device has no fault."""
         reset = self._orders.value.reset
         if reset == self._reset or self._device.value.fault:
             return
         self._reset = reset
         self.renderer.reset()
-        self._note({f"reset {self._reset}": ""})
+        self._record_results({f"reset {self._reset}": ""})
 
-    def _note(self, results: dict[str, str]) -> None:
+    def _record_results(self, results: dict[str, str]) -> None:
         self.results.update(results)
         for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
@@ -310,7 +322,7 @@ class RenderLoop:
     def _tag(self) -> Input:
         """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
         part, parts = self.renderer.player.place_in_cycle
-        newest = self.felt.input(self.renderer.shown)
+        newest = self.replica.input(self.renderer.shown)
         return newest._replace(start=self.renderer.start, part=part, parts=parts)
 
     def _report(self, now: float) -> None:
@@ -322,16 +334,16 @@ class RenderLoop:
             {},
             self.results,
             "" if halted is None else shorten(f"{halted.stage}: {halted.message}"),
-            self.felt.refused,
+            self.replica.refused,
             self.solvers,
         )
         try:
-            self._tell(replace(report, state=self._state(now)))
+            self._publish(replace(report, state=self._state(now)))
         except Exception as error:
-            self.felt.refuse("", describe_error(error))
-            self._tell(report)
+            self.replica.refuse("", describe_error(error))
+            self._publish(report)
 
-    def _tell(self, report: messages.RendererStatus) -> None:
+    def _publish(self, report: messages.RendererStatus) -> None:
         self._files["report"].write(messages.pack(report))
 
     def _state(self, now: float) -> dict[str, Any]:

@@ -118,7 +118,7 @@ class SceneReplica:
             return scene
 
     @property
-    def hushed(self) -> Scene:
+    def silenced(self) -> Scene:
         """The scene without its objects but with the same hands, so that sound fades. One instance for each scene."""
         if self._hushed[0] is not self.scene:
             names = [item.name for item in self.scene.objects]

@@ -51,7 +51,7 @@ class Board:
         cut = self._clock() < self._ready
         if cut:
             with suppress(pc.BackendError):  # the next write reports the error
-                self.link.mend()
+                self.link.clear_halt()
         self._write(self._off)
         if cut:
             self.settle()

@@ -74,7 +74,7 @@ class Board:
             raise pc.BackendError(
                 f"{self.name}: its watchdog can be {least} to {most} ms, not {wanted} ms"
             )
-        self.link.mend()
+        self.link.clear_halt()
         self._session, self._sequence = int.from_bytes(os.urandom(4), "little") or 1, 0
         self.link.tell(Request.ARM, struct.pack("<IHH", self._session, wanted, 0))
         self._checked, self._accepted = 0, self.status().accepted
@@ -131,7 +131,7 @@ class Board:
         try:
             self.link.tell(Request.SILENCE, self._sequence.to_bytes(4, "little"))
             if self._failed:  # only if it answers: for others, the system would wait for seconds
-                self.link.mend()
+                self.link.clear_halt()
                 self._failed = False
         except pc.BackendError:
             if not self.link.gone:

@@ -35,7 +35,7 @@ class Link:
 
     def __init__(self, one: ListedDevice, timeout: float) -> None:
         self._usb, self._timeout = UsbLink(DEVICES, one), timeout
-        self.serial, self.mend, self.close = one.serial, self._usb.mend, self._usb.close
+        self.serial, self.clear_halt, self.close = one.serial, self._usb.clear_halt, self._usb.close
 
     @property
     def gone(self) -> bool:

@@ -41,7 +41,7 @@ class SimulatedLink:
         """Write one whole message."""
         self.device.write(message.tobytes())
 
-    def mend(self) -> None:
+    def clear_halt(self) -> None:
         """Do nothing: transfers never fail."""
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.solving.evidence import TOLERANCE, measure_violations, relative_error
+from pacinian.solving.solution_check import TOLERANCE, measure_violations, relative_error
 
 if TYPE_CHECKING:
     import pacinian as pc

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.evidence import EVEN
+from pacinian.solving.solution_check import EVEN
 
 if TYPE_CHECKING:
     from collections.abc import Callable

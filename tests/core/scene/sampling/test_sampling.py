@@ -16,8 +16,8 @@ from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
-from pacinian.scene.sampling.sampler import DENSE
 from pacinian.scene.sampling.sources import SinglePoint, WholeObject
+from pacinian.scene.sampling.spacing import DENSE
 from pacinian.scene.shapes.curves import Circle, Line
 
 from ..tools import moved, random_pose

@@ -42,7 +42,7 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Sce
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)
     assert len(set(both.keys.tolist())) == len(both)
-    resolved = ArrayResolution(ARRAY, AIR).compute_spacing((0.0, 0.0, 0.205))
+    resolved = ArrayResolution(ARRAY, AIR).compute_isolated_spacing((0.0, 0.0, 0.205))
     away, nearest = KDTree(plain.positions).query(both.positions[silent])
     assert away.min() >= INNER * resolved
     assert away.max() < OUTER * resolved

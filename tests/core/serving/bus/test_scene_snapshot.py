@@ -9,7 +9,7 @@ import pytest
 
 from pacinian.errors import WireError
 from pacinian.serving.bus.admission import BusSession
-from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.scene_snapshot import FULL, make_snapshot
 from pacinian.serving.bus.shared_scene import SharedScene

@@ -97,9 +97,9 @@ class Bench:
             "clock": self.clock.now,
             **changes,
         }
-        self.guard = OutputGate(N, **options)
+        self.gate = OutputGate(N, **options)
         self.backend = Recorded(self.clock)
-        self.guard.take(self.backend, self.backend.can)
+        self.gate.take(self.backend, self.backend.can)
         self.permit = FOREVER
         self.sequence = 0
 
@@ -113,16 +113,16 @@ class Bench:
     def step(self, frame: bytes | None = None, after: float = ROUND, **permit: Any) -> bool:
         self.clock.advance(after)
         self.permit = self.permit._replace(**permit)
-        return self.guard.step(self.permit, frame)
+        return self.gate.step(self.permit, frame)
 
     def sound(self, **changes: Any) -> None:
         self.step(self.frame(**changes))
-        assert self.guard.sounding
+        assert self.gate.sounding
         assert self.backend.loud
 
     @property
     def status(self) -> DeviceStatus:
-        return self.guard.device({}, ())
+        return self.gate.device({}, ())
 
 
 def test_a_frame_is_let_through_once() -> None:
@@ -151,11 +151,11 @@ ENDS: dict[str, Callable[[Bench], None]] = {
 def test_whatever_ends_it_there_is_silence_in_the_same_round(reason: str) -> None:
     bench = Bench()
     bench.sound()
-    bench.guard.changed = False
+    bench.gate.changed = False
     ENDS[reason](bench)
     assert bench.backend.what == ["send", "silence"]
-    assert not bench.guard.sounding
-    assert bench.guard.changed
+    assert not bench.gate.sounding
+    assert bench.gate.changed
     assert bench.status.reasons == {reason: 1}
     assert bench.status.silences == 1
     for _ in range(5):
@@ -197,7 +197,7 @@ def test_a_renewal_moves_the_end() -> None:
         bench.step(bench.frame(), 0.1, until=bench.clock.time + 0.25)
     assert "silence" not in bench.backend.what
     bench.step(bench.frame(), 0.1)
-    assert bench.guard.sounding
+    assert bench.gate.sounding
     bench.step(bench.frame(), 0.1)
     assert bench.backend.what[-1] == "silence"
 
@@ -232,9 +232,9 @@ def test_late_frames_are_silence_until_they_go_on() -> None:
     bench = Bench()
     bench.sound()
     bench.step(after=0.9 * STALE)
-    assert bench.guard.sounding
+    assert bench.gate.sounding
     bench.step(after=0.11 * STALE)
-    assert not bench.guard.sounding
+    assert not bench.gate.sounding
     assert bench.status.stale
     bench.sound()
     assert not bench.status.stale
@@ -285,7 +285,7 @@ def test_a_frame_that_no_device_should_get_is_a_fault(what: str) -> None:
     for _ in range(50):
         bench.step(bench.frame(amplitude=1))
     assert bench.backend.what == ["send", "silence"]
-    bench.guard.clear()
+    bench.gate.clear()
     bench.sound(amplitude=127)
 
 
@@ -298,7 +298,7 @@ def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, pa
 
     bench = Bench(gain=gain)
     can = pc.Capability(256, levels)
-    bench.guard.take(bench.backend, can)
+    bench.gate.take(bench.backend, can)
     gains = np.full((1, N), gain * max(part, 0.5), np.complex64)
     made = Quantiser(can, 1, N).frame(gains, gain, 1, 0.0)
     top = Quantiser(can, 1, N).frame(gains * 10.0, gain, 1, 0.0)
@@ -307,11 +307,11 @@ def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, pa
         data = head + frame.phase.tobytes() + frame.amplitude.tobytes()
         bench.step(data)
         bench.step()
-        assert not bench.guard.fault
+        assert not bench.gate.fault
     above = top.amplitude.astype(np.int64) + 1
     if above.max() < len(can.sizes):
         bench.step(head + top.phase.tobytes() + above.astype(np.uint16).tobytes())
-        assert bench.guard.fault
+        assert bench.gate.fault
 
 
 def test_a_device_that_refuses_a_frame_is_a_fault_until_it_is_mended() -> None:
@@ -325,7 +325,7 @@ def test_a_device_that_refuses_a_frame_is_a_fault_until_it_is_mended() -> None:
     bench.backend.raises.clear()
     bench.step(bench.frame())
     assert bench.backend.what == ["send", "send", "silence"]
-    bench.guard.clear()
+    bench.gate.clear()
     bench.sound()
 
 
@@ -336,7 +336,7 @@ def test_silence_is_asked_for_every_round_until_it_works(error: Exception) -> No
     bench.backend.raises["silence"] = error
     for _ in range(7):
         bench.step(bench.frame(), stopped=1)
-        assert bench.guard.loud
+        assert bench.gate.loud
     assert bench.backend.what == ["send"] + ["silence"] * 7
     assert bench.status.sounding  # it may still sound
     assert type(error).__name__ in bench.status.fault
@@ -351,7 +351,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     bench = Bench()
     other = Recorded(bench.clock)
     bench.sound()
-    assert bench.guard.take(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
+    assert bench.gate.take(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
     told = bench.status
     assert (told.generation, told.next) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
@@ -363,7 +363,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     assert bench.backend.what == ["send", "send", "silence"]
     assert other.log == [(bench.clock.time, "send", 3)]
     assert (bench.status.generation, bench.status.next) == (2, 0)
-    assert bench.guard.leaving == [bench.backend]
+    assert bench.gate.leaving == [bench.backend]
     bench.step(bench.frame())  # still for the old device
     assert other.what == ["send", "silence"]
 
@@ -371,7 +371,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
 def test_it_takes_over_while_nothing_is_permitted_too() -> None:
     bench = Bench()
     other = Recorded(bench.clock)
-    bench.guard.take(other, other.can)
+    bench.gate.take(other, other.can)
     bench.step(bench.frame(device=2), armed=0)
     assert bench.status.generation == 2
     assert other.log == bench.backend.log == []
@@ -380,9 +380,9 @@ def test_it_takes_over_while_nothing_is_permitted_too() -> None:
 def test_a_third_device_supersedes_the_one_that_waits() -> None:
     bench = Bench()
     second, third = Recorded(bench.clock), Recorded(bench.clock)
-    bench.guard.take(second, second.can)
-    bench.guard.take(third, third.can)
-    assert bench.guard.leaving == [second]
+    bench.gate.take(second, second.can)
+    bench.gate.take(third, third.can)
+    assert bench.gate.leaving == [second]
     bench.step(bench.frame(device=2))
     assert bench.status.generation == 1
     bench.step(bench.frame(device=3))
@@ -395,26 +395,26 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
     other = Recorded(bench.clock)
     bench.sound()
     bench.backend.raises["silence"] = OSError("stuck")
-    bench.guard.take(other, other.can)
+    bench.gate.take(other, other.can)
     for _ in range(5):
         bench.step(bench.frame(device=2))
         assert other.log == []
         assert "stuck" in bench.status.fault
-    assert bench.guard.leaving == [bench.backend]  # waits to be closed
-    bench.guard.clear()
+    assert bench.gate.leaving == [bench.backend]  # waits to be closed
+    bench.gate.clear()
     for _ in range(3):
         bench.step(bench.frame(device=2))
         assert other.log == []
         assert "stuck" in bench.status.fault  # control sees one and the same fault
-    left = bench.guard.leaving.pop()
+    left = bench.gate.leaving.pop()
     left.close()
-    bench.guard.changed = False
-    bench.guard.mark_closed(left)
-    assert bench.guard.changed
+    bench.gate.changed = False
+    bench.gate.mark_closed(left)
+    assert bench.gate.changed
     assert not bench.status.fault
     bench.step(bench.frame(device=2))
     assert other.what == ["send"]
-    bench.guard.mark_closed(left)  # a second call changes nothing
+    bench.gate.mark_closed(left)  # a second call changes nothing
 
 
 def test_frames_counts_gaps() -> None:
@@ -465,13 +465,13 @@ def test_the_last_inputs_are_kept() -> None:
 def test_without_a_device_nothing_happens() -> None:
     bench = Bench()
     bench.sound()
-    assert bench.guard.release() is bench.backend
+    assert bench.gate.release() is bench.backend
     assert bench.status.generation == 0
     for _ in range(5):
         bench.step(bench.frame())
     assert bench.backend.what == ["send"]
-    bench.guard.mark_closed(bench.backend)
-    bench.guard.take(bench.backend, bench.backend.can)
+    bench.gate.mark_closed(bench.backend)
+    bench.gate.take(bench.backend, bench.backend.can)
     bench.step(bench.frame())
     bench.step(bench.frame(device=2))
     assert bench.backend.sent == [1, 8]
@@ -516,7 +516,7 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
     bench, fed = Bench(), -math.inf
     devices = [bench.backend]
     for kind, after, what in story:
-        guard, now = bench.guard, bench.clock.time + after
+        guard, now = bench.gate, bench.clock.time + after
         if what.get("take"):
             devices.append(Recorded(bench.clock))
             guard.take(devices[-1], devices[-1].can)
@@ -573,17 +573,17 @@ NEWS: dict[str, tuple[Callable[[Bench], object], Callable[[Bench], object]]] = {
     ),
     "a device comes": (
         lambda bench: None,
-        lambda bench: bench.guard.take(Recorded(bench.clock), pc.Capability()),
+        lambda bench: bench.gate.take(Recorded(bench.clock), pc.Capability()),
     ),
     "it takes over": (
-        lambda bench: bench.guard.take(Recorded(bench.clock), pc.Capability()),
+        lambda bench: bench.gate.take(Recorded(bench.clock), pc.Capability()),
         lambda bench: bench.step(bench.frame(device=2, rows=0)),
     ),
-    "a fault": (lambda bench: None, lambda bench: bench.guard.fail("unplugged")),
+    "a fault": (lambda bench: None, lambda bench: bench.gate.fail("unplugged")),
     "a bad frame": (Bench.sound, lambda bench: bench.step(b"")),
     "it is mended": (
-        lambda bench: bench.guard.fail("unplugged"),
-        lambda bench: bench.guard.clear(),
+        lambda bench: bench.gate.fail("unplugged"),
+        lambda bench: bench.gate.clear(),
     ),
 }
 
@@ -593,15 +593,15 @@ def test_others_are_to_know_at_once_what_is_new_and_nothing_else(what: str) -> N
     bench = Bench()
     before, happens = NEWS[what]
     before(bench)
-    bench.guard.changed = False
+    bench.gate.changed = False
     bench.step()
-    assert not bench.guard.changed
+    assert not bench.gate.changed
     happens(bench)
-    assert bench.guard.changed
-    bench.guard.changed = False
+    assert bench.gate.changed
+    bench.gate.changed = False
     bench.step()
     bench.step()
-    assert not bench.guard.changed
+    assert not bench.gate.changed
 
 
 @pytest.fixture
@@ -626,7 +626,7 @@ def write_frame(memory: dict[str, SharedRegister], device: int) -> None:
 
 def open_device(rounds: GuardLoop, each: Callable[[], object] = lambda: None) -> None:
     """Run rounds until a device is open. each: called before every round."""
-    eventually(lambda: rounds.guard.backend, lambda: (each(), rounds.turn()))
+    eventually(lambda: rounds.gate.backend, lambda: (each(), rounds.run_round()))
 
 
 def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_or_at_once(
@@ -635,24 +635,24 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
     """This bounds how late an end of sound is noticed. Another device is used without a wait."""
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
-        assert 0.0 < rounds.turn() <= 1e-3
+        assert 0.0 < rounds.run_round() <= 1e-3
         memory["permit"].write(FOREVER.pack())
-        assert 0.0 < rounds.turn() <= 0.25e-3
+        assert 0.0 < rounds.run_round() <= 0.25e-3
         other = Recorded(ManualClock())
-        rounds.guard.take(other, other.can)
+        rounds.gate.take(other, other.can)
         write_frame(memory, 2)
-        assert rounds.turn() == 0.0
-        assert 0.0 < rounds.turn() <= 0.25e-3
-        assert rounds.guard.backend is other
+        assert rounds.run_round() == 0.0
+        assert 0.0 < rounds.run_round() <= 0.25e-3
+        assert rounds.gate.backend is other
         write_frame(memory, 2)
-        rounds.turn()
+        rounds.run_round()
         assert other.loud
         other.raises["silence"] = OSError("stuck")
         memory["permit"].write(FOREVER._replace(armed=0).pack())
         for _ in range(3):  # no longer permitted, but it still sounds
-            assert 0.0 < rounds.turn() <= 0.25e-3
+            assert 0.0 < rounds.run_round() <= 0.25e-3
         other.raises.clear()
-        rounds.turn()
+        rounds.run_round()
         assert not other.loud
 
 
@@ -665,20 +665,18 @@ def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
         open_device(rounds)
         now = time.perf_counter()
         memory["permit"].write(FOREVER._replace(until=now + 3600.0).pack())
-        rounds.turn()
-        threading.Timer(0.01, write_frame, [memory, rounds.guard.generation]).start()
-        while not rounds.guard.loud:
+        rounds.run_round()
+        threading.Timer(0.01, write_frame, [memory, rounds.gate.generation]).start()
+        while not rounds.gate.loud:
             rounds.wait(1e4)
-            rounds.turn()
-        assert (
-            rounds.guard.compute_time_left(rounds._permit.value) <= SIMULATED.safety.frame_timeout
-        )
+            rounds.run_round()
+        assert rounds.gate.compute_time_left(rounds._permit.value) <= SIMULATED.safety.frame_timeout
         memory["permit"].write(FOREVER._replace(until=time.perf_counter() + 1e-3).pack())
         rounds.wait(1e4)
-        assert rounds.turn() <= 1e-3 or not rounds.guard.loud
-        while rounds.guard.loud:
-            rounds.wait(rounds.turn())
-        assert rounds.guard.compute_time_left(rounds._permit.value) == math.inf
+        assert rounds.run_round() <= 1e-3 or not rounds.gate.loud
+        while rounds.gate.loud:
+            rounds.wait(rounds.run_round())
+        assert rounds.gate.compute_time_left(rounds._permit.value) == math.inf
 
 
 def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
@@ -688,12 +686,12 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         rounds.backends = ()
         open_device(rounds)
-        eventually(lambda: rounds.turn() == REST_REPORT_INTERVAL)
+        eventually(lambda: rounds.run_round() == REST_REPORT_INTERVAL)
         memory["permit"].write(FOREVER.pack())
         rounds.wait(1e4)
-        assert rounds.turn() <= REPORT_INTERVAL
+        assert rounds.run_round() <= REPORT_INTERVAL
         memory["permit"].write(FOREVER._replace(armed=0).pack())
-        assert rounds.turn() == REST_REPORT_INTERVAL
+        assert rounds.run_round() == REST_REPORT_INTERVAL
         rounds.wait(1e4)
         orders = pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
         threading.Timer(0.01, memory["orders"].write, [orders]).start()
@@ -701,11 +699,11 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
 
         def follow() -> None:
             assert (
-                rounds.turn() < REST_REPORT_INTERVAL
+                rounds.run_round() < REST_REPORT_INTERVAL
             )  # another device is opened, then waits for its frame
             write_frame(memory, 2)
 
-        eventually(lambda: rounds.guard.generation == 2, follow)
+        eventually(lambda: rounds.gate.generation == 2, follow)
 
 
 def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
@@ -725,29 +723,29 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
 
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         open_device(rounds)
-        rounds.turn()
+        rounds.run_round()
         assert news.number == 0  # before the other backends are known
         rounds.backends = ()
-        rounds.turn()
+        rounds.run_round()
         assert news.number == 1
         assert read_status().name == "simulated"
         for _ in range(20):
-            rounds.turn()
+            rounds.run_round()
         clock.advance(0.009)
-        rounds.turn()
+        rounds.run_round()
         assert news.number == 1
         clock.advance(0.002)
-        rounds.turn()
-        rounds.turn()
+        rounds.run_round()
+        rounds.run_round()
         assert news.number == 2
         memory["permit"].write(FOREVER.pack())
         write_frame(memory, 1)
-        rounds.turn()
+        rounds.run_round()
         assert (news.number, read_status().sounding) == (3, True)
         memory["permit"].write(FOREVER._replace(armed=0).pack())
-        rounds.turn()
+        rounds.run_round()
         assert (news.number, read_status().sounding) == (4, False)
-        rounds.turn()
+        rounds.run_round()
         assert news.number == 4
     last = news.number
 
@@ -756,12 +754,12 @@ def test_it_is_told_every_ten_milliseconds_and_at_once_when_something_is_new(
     monkeypatch.setattr(rounds.devices, "_thread", opens.append)
     memory["permit"].write(FOREVER.pack())
     with rounds:
-        rounds.turn()
+        rounds.run_round()
         assert news.number == last + 1, "it lives"
         assert read_status().generation == 0, "but has no device yet"
         opens.pop()()
-        rounds.turn()
-        rounds.turn()
+        rounds.run_round()
+        rounds.run_round()
         assert read_status().generation == 2
         assert read_status().choice == PluginConfig("simulated")
         assert not read_status().sounding  # the frame was for the earlier device
@@ -778,9 +776,9 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
     def bad() -> None:
         raise RuntimeError("told by a plug-in")
 
-    monkeypatch.setattr(rounds, "tell", bad)
+    monkeypatch.setattr(rounds, "publish_status", bad)
     with rounds:
         for backend in backends[:2]:
-            rounds.guard.take(backend, backend.can)
-        rounds.guard.leaving.append(backends[2])
+            rounds.gate.take(backend, backend.can)
+        rounds.gate.leaving.append(backends[2])
     assert [backend.what[-1] for backend in backends] == ["close"] * 3

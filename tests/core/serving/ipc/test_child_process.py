@@ -6,22 +6,19 @@ import signal
 import subprocess
 import sys
 import textwrap
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import psutil
 import pytest
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import child_process
-from pacinian.serving.ipc.child_pipe import ChildPipes
+from pacinian.serving.ipc.child_pipe import ChildPipe, ChildPipes
 from pacinian.serving.ipc.child_process import LaunchConfig
 from pacinian.serving.settings import Settings
 
 from ....waiting import PATIENCE, eventually
 from ..processes import runs
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="the system kills orphans on Linux only")
@@ -179,6 +176,16 @@ def test_a_pipe_has_one_child_at_a_time(tmp_path: Path) -> None:
         eventually((tmp_path / "told").exists)
         assert child_process.end(second, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
+
+
+def test_what_is_told_after_the_end_closes_no_other_file() -> None:
+    pipe = ChildPipe()
+    pipe.close()
+    with Path(__file__).open("rb") as other:  # it gets the number of one of the ends
+        for _ in range(3):
+            pipe.tell(b"!")
+        assert other.read(1)
+    pipe.close()
 
 
 @posix

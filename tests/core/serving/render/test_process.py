@@ -311,13 +311,13 @@ def test_what_was_told_to_the_one_before_is_not_applied_and_another_bus_begins_a
     again.open()
     assert server.taken == ChangesAck(0, again.run, 0)
     again.renderer.tick()
-    assert not again.felt.scene.objects
+    assert not again.replica.scene.objects
     again.close()
     server.tick()
     server.run, server.number = 12, 0
     server.put(name="new")
     server.tick()
-    assert [item.name for item in server.loop.felt.scene.objects] == ["new"]
+    assert [item.name for item in server.loop.replica.scene.objects] == ["new"]
     assert server.taken == ChangesAck(1, server.loop.run, 12)
 
 
@@ -327,7 +327,7 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
     raw = [1, 11, changes]
     server.files["changes"].write(msgspec.msgpack.encode(raw))
     server.tick()
-    assert [one.name for one in server.loop.felt.scene.objects] == ["a"]
+    assert [one.name for one in server.loop.replica.scene.objects] == ["a"]
     assert server.taken.number == 1
     assert server.report.refused == {"": "2 changes were damaged"}
     server.files["changes"].write(b"\xc1")
@@ -341,7 +341,7 @@ def test_technique_and_intensity_are_ordered(server: Server) -> None:
     server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
     server.tell("orders", RequestedSettings(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
     server.tick(2)
-    (item,) = server.loop.felt.scene.objects
+    (item,) = server.loop.replica.scene.objects
     assert item.technique == pc.AM(frequency=50.0)
     assert item.radiation_pressure == 2.5
     assert server.report.results == {"technique 3": "", "intensity 4": ""}
@@ -603,6 +603,32 @@ def test_a_change_ends_the_wait_but_no_flood_of_them_makes_more_ticks(
     assert len(run(server, 0.05, wake)) <= 52
 
 
+@pytest.mark.parametrize("change", ["begins", "ends"])
+def test_after_a_wait_a_ramp_is_as_after_a_tick(make: Callable[..., Server], change: str) -> None:
+    found = []
+    for wait in (0.001, 0.0039):
+        server = make()
+        server.arm()
+        if change == "ends":
+            still(server)
+        else:
+            server.tick(100)
+        wake = Wake(server, server.clock.now() + 1.0)
+        change_ = server.put if change == "begins" else lambda s=server: s.change(RemoveObject("a"))
+        wake.at[server.clock.now() + wait] = change_
+        found.append([level for t, level in run(server, 0.015, wake) if t > wait - 1e-9][:8])
+    assert found[0] == found[1]
+    assert len(set(found[0][:5])) == 5, "it takes 5 ms"
+
+
+def test_a_watchdog_of_the_device_keeps_the_waits_short(make: Callable[..., Server]) -> None:
+    server = make()
+    server.device = msgspec.structs.replace(server.device, watchdog=0.004)
+    server.tell("device", server.device)
+    still(server)
+    assert np.diff([t for t, _ in run(server, 0.1)]).max() <= 0.001 + 1e-9
+
+
 @pytest.mark.parametrize("left", [0.021, 0.0225, 0.03])
 def test_a_permit_that_ends_while_nothing_changes_fades_as_soon_as_ever(
     make: Callable[..., Server], left: float
@@ -725,7 +751,7 @@ def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
     def bad(*_: object) -> None:
         raise OSError("no memory")
 
-    monkeypatch.setattr(server.loop, "_tell", bad)
+    monkeypatch.setattr(server.loop, "_publish", bad)
     server.clock.advance(0.1)
     server.loop.run_between()
 
@@ -741,7 +767,7 @@ def test_texts_are_told_in_part_whatever_is_in_them(make: Callable[..., Server])
     server.arm()
     server.tick(10)
     for k in range(300):
-        server.loop.felt.refuse(f"a{k}", 10_000_000 * "y")
+        server.loop.replica.refuse(f"a{k}", 10_000_000 * "y")
     report = server.report
     assert report.state["faults"]
     assert len(report.halted) <= 500
@@ -756,5 +782,5 @@ def test_objects_of_a_bus_that_has_gone_do_not_sound_again(server: Server) -> No
     server.tell("changes", Changes(0, server.run + 1, ()))
     server.tick(20)
     assert not server.sounds
-    assert not server.loop.felt.scene.objects
+    assert not server.loop.replica.scene.objects
     assert server.taken == ChangesAck(0, server.loop.run, server.run + 1)

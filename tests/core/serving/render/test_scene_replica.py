@@ -180,17 +180,17 @@ def test_the_input_belongs_to_its_scene() -> None:
     scene.apply([move("a", 0.1)])
     assert scene.input(first) == Input(7, 0.25, 100.5)
     assert scene.input(second).input == scene.input(scene.scene).input == 8
-    assert scene.input(scene.hushed) == scene.input(pc.Scene()) == Input()
+    assert scene.input(scene.silenced) == scene.input(pc.Scene()) == Input()
 
 
 def test_hushed_keeps_the_hands_and_is_always_the_same() -> None:
     scene = felt()
     scene.apply([put("a", BALL), hands(hand())])
-    hushed = scene.hushed
-    assert not hushed.objects
-    assert hushed.hands == scene.scene.hands
+    silenced = scene.silenced
+    assert not silenced.objects
+    assert silenced.hands == scene.scene.hands
     scene.apply([])
-    assert scene.hushed is hushed
+    assert scene.silenced is silenced
 
 
 def test_quiet_zones() -> None:

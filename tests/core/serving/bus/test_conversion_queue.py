@@ -11,7 +11,7 @@ import pytest
 from msgspec.structs import force_setattr
 
 from pacinian.serving.bus.change_batcher import ChangeBatcher
-from pacinian.serving.bus.conversion import Converter
+from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.ipc.messages import PutObject

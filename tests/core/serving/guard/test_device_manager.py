@@ -8,12 +8,12 @@ import pytest
 
 import pacinian as pc
 from pacinian.scene.setup import PluginConfig
-from pacinian.serving.guard.device_switcher import (
+from pacinian.serving.guard.device_manager import (
     MAX_HANGING,
     MAX_RESULTS,
     OPENING,
     RETRY_TIME,
-    DeviceSwitcher,
+    DeviceManager,
 )
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import SUPERSEDED, FrameHead, Permit, RequestedSettings
@@ -64,7 +64,7 @@ class Bench:
 
     def __init__(self, choice: Choice | PluginConfig | None = None) -> None:
         self.clock = ManualClock()
-        self.guard = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=ManualClock().now)
+        self.gate = OutputGate(N, gain=1.0, frame_timeout=0.02, clock=ManualClock().now)
         self.hang = ""  # name of a device that opens too late
         self.busy = 0  # number of further attempts to open that fail
         self.broken: dict[str, set[str]] = {}
@@ -72,8 +72,8 @@ class Bench:
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
         self.threads = True  # whether threads can be started
-        self.devices = DeviceSwitcher(
-            self.guard, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.start, self.clock
+        self.devices = DeviceManager(
+            self.gate, ARRAY, choice or Choice(name="a"), 1000.0, self.make, self.start, self.clock
         )
 
     def make(self, choice: Choice | PluginConfig) -> pc.Backend:
@@ -104,15 +104,15 @@ class Bench:
 
     def frame(self) -> None:
         """Send a frame for the next device if there is one, otherwise for the present one."""
-        device = self.guard.next or self.guard.generation
+        device = self.gate.next or self.gate.generation
         head = FrameHead(1, 0.0, 1, device, 1, N).pack()
         for _ in range(2):
-            self.guard.step(Permit(1, 1.0, 1, 0), head + b"\x01\0" * 2 * N)
+            self.gate.step(Permit(1, 1.0, 1, 0), head + b"\x01\0" * 2 * N)
         self.devices.poll()
 
     @property
     def now(self) -> str:
-        backend = self.guard.backend
+        backend = self.gate.backend
         return backend.called if isinstance(backend, Named) else ""
 
 
@@ -130,7 +130,7 @@ def selected(number: int, name: str, reset: int = 0) -> RequestedSettings:
 
 def test_it_begins_as_configured(bench: Bench) -> None:
     assert bench.now == "a"
-    assert bench.guard.generation == 1
+    assert bench.gate.generation == 1
     assert bench.devices.results == {"backend 0": ""}
 
 
@@ -172,9 +172,9 @@ def test_one_that_does_not_open_leaves_the_old_one_sounding(bench: Bench) -> Non
     bench.run()
     bench.frame()
     assert bench.now == "a"
-    assert bench.guard.sounding
+    assert bench.gate.sounding
     assert bench.devices.results["backend 1"] == "b: OSError: open failed"
-    assert not bench.guard.fault
+    assert not bench.gate.fault
     bench.made[0].broken.add("send")
     bench.frame()
     bench.made[0].broken.clear()
@@ -201,7 +201,7 @@ def test_one_that_waits_for_its_first_frame_gives_way_to_one_selected_since(benc
     bench.frame()
     bench.devices.follow(selected(1, "b"))
     bench.run()
-    assert bench.guard.next == 2
+    assert bench.gate.next == 2
     bench.devices.follow(selected(2, "c"))
     bench.run()
     assert bench.devices.results["backend 1"] == SUPERSEDED
@@ -218,7 +218,7 @@ def test_one_that_is_opened_too_late_never_waits_for_a_frame(bench: Bench) -> No
     bench.devices.follow(selected(2, "c"))  # while b opens
     bench.waiting.pop(0)()
     bench.devices.poll()
-    assert bench.guard.next == 0
+    assert bench.gate.next == 0
     assert bench.devices.results["backend 1"] == SUPERSEDED
     bench.run()
     bench.frame()
@@ -234,7 +234,7 @@ def test_a_reset_waits_for_what_is_being_opened(bench: Bench, opens: bool, newer
     bench.devices.follow(selected(1, "b"))
     bench.made[0].broken.add("send")
     bench.frame()
-    assert bench.guard.fault
+    assert bench.gate.fault
     bench.devices.follow(selected(1, "b", reset=1))
     if newer:
         bench.devices.follow(selected(2, "c", reset=1))
@@ -243,11 +243,11 @@ def test_a_reset_waits_for_what_is_being_opened(bench: Bench, opens: bool, newer
     bench.frame()
     bench.run()
     assert bench.now == ("c" if newer else "b" if opens else "a")
-    assert not bench.guard.fault
+    assert not bench.gate.fault
     assert bench.devices.results["reset 1"] == ""
     assert bench.made[0].log[-1] == "close"
     bench.frame()
-    assert bench.guard.sounding
+    assert bench.gate.sounding
 
 
 @pytest.mark.parametrize("rate", [999.0, 64_600.0, math.nan, math.inf, -1000.0])
@@ -258,7 +258,7 @@ def test_a_device_whose_rate_the_loop_cannot_serve_is_refused(bench: Bench, rate
     bench.run()
     bench.frame()
     assert bench.now == "a"
-    assert bench.guard.sounding
+    assert bench.gate.sounding
     assert "frames a tick" in bench.devices.results["backend 1"]
     assert bench.made[1].log == ["close"]
 
@@ -267,16 +267,16 @@ def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
     bench.frame()
     bench.made[0].broken.add("send")
     bench.frame()
-    assert bench.guard.fault
+    assert bench.gate.fault
     bench.devices.follow(RequestedSettings(reset=1))
     bench.frame()  # meanwhile there is no device
     bench.run()
     assert bench.made[0].log[-1] == "close"
-    assert not bench.guard.fault
-    assert bench.guard.generation == 2
+    assert not bench.gate.fault
+    assert bench.gate.generation == 2
     assert bench.devices.results["reset 1"] == ""
     bench.frame()
-    assert bench.guard.sounding
+    assert bench.gate.sounding
 
 
 def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
@@ -286,11 +286,11 @@ def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
     for k in (1, 2):
         bench.devices.follow(RequestedSettings(reset=k))
         bench.run()
-        assert bench.guard.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
+        assert bench.gate.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
     bench.broken["a"].clear()
     bench.devices.follow(RequestedSettings(reset=3))
     bench.run()
-    assert not bench.guard.fault
+    assert not bench.gate.fault
     assert bench.now == "a"
 
 
@@ -298,7 +298,7 @@ def test_a_reset_without_a_fault_leaves_the_device_alone(bench: Bench) -> None:
     bench.frame()
     bench.devices.follow(RequestedSettings(reset=1))
     bench.run()
-    assert bench.guard.sounding
+    assert bench.gate.sounding
     assert bench.devices.results["reset 1"] == ""
     assert len(bench.made) == 1
 
@@ -308,14 +308,14 @@ def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
     bench.devices.follow(selected(1, "b"))
     bench.run()
     bench.made[0].broken |= {"send", "silence", "close"}
-    bench.guard.fail("gone")
+    bench.gate.fail("gone")
     bench.devices.follow(selected(1, "b", reset=1))
     bench.frame()  # the old device may sound until it is closed
     assert bench.now == "b"
-    assert bench.guard.problem == "gone"
+    assert bench.gate.problem == "gone"
     assert bench.made[1].log == ["open"]
     bench.run()
-    assert not bench.guard.problem
+    assert not bench.gate.problem
     bench.frame()
     assert "send" in bench.made[1].log
     assert bench.devices.results == {"backend 0": "", "reset 1": "", "backend 1": ""}
@@ -327,13 +327,13 @@ def test_a_first_device_that_does_not_open_is_a_fault() -> None:
     bench.broken["a"] = {"open"}
     bench.devices.begin(RequestedSettings())
     bench.run()
-    assert "open failed" in bench.guard.fault
+    assert "open failed" in bench.gate.fault
     bench.devices.follow(selected(1, "b"))
     bench.run()
     assert bench.now == "b"
     bench.devices.follow(selected(1, "b", reset=1))
     bench.run()
-    assert not bench.guard.fault
+    assert not bench.gate.fault
 
 
 @pytest.mark.parametrize("error", [SystemExit(1), KeyboardInterrupt(), OSError()])
@@ -346,7 +346,7 @@ def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> Non
     bench.devices._make = make
     bench.devices.begin(RequestedSettings())
     bench.run()
-    assert bench.guard.fault.startswith(f"a: {type(error).__name__}")
+    assert bench.gate.fault.startswith(f"a: {type(error).__name__}")
 
 
 @pytest.mark.parametrize("text", ["gone", "a: gone"])
@@ -359,7 +359,7 @@ def test_a_reason_names_its_device_once(text: str) -> None:
     bench.devices._make = make
     bench.devices.begin(RequestedSettings())
     bench.run()
-    assert bench.guard.fault == "a: gone"
+    assert bench.gate.fault == "a: gone"
 
 
 def test_results_do_not_grow(bench: Bench) -> None:
@@ -371,7 +371,7 @@ def test_results_do_not_grow(bench: Bench) -> None:
 
 def test_real_threads_open_a_real_plug_in() -> None:
     guard = OutputGate(N, gain=1.0, frame_timeout=0.02)
-    devices = DeviceSwitcher(
+    devices = DeviceManager(
         guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0
     )
     devices.begin(RequestedSettings())
@@ -392,7 +392,7 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
     bench.clock.advance(0.2 * OPENING)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["backend 1"]
-    assert bench.guard.sounding, "as before"
+    assert bench.gate.sounding, "as before"
     bench.run()
     bench.frame()
     bench.run()
@@ -401,7 +401,7 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
     bench.run()
     bench.frame()
     assert bench.now == "c"
-    assert not bench.guard.next
+    assert not bench.gate.next
     late = bench.made[-1]
     assert late.called == "b"
     assert late.log == ["close"], "it has not even been opened"
@@ -418,7 +418,7 @@ def test_one_that_has_opened_too_late_is_closed_and_never_sounds(bench: Bench) -
     assert "not open within" in bench.devices.results["backend 1"]
     assert bench.made[1].log == ["open", "close"]
     assert bench.now == "a"
-    assert bench.guard.sounding
+    assert bench.gate.sounding
 
 
 def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> None:
@@ -430,11 +430,11 @@ def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> N
     bench.clock.advance(1.1 * OPENING)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["reset 1"]
-    assert "not open within" in bench.guard.fault
+    assert "not open within" in bench.gate.fault
     bench.devices.follow(RequestedSettings(reset=2))
     bench.run()
     assert bench.devices.results["reset 2"] == ""
-    assert not bench.guard.fault
+    assert not bench.gate.fault
 
 
 def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
@@ -468,7 +468,7 @@ def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() 
     assert "no more threads" in bench.devices.results["backend 1"]
     bench.frame()
     assert bench.now == "a"
-    bench.guard.leaving.append(bench.made[0])
+    bench.gate.leaving.append(bench.made[0])
     bench.run()
     assert bench.devices.busy, "it is closed as soon as there is a thread"
     bench.threads = True
@@ -487,7 +487,7 @@ def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench.broken["a"] = {"open"}
     bench.devices.begin(RequestedSettings(), PluginConfig("a"))
     bench.run()
-    assert "open failed" in bench.guard.fault
+    assert "open failed" in bench.gate.fault
     assert 2 <= len(bench.made) <= RETRY_TIME / 0.005, "for a bounded time"
 
 

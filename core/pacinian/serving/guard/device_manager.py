@@ -80,7 +80,7 @@ class PendingOpen:
         return (self.order, *self.resets) if self.order else tuple(self.resets)
 
 
-class DeviceSwitcher:
+class DeviceManager:
     """Gives an output gate its devices, as ordered. It opens one at a time, and keeps only the newest that waits.
 
     choice: the first device. array: the array that the devices drive. rate: of the loop [Hz]. make, thread, clock: for
@@ -92,7 +92,7 @@ class DeviceSwitcher:
 
     def __init__(
         self,
-        guard: OutputGate,
+        gate: OutputGate,
         array: Array,
         choice: Choice | PluginConfig,
         rate: float,
@@ -101,7 +101,7 @@ class DeviceSwitcher:
         clock: Clock | None = None,
     ) -> None:
         self.results: dict[str, str] = {}
-        self._guard, self._array, self._choice = guard, array, choice
+        self._gate, self._array, self._choice = gate, array, choice
         self._rate = rate
         self._owners = choice
         self._make = make or functools.partial(_make_backend, configured=choice)
@@ -134,13 +134,13 @@ class DeviceSwitcher:
     @property
     def choice(self) -> PluginConfig | None:
         """The choice of the guard's device, or of the device that was left while the guard has none."""
-        return self._choices.get(self._guard.generation)
+        return self._choices.get(self._gate.generation)
 
     @property
     def busy(self) -> bool:
         """Whether a device is being opened, waits for its first frame, or is to be closed."""
-        guard = self._guard
-        return self._opening is not None or guard.coming is not None or bool(guard.leaving)
+        gate = self._gate
+        return self._opening is not None or gate.coming is not None or bool(gate.leaving)
 
     def follow(self, orders: RequestedSettings) -> None:
         """Carry out the orders that are new."""
@@ -150,7 +150,7 @@ class DeviceSwitcher:
             self._select(f"backend {number}", choice)
         if orders.reset != self._reset:
             self._reset = orders.reset
-            self._mend(f"reset {self._reset}")
+            self._reset_or_reopen(f"reset {self._reset}")
 
     def _select(self, order: str, choice: Choice | PluginConfig) -> None:
         if self._next.order:
@@ -158,23 +158,23 @@ class DeviceSwitcher:
         self._next.order, self._next.choice = order, choice
         self._open()
 
-    def _mend(self, order: str) -> None:
+    def _reset_or_reopen(self, order: str) -> None:
         """Reset after a fault: switch to the waiting device, or reopen the current one."""
-        guard = self._guard
-        if guard.fault and guard.coming is None:
+        gate = self._gate
+        if gate.fault and gate.coming is None:
             self._next.resets.append(order)
-            if (old := guard.release()) is not None:
+            if (old := gate.release()) is not None:
                 self._next.olds.append(old)
             self._open()
             return
-        if guard.fault:
-            guard.switch()
-            guard.clear()
+        if gate.fault:
+            gate.switch()
+            gate.clear()
         self._note_result(order)
 
     def poll(self) -> None:
         """Take the devices that have opened, and close those that were replaced."""
-        guard = self._guard
+        gate = self._gate
         while not self._opened.empty():
             self._came(*self._opened.get())
         now, opening = self._clock.now(), self._opening
@@ -182,10 +182,10 @@ class DeviceSwitcher:
             self._hanging += 1
             problem = f"{opening.choice.name}: did not open within {OPENING:g} s; given up"
             self._take(Opened(opening.orders, opening.choice, problem=problem))
-        for order in self._coming.pop(guard.generation, ()):  # it has got its first frame
+        for order in self._coming.pop(gate.generation, ()):  # it has got its first frame
             self._note_result(order)
-        while guard.leaving and self._start(functools.partial(self._close, guard.leaving[-1])):
-            guard.leaving.pop()
+        while gate.leaving and self._start(functools.partial(self._close, gate.leaving[-1])):
+            gate.leaving.pop()
 
     def _came(self, opening: Opening, opened: Opened) -> None:
         if opening is self._opening:
@@ -193,50 +193,50 @@ class DeviceSwitcher:
             return
         self._hanging -= 1
         if opened.device is not None:
-            self._guard.leaving.append(opened.device[0])
+            self._gate.leaving.append(opened.device[0])
 
     def _take(self, opened: Opened) -> None:
-        guard, (orders, choice, device, problem) = self._guard, opened
+        gate, (orders, choice, device, problem) = self._gate, opened
         self._opening = None
         if device is None:
             for order in orders:
                 self._note_result(order, problem)
-            if guard.backend is None:
-                guard.clear()
-                guard.fail(problem)
+            if gate.backend is None:
+                gate.clear()
+                gate.fail(problem)
         else:
-            if guard.backend is not None and self._next.order:
-                guard.leaving.append(device[0])
+            if gate.backend is not None and self._next.order:
+                gate.leaving.append(device[0])
                 for order in orders:
                     self._note_result(order, SUPERSEDED)
             else:
                 for late in itertools.chain(*self._coming.values()):
                     self._note_result(late, SUPERSEDED)
                 self._choice = choice
-                generation = guard.take(*device)
+                generation = gate.take(*device)
                 self._coming = {generation: orders}
-                self._choices = {n: c for n, c in self._choices.items() if n == guard.generation}
+                self._choices = {n: c for n, c in self._choices.items() if n == gate.generation}
                 self._choices[generation] = self._convert_choice(choice)
             if any(order.startswith("reset") for order in orders):
-                guard.clear()
+                gate.clear()
         self._open()
 
     def _note_result(self, order: str, problem: str = "") -> None:
         self.results[order] = problem
-        self._guard.changed = True
+        self._gate.changed = True
         for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
 
     def _open(self) -> None:
         """Open the next device, unless one is being opened."""
-        ahead, guard = self._next, self._guard
+        ahead, gate = self._next, self._gate
         if self._opening is not None or not ahead.orders:
             return
         self._next = PendingOpen()
         # A device that was selected has taken over meanwhile.
-        if ahead.choice is None and guard.backend is not None:
-            guard.leaving += ahead.olds
-            guard.clear()
+        if ahead.choice is None and gate.backend is not None:
+            gate.leaving += ahead.olds
+            gate.clear()
             for order in ahead.resets:
                 self._note_result(order)
             return
@@ -247,12 +247,12 @@ class DeviceSwitcher:
         if self._hanging >= MAX_HANGING:
             problem = f"{self._hanging} devices hang while they are opened: restart the server"
         elif not self._start(work):
-            if guard.backend is None:  # nothing plays on meanwhile
+            if gate.backend is None:  # nothing plays on meanwhile
                 work()
             else:
                 problem = f"{choice.name}: the system permits no more threads"
         if problem:
-            guard.leaving += ahead.olds
+            gate.leaving += ahead.olds
             self._take(Opened(ahead.orders, choice, problem=problem))
 
     def _start(self, work: Callable[[], None]) -> bool:
@@ -298,7 +298,7 @@ class DeviceSwitcher:
         # The device was silenced before, or is faulty; a reset reports what is wrong.
         with suppress(Exception):
             backend.close()
-        self._guard.mark_closed(backend)
+        self._gate.mark_closed(backend)
 
     def _once(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
         """Try once to open a device. An abandoned device is not opened."""

@@ -1,0 +1,67 @@
+"""How far apart samples lie: as far as the array resolves, and closer within regions and contacts."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from pacinian.scene.sampling.array_resolution import COARSER
+from pacinian.scene.sampling.contact import Contact
+from pacinian.scene.sampling.sources import is_dense
+
+if TYPE_CHECKING:
+    from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.array_resolution import ArrayResolution
+    from pacinian.scene.sampling.sources import Source
+
+WAVELENGTH = 0.0085  # spacing before an array is known [m]
+# Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
+DENSE = 0.5 / COARSER
+# Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
+NARROW, WIDE = 0.08, 0.3
+# Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
+# long. Points of a skin lie less densely, so that contacts have about half of these.
+CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
+# a contact keeps its spacing if the spacing would change by less than this factor
+KEPT_SPACING = 1.3
+
+
+def compute_spacing(
+    item: Object, place: tuple[float, float, float], resolving: ArrayResolution | None
+) -> float:
+    """Return the spacing of an object's samples at `place` [m]. resolving: None if no array is known yet."""
+    resolved = WAVELENGTH if resolving is None else resolving.compute_isolated_spacing(place)
+    return DENSE * resolved if is_dense(item) else resolved
+
+
+def space_contacts(
+    sources: list[tuple[Source, float]], count: int, last: dict[int, float]
+) -> dict[int, float]:
+    """Set the spacings of all contacts that are regions, so that together they have about `count` samples.
+
+    sources: each with its spacing [m]; those of contacts are replaced. last: previous spacings, by the name of the
+    contact [m]. Returns the new ones.
+    """
+    wanted: dict[int, float] = {}
+    dense = [
+        (n, source, spacing / DENSE)
+        for n, (source, spacing) in enumerate(sources)
+        if isinstance(source, Contact) and is_dense(source.item)
+    ]
+    each = sum(contact.extent for _, contact, _ in dense) / count
+    for n, contact, resolved in dense:
+        spacing = _choose_spacing(each, resolved, last.get(contact.name))
+        wanted[contact.name] = contact.fine = spacing
+        sources[n] = contact, spacing
+    return wanted
+
+
+def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
+    """Return the spacing of a contact's samples [m], but no finer than the array can use.
+
+    each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. last: previous
+    spacing [m], which is kept if the new one is similar.
+    """
+    wanted = min(max(math.sqrt(each), NARROW * resolved), WIDE * resolved)
+    steady = last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING
+    return last if last is not None and steady else wanted
