@@ -7,7 +7,7 @@
 
 namespace pacinian::acoustics {
 
-inline void spread(View<const f8, 2> q, View<const f8, 2> n, View<const f8, 2> r, View<const c8, 2> B, bool even, View<f8, 2> mean,
+inline void spread(View<const f8, 2> q, View<const f8, 2> n, View<const f8, 2> r, View<const c8, 2> B, bool uniform, View<f8, 2> mean,
                    View<f8, 3> covariance) {
     const Index M = q.shape[0], N = r.shape[0];
     require(q.shape[1] == 3 && n.shape[0] == M && n.shape[1] == 3 && r.shape[1] == 3, "spread: not of space");
@@ -25,7 +25,7 @@ inline void spread(View<const f8, 2> q, View<const f8, 2> n, View<const f8, 2> r
             dx *= inverse, dy *= inverse, dz *= inverse;
             const f8 cosine = std::max(dx * nx + dy * ny + dz * nz, 0.0) + free;
             const f8 re = row[2 * i], im = row[2 * i + 1];
-            const f8 squared = (re * re + im * im) * cosine * cosine, w = even ? std::sqrt(squared) : squared;
+            const f8 squared = (re * re + im * im) * cosine * cosine, w = uniform ? std::sqrt(squared) : squared;
             s += w;
             sx += w * dx, sy += w * dy, sz += w * dz;
             xx += w * dx * dx, yy += w * dy * dy, zz += w * dz * dz;
@@ -47,8 +47,8 @@ inline void define_directions(nb::module_& m) {
     kernel(m, "spread", &spread,
            "Write the mean, (M, 3), and the covariance, (M, 3, 3), of the unit vectors from points to transducers.\n\n"
            "q: points, (M, 3) [m]. n: normals there, zero where sound counts from every side, (M, 3). r: transducers, (N, 3) [m].\n"
-           "B: (M, N). even: whether the weights are |B| times the cosine of the incidence; else that squared.",
-           "q", "n", "r", "B", "even", "mean", "covariance");
+           "B: (M, N). uniform: whether the weights are |B| times the cosine of the incidence; else that squared.",
+           "q", "n", "r", "B", "uniform", "mean", "covariance");
 }
 
 }  // namespace pacinian::acoustics

@@ -51,7 +51,7 @@ def focal_area(
     medium: Air,
     normals: ArrayLike | None = None,
     *,
-    even: bool = False,
+    uniform: bool = False,
 ) -> Floats:
     """Return the force of a focus divided by the radiation pressure at its centre, (M,) [m^2].
 
@@ -63,7 +63,7 @@ def focal_area(
 
     array: N transducers. points: (M, 3) [m]. medium: the air. normals: of the skin, outward, (M, 3); zero, or None,
     for a plane perpendicular to the arriving sound. If there is a normal, sound is weighted by the cosine of its
-    incidence (`SkinFacing`). even: whether all transducers are driven equally (w = |B|), as by
+    incidence (`SkinFacing`). uniform: whether all transducers are driven equally (w = |B|), as by
     `single-focus`; otherwise in proportion to their sound at the focus, which takes the least power (w = |B|^2), as by
     `lagrange`. Raises ArgumentError, PointOnTransducer.
     """
@@ -72,7 +72,7 @@ def focal_area(
     n = np.zeros_like(q) if normals is None else check_numbers("normals", normals, (None, 3))
     if len(n) != len(q):
         raise ArgumentError("normals", f"must be one for each of {len(q)} points, not {len(n)}")
-    mean, C = _spread(array, q, n, medium, even=even)
+    mean, C = _spread(array, q, n, medium, uniform=uniform)
     n = np.where(n.any(axis=1, keepdims=True), n, mean)
     n = n / np.maximum(np.sqrt((n * n).sum(axis=1, keepdims=True)), MIN_LENGTH)
     adjugate = np.cross(C[:, (1, 2, 0)], C[:, (2, 0, 1)])
@@ -83,7 +83,7 @@ def focal_area(
 
 
 def _spread(
-    array: Array, q: Floats, n: Floats, medium: Air, *, even: bool = False
+    array: Array, q: Floats, n: Floats, medium: Air, *, uniform: bool = False
 ) -> tuple[Floats, Floats]:
     """Return mean, (M, 3), and covariance, (M, 3, 3), of the unit vectors from points q, (M, 3), to the transducers."""
     from pacinian.native.acoustics import spread
@@ -91,5 +91,5 @@ def _spread(
     B = np.empty((len(q), len(array)), dtype=np.complex64)
     KernelData.prepare(array, medium).matrix(q, B)
     mean, C = np.empty((len(q), 3)), np.empty((len(q), 3, 3))
-    spread(np.ascontiguousarray(q), np.ascontiguousarray(n), array.positions, B, even, mean, C)
+    spread(np.ascontiguousarray(q), np.ascontiguousarray(n), array.positions, B, uniform, mean, C)
     return mean, C

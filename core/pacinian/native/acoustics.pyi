@@ -22,10 +22,10 @@ def weigh(points: Floats, normals: Floats, capsules: Floats, edge: float, origin
     equal tiles of them, (tiles, 6).
     """
 
-def spread(q: Floats, n: Floats, r: Floats, B: Gains, even: bool, mean: Floats, covariance: Floats) -> None:
+def spread(q: Floats, n: Floats, r: Floats, B: Gains, uniform: bool, mean: Floats, covariance: Floats) -> None:
     """
     Write the mean, (M, 3), and the covariance, (M, 3, 3), of the unit vectors from points to transducers.
 
     q: points, (M, 3) [m]. n: normals there, zero where sound counts from every side, (M, 3). r: transducers, (N, 3) [m].
-    B: (M, N). even: whether the weights are |B| times the cosine of the incidence; else that squared.
+    B: (M, N). uniform: whether the weights are |B| times the cosine of the incidence; else that squared.
     """

@@ -53,11 +53,11 @@ class Capability:
         check_number("rate", self.rate, low=1.0, high=MAX_RATE)
 
     def __str__(self) -> str:
-        kind = "" if self.even else "uneven "
+        kind = "" if self.uniform else "uneven "
         return f"{self.phases} phases, {len(self.sizes)} {kind}amplitudes, {self.rate:g} Hz"
 
     @property
-    def even(self) -> bool:
+    def uniform(self) -> bool:
         """Whether the amplitude levels are evenly spaced."""
         return isinstance(self.amplitudes, int)
 

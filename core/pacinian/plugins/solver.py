@@ -49,7 +49,7 @@ class Solver(ABC):
     linear: ClassVar[bool] = False
     """Whether scaling the targets by c scales the gains by c, as long as no limit is reached. The session then reuses
     the last solution instead of solving again."""
-    even: ClassVar[float] = 0.0
+    max_uniform_points: ClassVar[float] = 0.0
     """Largest number of points for which it drives all transducers alike, as the strongest focus needs. For more
     points it drives each transducer in proportion to the pressure that it makes there, as the least power needs. The
     force of a point is spread over a focus of the corresponding width."""

@@ -26,19 +26,21 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Flags, Floats
 
-INTEGRATED = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
+MIN_REPETITION_RATE = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
 MAX_FRAMES = 4  # default limit of the frames in a cycle
 TILTS = -0.15, 0.15  # of the waves of two frames, see `Session.tilt`
-HELD = 0.02  # fraction of transducers at their limit from which two frames are used
-FREE = 0.01  # fraction below which one frame is used again
-HURRIED = 0.5  # fraction of late solves above which only one frame is used
-CALM = 0.1  # fraction below which several frames are allowed again
-SEEN = 64  # time constant of this fraction, in solves
+TWO_FRAMES_FROM = 0.02  # fraction of transducers at their limit from which two frames are used
+ONE_FRAME_BELOW = 0.01  # fraction below which one frame is used again
+ONE_FRAME_LATE_SHARE = 0.5  # fraction of late solves above which only one frame is used
+RECOVERED_LATE_SHARE = 0.1  # fraction below which several frames are allowed again
+AVERAGED_SOLVES = 64  # time constant of this fraction, in solves
 MIN_SHARE, MAX_SHARE = 0.15, 2.5  # range of a frame's target, relative to its nominal share
-ROUNDS = 3  # most complete solves of each frame after the samples have changed
-TRIES = 12  # solves of each frame, with those that ran out of time, after which the next one waits
-RETRY = 0.25  # for this time [s]: a busy processor may have spoilt them
-LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
+MAX_ROUNDS = 3  # most complete solves of each frame after the samples have changed
+MAX_TRIES = (
+    12  # solves of each frame, with those that ran out of time, after which the next one waits
+)
+RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
+MAX_LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
 
 
 @dataclass
@@ -48,7 +50,7 @@ class Part:
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
     that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
-    again after TRIES [s].
+    again after MAX_TRIES [s].
     """
 
     session: Session
@@ -131,11 +133,13 @@ class Cycle:
         solution = solved.solution
         if self._moved:
             self._moved = False
-            self._late += (solution.late - self._late) / SEEN
-            self._hurried = self._late > (CALM if self._hurried else HURRIED)
+            self._late += (solution.late - self._late) / AVERAGED_SOLVES
+            self._hurried = self._late > (
+                RECOVERED_LATE_SHARE if self._hurried else ONE_FRAME_LATE_SHARE
+            )
         if self._banded or self._wanted < len(TILTS) or solution.late:
             return
-        tilted = solution.saturation >= (FREE if self._tilted else HELD)
+        tilted = solution.saturation >= (ONE_FRAME_BELOW if self._tilted else TWO_FRAMES_FROM)
         if tilted != self._tilted:
             self._tilted = tilted
             self._arrange()
@@ -164,7 +168,7 @@ class Cycle:
         open_ = [
             part
             for part in self.parts
-            if part.rounds < ROUNDS and (part.tries < TRIES or t >= part.retry)
+            if part.rounds < MAX_ROUNDS and (part.tries < MAX_TRIES or t >= part.retry)
         ]
         return min(open_, key=lambda part: part.turn) if open_ else None
 
@@ -199,8 +203,8 @@ class Cycle:
         self._turn += 1
         part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
         part.rounds += solved.final
-        part.retry = t + RETRY
-        if self._tilted and not part.rounds and part.tries == LATE_TRIES:
+        part.retry = t + RETRY_INTERVAL
+        if self._tilted and not part.rounds and part.tries == MAX_LATE_TRIES:
             self._given_up, self._tilted, self._wanted = True, False, 1
             self._arrange()
 
@@ -222,4 +226,4 @@ def split_frames(most: int, rate: float) -> int:
 
     rate: of the device, frames per second [Hz].
     """
-    return max(1, min(most, int(rate / INTEGRATED)))
+    return max(1, min(most, int(rate / MIN_REPETITION_RATE)))

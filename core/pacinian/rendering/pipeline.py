@@ -448,7 +448,7 @@ class Pipeline:
         alone = limits_join(limits)
         self.sampler.bands = 1 if alone else self.solver.cycle.allowed
         self.sampler.surround = solver.surrounds and not alone
-        self.sampler.even = 0.0 if alone else solver.even
+        self.sampler.max_uniform_points = 0.0 if alone else solver.max_uniform_points
 
     def _note_unreachable(self, counts: SampleCounts) -> None:
         """Note the samples that no sound can reach."""

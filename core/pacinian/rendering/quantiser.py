@@ -49,7 +49,7 @@ class Quantiser:
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         self._size = capability.sizes.copy()  # kernels need a writable array
-        self._inverse = None if capability.even else invert_levels(self._size)
+        self._inverse = None if capability.uniform else invert_levels(self._size)
 
     def frame(
         self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False

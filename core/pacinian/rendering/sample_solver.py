@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
 BETTER = 0.99  # largest ratio of new to old error at which a late solution counts as improved
-TRIES = 6  # successive solves without improvement after which the next one waits
-RETRY = 0.25  # for this time [s]: a busy processor may have spoilt them
+MAX_TRIES = 6  # successive solves without improvement after which the next one waits
+RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
 Step = tuple[object, ...]
 
@@ -217,8 +217,8 @@ class SampleSolver:
         better = kept is None or made.solution.error <= BETTER * kept.solution.error
         if kept is not None and kept.evaluated and not better:
             vain, final = kept.vain + 1, made.final
-            waits = final or vain >= TRIES
-            retry = t + RETRY if waits else t
+            waits = final or vain >= MAX_TRIES
+            retry = t + RETRY_INTERVAL if waits else t
             made = replace(
                 kept, steady=groups.steady and waits, final=final, vain=vain, retry=retry
             )

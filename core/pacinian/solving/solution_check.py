@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
-EVEN = 0.05  # the same for regions, in sound pressure; in radiation pressure it is 10 %
+REGION_TOLERANCE = 0.05  # the same for regions, in sound pressure; in radiation pressure it is 10 %
 ROUNDED = 1e-5  # excess over a limit, relative to it, that counts as rounding
 # share of full drive; the excess over lower limits is given relative to this, because rounding would dominate it
 MIN_LIMIT_SHARE = 1e-2
@@ -113,7 +113,7 @@ def determine_status(
         if unproven:
             return Status.approximate
         scaled = False
-    if miss <= (TOLERANCE if targets.regions is None else EVEN):
+    if miss <= (TOLERANCE if targets.regions is None else REGION_TOLERANCE):
         return Status.ok
     unheard = (targets.amplitudes > 0.0) & (propagator.powers == 0.0)  # or they underflow
     if unheard.any() and not propagator.B[unheard].any(axis=1).all():

@@ -16,7 +16,7 @@ from pacinian.session import AIR, Session
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
-from pacinian.solving.solution_check import EVEN
+from pacinian.solving.solution_check import REGION_TOLERANCE
 from pacinian.solving.status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
@@ -325,7 +325,9 @@ class _Kit:
         t, number = problem.t, problem.regions
         assert number is not None
         off = float(np.linalg.norm((np.abs(p) - t)[t > 0.0])) / float(np.linalg.norm(t))
-        require(off <= EVEN + SINGLE, f"status ok, with an error of {off:.1%} for {name}")
+        require(
+            off <= REGION_TOLERANCE + SINGLE, f"status ok, with an error of {off:.1%} for {name}"
+        )
         for own in (number == one for one in range(int(number.max()) + 1)):
             wave = joint_phases(self.array, problem.q[own], AIR, radiation_pressure=t[own] ** 2)
             alike = abs(complex(np.vdot(np.exp(1j * wave), p[own]))) / float(np.abs(p[own]).sum())

@@ -109,7 +109,7 @@ def _array(recording: Recording) -> ArrayMessage:
             pressure=kind["pressure"],
             directivity=directivity,
             response=pack(np.frombuffer(response, "<f8")),
-            sizes=b"" if can.even else pack(can.sizes),
+            sizes=b"" if can.uniform else pack(can.sizes),
             speed_of_sound=medium.speed_of_sound,
             density=medium.density,
             power=medium.power,

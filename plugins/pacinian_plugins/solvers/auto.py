@@ -34,7 +34,7 @@ class Auto(pc.Solver):
 
     name: ClassVar[str] = "auto"
     linear: ClassVar[bool] = True
-    even: ClassVar[float] = 1.0
+    max_uniform_points: ClassVar[float] = 1.0
     surrounds: ClassVar[bool] = True
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 

@@ -40,7 +40,7 @@ class Greedy(pc.Solver):
 
     name: ClassVar[str] = "greedy"
     linear: ClassVar[bool] = True
-    even: ClassVar[float] = np.inf
+    max_uniform_points: ClassVar[float] = np.inf
 
     levels: Annotated[int, Meta(ge=2, le=256)] = 16
     passes: Annotated[int, Meta(ge=1, le=20)] = 3

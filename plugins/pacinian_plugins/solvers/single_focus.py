@@ -23,7 +23,7 @@ class SingleFocus(pc.Solver):
 
     name: ClassVar[str] = "single-focus"
     linear: ClassVar[bool] = True
-    even: ClassVar[float] = np.inf
+    max_uniform_points: ClassVar[float] = np.inf
 
     def solve(
         self,

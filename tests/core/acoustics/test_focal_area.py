@@ -78,7 +78,7 @@ def test_it_is_the_integral_over_the_main_lobe(name: str, place: str) -> None:
     q = array.centre * [1.0, 1.0, 0.0] + at
     normal = np.array([math.sin(tilt), 0.0, -math.cos(tilt)])
     found = [
-        pc.focal_area(array, q[None], pc.Air(), normal[None], even=even)[0]
+        pc.focal_area(array, q[None], pc.Air(), normal[None], uniform=even)[0]
         for even in (True, False)
     ]
     tolerance = 0.15 if name == "folded" else 0.07

@@ -18,7 +18,7 @@ PULSES = np.sin(np.pi / 2.0 * np.arange(65) / 64.0)  # amplitudes of OpenMPD
 @given(st.integers(2, 1 << 16))
 def test_a_count_is_of_evenly_spaced_levels(count: int) -> None:
     can = pc.Capability(16, count)
-    assert can.even
+    assert can.uniform
     assert can.amplitudes == count
     np.testing.assert_array_equal(can.sizes, np.linspace(0.0, 1.0, count).astype(np.float32))
 
@@ -26,7 +26,7 @@ def test_a_count_is_of_evenly_spaced_levels(count: int) -> None:
 @pytest.mark.parametrize("kind", [tuple, list, np.array])
 def test_a_table_is_kept_in_single_precision_and_cannot_be_changed(kind: Any) -> None:
     can, again = pc.Capability(128, kind(PULSES.tolist())), pc.Capability(128, tuple(PULSES))
-    assert not can.even
+    assert not can.uniform
     np.testing.assert_array_equal(can.sizes, PULSES.astype(np.float32))
     assert can == again
     assert hash(can) == hash(again)

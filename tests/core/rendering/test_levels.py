@@ -29,7 +29,7 @@ def quantise(
     phase, amplitude = np.full((2, g.size), 54321, np.uint16)
     up = np.broadcast_to(threshold, g.shape).astype(np.float32)
     top, highest = len(can.sizes) - 1, can.highest(ceiling)
-    if can.even:
+    if can.uniform:
         levels.quantise(g, phases, top, highest, up, phase, amplitude)
     else:
         levels.quantise_by(g, phases, *invert_levels(can.sizes), highest, up, phase, amplitude)

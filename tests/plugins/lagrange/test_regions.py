@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.solution_check import EVEN
+from pacinian.solving.solution_check import REGION_TOLERANCE
 from pacinian_plugins.solvers.lagrange import regions
 
 from ..problems import ARRAY, optimum
@@ -161,8 +161,8 @@ def test_the_strongest_region_is_even_and_no_stronger_one_is():
     assert solution.felt[0].even
     assert np.abs(solution.gains).max() == pytest.approx(1.0, abs=1e-3)
     P = pressure(ONE, solution.gains, q).mean()
-    assert solve(ONE, q, P).error < 1.2 * EVEN
-    assert solve(ONE, q, 1.5 * P).error > 1.2 * EVEN
+    assert solve(ONE, q, P).error < 1.2 * REGION_TOLERANCE
+    assert solve(ONE, q, 1.5 * P).error > 1.2 * REGION_TOLERANCE
     assert solve(ONE, q, 1.5 * P).status is pc.Status.limited
 
 
@@ -398,5 +398,5 @@ def test_solves_without_time_for_the_same_targets_come_to_an_end() -> None:
     for k in range(16):
         solution = session.solve(q, t * (1.0 + 1e-6 * k), regions=whole(q), deadline=0.0)
         errors.append(solution.error)
-    assert errors[-1] < EVEN < errors[0]
+    assert errors[-1] < REGION_TOLERANCE < errors[0]
     assert all(after <= 1.02 * before for before, after in itertools.pairwise(errors))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.solving.solution_check import EVEN
+from pacinian.solving.solution_check import REGION_TOLERANCE
 
 from ..problems import optimum
 
@@ -44,13 +44,13 @@ def test_no_even_field_is_stronger(limits: dict[str, Any], count: int) -> None:
     B, p = pc.matrix(ARRAY, q, AIR), np.exp(1j * found.asked_phases)
     full = np.abs(B).sum(axis=1).mean()
     g, s = cp.Variable(len(ARRAY), complex=True), cp.Variable()
-    allowed = [cp.norm(s * p - B / full @ g) <= EVEN * np.linalg.norm(p) * s]
+    allowed = [cp.norm(s * p - B / full @ g) <= REGION_TOLERANCE * np.linalg.norm(p) * s]
     gain, power = limits.get("gain", 1.0), limits.get("power")
     allowed += [cp.abs(g) <= gain] if gain else []
     allowed += [cp.norm(g) <= power**0.5] if power else []
     most = -optimum(-s, allowed) * full
     made = B @ found.gains.astype(complex)
-    assert found.shape_error <= EVEN
+    assert found.shape_error <= REGION_TOLERANCE
     assert np.abs(made).mean() >= 0.97 * most
     assert gain is None or np.abs(found.gains).max() <= gain
     assert power is None or np.linalg.norm(found.gains.astype(complex)) ** 2 <= power

@@ -73,15 +73,17 @@ class ArrayResolution:
             kept = self._cells[x, y, z] = self.wavelength * COARSER ** round(steps), resolved
         return kept
 
-    def focal_areas(self, positions: Floats, normals: Floats, *, even: bool) -> Floats:
+    def focal_areas(self, positions: Floats, normals: Floats, *, uniform: bool) -> Floats:
         """Return `focal_area`, (M,) [m^2], with NaN where no focus exists: on a transducer, or before a single one."""
         areas, q = np.full(len(positions), np.nan), positions
         kept = np.arange(len(q))
         try:
-            areas[:] = focal_area(self.array, q, self.medium, normals, even=even)
+            areas[:] = focal_area(self.array, q, self.medium, normals, uniform=uniform)
         except PointOnTransducer as error:
             kept = np.delete(kept, list(error.indices))
-            areas[kept] = focal_area(self.array, q[kept], self.medium, normals[kept], even=even)
+            areas[kept] = focal_area(
+                self.array, q[kept], self.medium, normals[kept], uniform=uniform
+            )
         return np.where(np.isfinite(areas), areas, np.nan)
 
     def compute_incidence(self, positions: Floats, normals: Floats) -> Floats:

@@ -129,10 +129,8 @@ class Sampler:
         self.perception = bool(perception)
         self.bands = 1
         """Maximum number of bands that sound in turn, each within the budget. The render loop sets this."""
-        self.even = 1.0
-        """Up to this number of simultaneous samples, the solver drives all transducers alike (`Solver.even`).
-
-        The render loop sets this."""
+        self.max_uniform_points = 1.0
+        """`Solver.max_uniform_points` of the solver, for samples that sound at once. The render loop sets this."""
         self.peak = math.inf
         """Maximum radiation pressure that a force may request [Pa]. The render loop sets this."""
         self.surround = False
@@ -180,7 +178,7 @@ class Sampler:
         """
         self._ahead = ahead
         asked = (
-            scene, self.allowed, self.spacing, self.bands, self.surround, self.even, self.strict,
+            scene, self.allowed, self.spacing, self.bands, self.surround, self.max_uniform_points, self.strict,
             self.fine,
         )  # fmt: skip
         if not (self._still and self._asked == asked):
@@ -272,12 +270,12 @@ class Sampler:
         single = np.array([is_sequential(items[i]) for i in which])
         together = len(items) - sum(map(is_sequential, items))
         P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
-        for even in (True, False):
-            rows = which[(np.where(single, 1, together) <= self.even) == even]
+        for uniform in (True, False):
+            rows = which[(np.where(single, 1, together) <= self.max_uniform_points) == uniform]
             if not len(rows):
                 continue
             found = self._resolving.focal_areas(
-                samples.positions[rows], samples.normals[rows], even=even
+                samples.positions[rows], samples.normals[rows], uniform=uniform
             )
             found = np.where(np.isnan(found), area[rows], found)
             P[rows] *= area[rows] / found

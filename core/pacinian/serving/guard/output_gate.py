@@ -290,7 +290,7 @@ class OutputGate:
             reasons=dict(self._reasons),
             processor=processor,
             choice=choice,
-            sizes=b"" if can.even else can.sizes.astype("<f4").tobytes(),
+            sizes=b"" if can.uniform else can.sizes.astype("<f4").tobytes(),
         )
 
 

@@ -19,7 +19,7 @@ BLOCK, MAX_WORK = 10, 1_000_000
 # largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
 MAX_DRIVE, MAX_TARGET = 10.0, 1000.0
 AT_LIMIT = 0.999  # share of the limit from which a transducer counts as at its limit
-EVEN = 1e-4  # relative error of the amplitudes at which the weights have converged
+CONVERGED = 1e-4  # relative error of the amplitudes at which the weights have converged
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Run:
             count = min(block, (hold if done < hold else steps) - done, steps - done)
             floor = iterate(planes, t, free, exponent, floor, count, w, u, h, p)
             done += count
-            if exponent and _spread(np.abs(p[asked]), t[asked]) <= EVEN:
+            if exponent and _spread(np.abs(p[asked]), t[asked]) <= CONVERGED:
                 break
             late = done < steps and self.budget.spent
         return self._write(h, p, t, unit, done, late)

@@ -66,7 +66,7 @@ class WeightedGs(pc.Solver):
 
     name: ClassVar[str] = "weighted-gs"
     linear: ClassVar[bool] = True
-    even: ClassVar[float] = math.inf
+    max_uniform_points: ClassVar[float] = math.inf
 
     steps: Annotated[int, Meta(ge=1, le=1000)] = 100
     exponent: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.5

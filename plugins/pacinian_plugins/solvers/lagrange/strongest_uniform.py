@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.solution_check import EVEN
+from pacinian.solving.solution_check import REGION_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,8 +23,9 @@ AS_EVEN = 1.5  # largest error allowed, as a multiple of the error of the weak r
 def find_strongest_uniform(
     p: Complexes, reach: Floats, attempt: Callable[[Complexes], Complexes], budget: pc.Budget
 ) -> None:
-    """Attempt multiples of targets p, (M,), and end with the largest that is even enough: `EVEN` or `AS_EVEN`.
+    """Attempt multiples of targets p, (M,), and end with the largest that is even enough.
 
+    Even enough is an error of at most `REGION_TOLERANCE`, or `AS_EVEN` times the least error.
     reach: the most that gains can make at each sample, (M,); samples where it is 0 get no target and do not count.
     attempt: solves for targets, (M,), and returns the pressures made, (M,).
     """
@@ -40,7 +41,7 @@ def find_strongest_uniform(
     while True:
         multiple = math.exp(at)
         error = compute_unevenness(multiple * size[counts], attempt(multiple * p)[counts])
-        enough = enough or max(EVEN, AS_EVEN * error)
+        enough = enough or max(REGION_TOLERANCE, AS_EVEN * error)
         best, high = (at, high) if error <= enough else (best, at)
         if budget.spent or (high - best < CLOSE and best == at):
             return

@@ -30,8 +30,8 @@ def sampled(array: pc.Array, *items: Any, hands: Any = (), **settings: Any) -> p
 def test_a_point_presses_with_its_force_over_the_focus_of_the_array(units: int) -> None:
     array = pc.autd(units, units)
     for even in (0.0, 1.0):
-        found = sampled(array, pc.Point(position=PLACE, force=FORCE), even=even)
-        area = pc.focal_area(array, [PLACE], medium=AIR, even=even > 0.0)
+        found = sampled(array, pc.Point(position=PLACE, force=FORCE), max_uniform_points=even)
+        area = pc.focal_area(array, [PLACE], medium=AIR, uniform=even > 0.0)
         assert found.radiation_pressure == pytest.approx(FORCE / area)
         assert found.most == pytest.approx(FORCE / area)
         assert found.force == pytest.approx(FORCE)
@@ -52,7 +52,7 @@ def test_how_many_sound_at_a_time_decides_how_wide_a_focus_is() -> None:
         np.testing.assert_allclose(found.radiation_pressure, FORCE / wide, rtol=1e-6)
     turns = Particles(positions=(PLACE, OTHER), force=FORCE, technique=STM(100.0))
     found = sampled(pc.autd(), turns)
-    narrow = pc.focal_area(pc.autd(), found.positions, medium=AIR, even=True)
+    narrow = pc.focal_area(pc.autd(), found.positions, medium=AIR, uniform=True)
     np.testing.assert_allclose(found.radiation_pressure, FORCE / narrow, rtol=1e-6)
 
 
@@ -60,7 +60,7 @@ def test_on_a_hand_the_area_is_that_on_its_skin() -> None:
     palm = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.2)))
     found = sampled(pc.autd(), pc.Point(position=(0.0, 0.0, 0.19), force=FORCE), hands=(palm,))
     assert len(found) == 1
-    (area,) = pc.focal_area(pc.autd(), found.positions, AIR, found.normals, even=True)
+    (area,) = pc.focal_area(pc.autd(), found.positions, AIR, found.normals, uniform=True)
     assert found.area[0] == pytest.approx(area)
     assert found.force == pytest.approx(FORCE)
 
@@ -94,5 +94,5 @@ def test_the_loop_asks_for_the_pressure_of_the_focus_that_its_solver_makes(solve
             loop.tick()
             clock.advance(loop.period)
         P = pc.radiation_pressure(loop.hear(np.array([PLACE])), AIR)
-    (area,) = pc.focal_area(pc.autd(), [PLACE], pc.Air(), even=solver == "auto")
+    (area,) = pc.focal_area(pc.autd(), [PLACE], pc.Air(), uniform=solver == "auto")
     assert P.max() * area == pytest.approx(FORCE, rel=0.02)
