@@ -22,7 +22,12 @@ from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.corrections import MAX_CORRECTIONS, WORTHWHILE, correct_amplitudes
 from pacinian.solving.gain_evaluation import certify, measure_felt
-from pacinian.solving.limit_enforcement import ROUNDING, enforce_limits, enforce_zones
+from pacinian.solving.limit_enforcement import (
+    ROUNDING,
+    enforce_limits,
+    enforce_quiet,
+    enforce_zones,
+)
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
@@ -345,6 +350,8 @@ class Session:
         )
         if propagator.nulls is not None:
             enforce_zones(g, limits.gain, propagator.nulls, propagator, budget)
+        if propagator.quiet is not None and limits.quiet is not None:
+            enforce_quiet(g, limits.gain, propagator.quiet, np.asarray(limits.quiet[1], np.float64))
         p = propagator.apply(g)
         out[:] = g
         miss, bound, objective = relative_error(targets, p), result.bound, result.objective

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 HEAVY = 120  # more objects than the sockets take
 LEASE = 0.25  # [s], requested by a game whose lease is to end
 # of a server: the longest that it may have, so that neither a busy machine nor what ends a session lets a lease end
-HELD = "[safety]\nlease = 10.0\nstale = 1.0\n"
+HELD = "[safety]\nlease = 10.0\nframe_timeout = 1.0\n"
 
 
 class Game:

@@ -14,7 +14,7 @@ from .game import Game
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-PATIENT = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 60.0\n"
+PATIENT = "[safety]\nlease = 10.0\nsession_timeout = 3600.0\nhang_timeout = 60.0\n"
 """Leases and watchdogs that do not end where the machine stands still."""
 
 

@@ -14,14 +14,14 @@ from pacinian.client import link, server_session
 from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.server import Server
 
-from ..waiting import eventually
+from ..waiting import PATIENCE, eventually
 from .game import LEASE, Game
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-HASTY = "[safety]\nlease = 10.0\nforget = 3600.0\nhung = 8.0\n"
-"""While the output may sound, a guard counts as hung after an eighth of `hung`, 1 s."""
+HASTY = "[safety]\nlease = 10.0\nsession_timeout = 3600.0\nhang_timeout = 8.0\n"
+"""While the output may sound, a guard counts as hung after an eighth of `hang_timeout`, 1 s."""
 RENEWALS = 1500
 """Of a game at 1 kHz, until its link ends because nothing answers."""
 
@@ -53,6 +53,24 @@ def test_a_guard_that_hangs_while_it_sounds_is_replaced_by_its_spare(tmp_path: P
             game.play(lambda parts=parts: not parts["guard"].is_running())
             game.sound()
             assert server.parts()["guard"] == parts["spare"]
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("how", ["stands still", "does not return", "was killed"])
+def test_a_server_that_is_ended_while_its_guard_hangs_silences_the_device(
+    tmp_path: Path, how: str
+) -> None:
+    with Server(tmp_path, HASTY) as server, Game(server) as game:
+        game.play(lambda: "spare" in server.parts())
+        parts = server.parts()
+        if how == "does not return":
+            (tmp_path / BLOCKED).touch()
+        else:
+            parts["guard"].send_signal(signal.SIGSTOP if how == "stands still" else signal.SIGKILL)
+        server.process.send_signal(signal.SIGTERM)
+        assert server.process.wait(PATIENCE) == 0
+        assert not game.log.read(game.log.count - 1)["sounds"].any()
+        assert not any(part.is_running() for part in parts.values())
 
 
 def test_while_control_stands_still_the_lease_ends_the_sound(server: Server) -> None:

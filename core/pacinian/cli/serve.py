@@ -122,6 +122,7 @@ def _viewer(connection: Path) -> Generator[None]:
 
     command = [
         sys.executable,
+        "-P",
         "-m",
         "pacinian",
         "view",

@@ -30,14 +30,15 @@ def emergency_stop(
     connection, keys: as for `Client`. timeout: for the confirmation [s]. Raises ConnectionLost after the timeout;
     Refused.
     """
-    given, deadline = resolve_connection(connection, keys), time.perf_counter() + timeout
+    given, begin = resolve_connection(connection, keys), time.perf_counter()
     # half of the time is left for the other way
     if given.stop and request_stop(given.stop, given.secret, timeout / 2.0):
         return
-    _stop_by_connection(given, deadline, timeout)
+    _stop_by_connection(given, timeout, timeout - (time.perf_counter() - begin))
 
 
-def _stop_by_connection(given: Connection, deadline: float, timeout: float) -> None:
+def _stop_by_connection(given: Connection, timeout: float, left: float) -> None:
+    """Stop within `left` seconds of `timeout`; the imports do not count, which take long on a busy machine."""
     import zmq
 
     from pacinian.client.link import Link, milliseconds
@@ -45,6 +46,7 @@ def _stop_by_connection(given: Connection, deadline: float, timeout: float) -> N
     from pacinian.wire.control import Stop
     from pacinian.wire.replies import Error, Ok
 
+    deadline = time.perf_counter() + left
     with zmq.Context() as context, contextlib.closing(Link(context, given, given.control)) as link:
         poller = zmq.Poller()
         poller.register(link.socket, zmq.POLLIN)

@@ -223,7 +223,8 @@ class Pipeline:
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
         rows = self.player.rows(play, t, spread)
         power = limits.power is not None
-        self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power)
+        whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
+        self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power, whole)
         self._made = made
         return self._frame
 

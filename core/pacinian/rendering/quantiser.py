@@ -52,12 +52,21 @@ class Quantiser:
         self._inverse = None if capability.uniform else invert_levels(self._size)
 
     def frame(
-        self, gains: Gains, ceiling: float, sequence: int, time: float, down: bool = False
+        self,
+        gains: Gains,
+        ceiling: float,
+        sequence: int,
+        time: float,
+        down: bool = False,
+        whole: bool = False,
     ) -> Frame:
         """Return the frame for gains, (K, N), due at `time` [s], with no amplitude above `ceiling`, the gain limit.
 
-        down: round amplitudes down, so that a power limit is kept, too.
+        down: round amplitudes down, so that a power limit is kept, too. whole: scale down all gains of a row of which
+        any is above `ceiling`, in place, so that quiet zones stay quiet; otherwise only those gains are clipped.
         """
+        if whole:
+            gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
         self._round(
             gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
         )

@@ -67,8 +67,9 @@ class Renderer(Closing):
     budget, spacing and ramps. smoothing: slew-rate limit from row to row. clock: can be replaced in tests. recorder:
     records every tick; it is closed with the renderer.
 
-    Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet zones, exact samples) and
-    objects have different envelopes, each envelope is replaced by its mean over the tick.
+    Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet points, exact samples) and
+    objects have different envelopes, each envelope is replaced by its mean over the tick. With quiet zones, a row
+    whose gains would exceed their limit is scaled down as a whole.
 
     Every tick sends a frame. governed: if ticks would be late, sampling and solving run in a thread beside them. Frames
     then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more

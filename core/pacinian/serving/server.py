@@ -11,6 +11,7 @@ import sys
 import threading
 from typing import TYPE_CHECKING
 
+import msgspec
 import zmq
 from msgspec.structs import replace
 
@@ -24,13 +25,19 @@ from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory import settle_memory
-from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity, open_wakes
+from pacinian.serving.ipc.messages import (
+    CAPACITIES,
+    DeviceStatus,
+    compute_frame_capacity,
+    open_wakes,
+)
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection_file import (
     Connection,
     check_folder,
     check_replaceable,
     locate_connection,
+    make_folder,
 )
 from pacinian.wire.emergency import StopSocket
 
@@ -41,6 +48,7 @@ if TYPE_CHECKING:
 
     from pacinian.serving.control.supervisor import Process
     from pacinian.serving.ipc.child_pipe import ChildPipe
+    from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Network, Settings
 
 # The other processes, the spare, and one that the system does not let end.
@@ -61,6 +69,7 @@ def serve(
     ServerError.
     """
     ending = ending or threading.Event()
+    _hold_standard_files()
     path = locate_connection(settings.connection)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_alone(path))
@@ -103,7 +112,7 @@ def serve(
             return start(name, told, pipes.take())
 
         supervisor = Supervisor(begin, settings.safety.hang_timeout)
-        stack.callback(_end, supervisor)
+        stack.callback(_end, supervisor, files["device"])
         control = ControlLoop(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
         try:
@@ -126,7 +135,7 @@ def serve(
 def _alone(path: Path) -> FileLock:
     """Lock the connection file for this process. Raises ServerError."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        make_folder(path.parent)
         check_folder(path.parent)
         lock = FileLock(path.with_name(f"{path.name}.lock"))
     except OSError as error:
@@ -163,9 +172,25 @@ def _raise_file_limit() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
-def _end(supervisor: Supervisor) -> None:
-    for name in supervisor.end():
+def _end(supervisor: Supervisor, device: SharedRegister) -> None:
+    """End all processes. Raises ServerError if the device may still sound."""
+
+    def has_device(since: float) -> bool:
+        read = device.read()
+        found = None if read is None else msgspec.msgpack.decode(read[1], type=DeviceStatus)
+        return found is not None and found.beat >= since and found.generation > 0
+
+    for name in supervisor.end(has_device):
         log().error("had to be killed", name=name)
+
+
+def _hold_standard_files() -> None:
+    """Open the null device for standard files that are closed, so that no other file gets their numbers."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 
 def _metrics(

@@ -8,15 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native import solving as kernels
+from pacinian.solving.solution_check import TOLERANCE, compute_excess_unit
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.quiet_subspace import QuietSubspace
-    from pacinian.types import Complexes
+    from pacinian.types import Complexes, Floats
 
 ROUNDING = 1e-5  # relative excess up to which only the gains over the limit are clipped
 MAX_PROJECTIONS = 32  # alternating projections of gains for quiet zones
+MAX_QUIET_STEPS = 4  # corrections of gains for quiet points
+MAX_QUIET_ROWS = (
+    512  # most quiet points for which gains are corrected; for more they are only scaled down
+)
+QUIET_MU = 1e-6  # regularisation of that correction, relative to the mean power of rows
 UNCHECKED_FACTOR = 1.25  # safety factor for the places of a zone that are not checked
 CORRECTION_MU = 0.1  # regularisation of the pressure correction, relative to the mean power of rows
 MAX_LEAK = 0.02  # pressure in a zone from the excluded subspace in gains, relative to the limit
@@ -53,6 +59,33 @@ def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool
     if factor != 1.0 or strongest > highest:
         kernels.restrain(g, factor, highest)
     return True, over
+
+
+def enforce_quiet(g: Complexes, gain: float | None, quiet: Propagator, limit: Floats) -> None:
+    """Remove from gains, (N,), in place, what exceeds the limits of quiet points; scale them down if needed.
+
+    gain: limit of |g_n|. quiet: propagator of the quiet points. limit: their limits, (K,) [Pa]. This changes the gains
+    of solves that had too little time.
+    """
+    most = limit + 0.5 * TOLERANCE * compute_excess_unit(quiet, limit)
+    for _ in range(MAX_QUIET_STEPS):
+        p = quiet.apply(g)
+        loud = np.abs(p)
+        if (loud <= most).all():
+            return
+        factor = quiet.factor(QUIET_MU * quiet.power) if len(p) <= MAX_QUIET_ROWS else None
+        if factor is None or not factor.definite:
+            break
+        excess = p * (1.0 - np.minimum(limit / np.maximum(loud, 1e-30), 1.0))
+        g -= quiet.adjoint(factor.solve(excess))
+        strongest = math.sqrt(kernels.peak(g))
+        if gain is not None and strongest > gain:
+            kernels.restrain(g, gain / strongest, gain * (1.0 - 2.0**-21))
+    over = float((np.abs(quiet.apply(g)) / np.maximum(most, 1e-30)).max())
+    if not math.isfinite(over):
+        g[:] = 0.0
+    elif over > 1.0:
+        g /= over
 
 
 def enforce_zones(

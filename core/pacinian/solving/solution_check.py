@@ -34,8 +34,7 @@ def measure_violations(
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
         loud = np.abs(propagator.quiet.apply(g))
-        full = np.sqrt(max(len(g) * propagator.quiet.power, 1e-60))  # about full drive [Pa]
-        over = (loud - limit) / np.maximum(limit, MIN_LIMIT_SHARE * full)
+        over = (loud - limit) / compute_excess_unit(propagator.quiet, limit)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
     if limits.zones and (above := _compute_zone_excess(propagator, limits, targets)) > TOLERANCE:
@@ -48,6 +47,15 @@ def measure_violations(
         if missed > TOLERANCE:
             found["exact"] = missed
     return found
+
+
+def compute_excess_unit(quiet: Propagator, limit: Floats) -> Floats:
+    """Return the pressures to which the excess over the limits of quiet points is relative, (K,) [Pa].
+
+    quiet: of these points. limit: (K,) [Pa]. An excess of `TOLERANCE` of these counts as kept.
+    """
+    full = np.sqrt(max(len(quiet.array) * quiet.power, 1e-60))  # about full drive [Pa]
+    return np.asarray(np.maximum(limit, MIN_LIMIT_SHARE * full))
 
 
 def _compute_zone_excess(propagator: Propagator, limits: Limits, targets: Targets) -> float:

@@ -52,7 +52,7 @@ class Connection(Struct, frozen=True, kw_only=True):
         """Write the file atomically, readable by this user only. Returns its path. Raises ServerError."""
         path = locate_connection(path)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            make_folder(path.parent)
             file, name = tempfile.mkstemp(prefix=f".{path.name}", dir=path.parent)  # made 0600
             try:
                 with os.fdopen(file, "wb") as stream:
@@ -96,6 +96,13 @@ def locate_connection(path: str | Path = "") -> Path:
         return platformdirs.user_runtime_path("pacinian") / "connection.json"
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder and its missing parents, for this user only. Raises OSError."""
+    for part in reversed([part for part in (folder, *folder.parents) if not part.exists()]):
+        part.mkdir(mode=0o700, exist_ok=True)
+    folder.mkdir(exist_ok=True)  # says what is wrong if it is no folder
+
+
 def check_replaceable(path: Path) -> None:
     """Refuse to overwrite a file that no server on this machine has written. Raises ServerError."""
     try:
@@ -116,8 +123,12 @@ def check_folder(folder: Path) -> None:
         advice = "who could remove the connection file: choose another one with `--connection`"
         if status.st_uid not in (os.getuid(), 0):
             raise ServerError(f"{part} belongs to another user, {advice}")
-        if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
+        sticky = status.st_mode & stat.S_ISVTX
+        if status.st_mode & stat.S_IWOTH and not sticky:
             raise ServerError(f"{part} can be changed by every user, {advice}")
+        own = os.getgid(), 0  # a user's first group is mostly his own
+        if status.st_mode & stat.S_IWGRP and not sticky and status.st_gid not in own:
+            raise ServerError(f"{part} can be changed by a group of users, {advice}")
 
 
 def _read_connection(path: Path) -> Connection:

@@ -15,12 +15,12 @@ import pytest
 
 from pacinian.errors import ArgumentError, ServerError
 from pacinian.scene.setup import Units
-from pacinian.serving.ipc import shared_memory
+from pacinian.serving.ipc import logs, shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import MIN_FILES, serve
-from pacinian.serving.settings import Metrics, Network, Settings
+from pacinian.serving.settings import Log, Metrics, Network, Settings
 from pacinian.testing import run_server
-from pacinian.wire.connection_file import Connection
+from pacinian.wire.connection_file import Connection, make_folder
 
 from ...waiting import PATIENCE, eventually
 from .control.test_supervisor import CHILD, PARENT
@@ -251,3 +251,62 @@ def test_a_signal_ends_the_server_in_order(launch: Launch, tmp_path: Path, name:
     process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     assert not connection.exists()
+
+
+@posix
+def test_no_file_gets_the_number_of_a_standard_file_that_was_closed(tmp_path: Path) -> None:
+    """Otherwise what a library prints goes into that file, or to a device."""
+    code = (
+        "import os, sys; from pacinian.serving.server import _hold_standard_files; _hold_standard_files();"
+        "file = os.open(sys.argv[1], os.O_CREAT | os.O_WRONLY); os.write(file, str(file).encode());"
+        "os.system('echo heard >&1; echo heard >&2')"
+    )
+    command = ["sh", "-c", 'exec "$0" -c "$1" "$2" <&- >&- 2>&-', sys.executable, code]
+    subprocess.run([*command, str(tmp_path / "a")], check=False, timeout=PATIENCE)
+    assert int((tmp_path / "a").read_text()) > 2
+
+
+def test_a_log_without_standard_error_loses_lines_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stderr", None)
+    logs.configure(Log(), "control")
+    logs.log().error("nobody hears this")
+    logs.flush()
+
+
+@posix
+@pytest.mark.parametrize("what", ["a pipe", "another user's"])
+def test_a_lock_that_is_not_a_file_of_this_user_is_refused(
+    tmp_path: Path, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lock = tmp_path / "connection.json.lock"
+    if what == "a pipe":
+        os.mkfifo(lock)
+    else:
+        lock.touch()
+        monkeypatch.setattr("os.geteuid", lambda: 4321)
+    said = refused(Settings(connection=str(tmp_path / "connection.json")))
+    assert f"{lock} is not a file of this user: remove it, or choose another" in said
+
+
+@posix
+def test_missing_folders_are_made_for_this_user_only(tmp_path: Path) -> None:
+    before = os.umask(0)
+    try:
+        make_folder(tmp_path / "a" / "b")
+    finally:
+        os.umask(before)
+    assert [path.stat().st_mode & 0o777 for path in (tmp_path / "a", tmp_path / "a" / "b")] == [
+        0o700
+    ] * 2
+
+
+@posix
+def test_a_folder_that_a_group_can_change_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tmp_path.chmod(0o770)
+    settings = Settings(connection=str(tmp_path / "connection.json"))
+    monkeypatch.setattr("os.getgid", lambda: 4321)
+    if tmp_path.stat().st_gid == 0:
+        os.chown(tmp_path, -1, 1234)
+    assert "can be changed by a group of users" in refused(settings)

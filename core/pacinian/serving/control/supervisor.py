@@ -22,11 +22,17 @@ GUARD, SPARE = "guard", "spare"
 ENDED = "render", "bus", "guard"
 # Time limit to the first heartbeat [s]. It is long because other processes may occupy the CPUs.
 STARTING = 120.0
+# The same for a spare that takes over a device that may sound, and has not waited for long [s].
+SOUNDING_START = 5.0
 # Delay from an end to the restart, doubled each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
 TRUSTED_AFTER = 10.0
 MAX_END_TIME = 3.0  # time limit to end after a request [s]
+MAX_SILENCING_TIME = (
+    5.0  # time limit for another guard to open the device, at the end of the server [s]
+)
+LOOK = 0.01  # interval between two looks for that [s]
 
 
 class Process(Protocol):
@@ -191,7 +197,10 @@ class Supervisor:
         spare = self._spare if child.name == GUARD else None
         if spare is not None and spare.process.poll() is None:
             child.process, self._spare, self._spare_due = spare.process, None, child.due
-            child.patience = self._hang_timeout if now - spare.started > TRUSTED_AFTER else STARTING
+            loaded = now - spare.started > TRUSTED_AFTER
+            # the device of the last guard may sound meanwhile
+            young = max(self._hang_timeout, SOUNDING_START) if child.sounded else STARTING
+            child.patience = self._hang_timeout if loaded else young
             child.process.call()
         elif now < child.due:
             return ""
@@ -215,13 +224,48 @@ class Supervisor:
         child.process.kill()
         return "hung, and was killed" if seen else "did not start, and was killed"
 
-    def end(self) -> list[str]:
-        """End all processes in order; return the names of those that had to be killed."""
-        killed: list[str] = []
-        if self._spare is not None:  # it has no device
+    def end(self, has_device: Callable[[float], bool] = lambda since: True) -> list[str]:
+        """End all processes in order; return the names of those that had to be killed.
+
+        has_device: whether, since that time [s], a guard has said that it has the device. Opening it silences it. If
+        the guard has not ended in order, its spare, or a new guard, opens the device once more. Raises ServerError if
+        it cannot: the device may still sound.
+        """
+        killed = self._end_children()
+        guard = self.children.get(GUARD)
+        silenced = guard is None or not self.trusted or guard.process.poll() == 0
+        if guard is not None and not silenced:
+            silenced = self._silence_again(guard, has_device)
+        if self._spare is not None:
             self._spare.process.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._spare.process.wait(MAX_END_TIME)
+        if not silenced:
+            raise ServerError("the device may still sound, and cannot be reached: switch it off")
+        return killed
+
+    def _silence_again(self, guard: Child, has_device: Callable[[float], bool]) -> bool:
+        """Let another guard open the device, and end it; return whether it has ended in order."""
+        if guard.process.poll() is None:
+            return False  # the system does not let it end
+        since, guard.due = self._clock(), -math.inf
+        try:
+            if self._again(guard, since):
+                return False
+            due = self._clock() + MAX_SILENCING_TIME
+            while not (opened := has_device(since)) and guard.process.poll() is None:
+                if self._clock() >= due:
+                    break
+                time.sleep(LOOK)
+            guard.process.close()
+            return guard.process.wait(MAX_END_TIME) == 0 and opened
+        except subprocess.TimeoutExpired:
+            guard.process.kill()
+            return False
+
+    def _end_children(self) -> list[str]:
+        """End all processes but the spare, in order; return the names of those that had to be killed."""
+        killed: list[str] = []
         rest = [name for name in self.children if name not in ENDED]
         for name in [*ENDED, *rest]:
             child = self.children.get(name)

@@ -95,11 +95,13 @@ class Process:
 
 
 def start(module: str, config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:
-    """Start `python -m pacinian.serving.<module>.process`.
+    """Start `python -P -m pacinian.serving.<module>.process`.
 
     Call this from a thread that lives as long as the child: on Linux, the child is killed when that thread ends.
     """
-    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], config, pipe)
+    # -P: nothing is imported from the folder in which the server was started, which may be another user's
+    command = [sys.executable, "-P", "-m", f"pacinian.serving.{module}.process"]
+    return launch(command, config, pipe)
 
 
 def launch(command: Sequence[str], config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -39,7 +40,8 @@ else:
         return True
 
 
-FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+# Of a FIFO in its place, the open fails or returns at once.
+FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 MAX_PID_BYTES = 32
 
 
@@ -94,10 +96,20 @@ class FileLock(Closing):
                 self.path.unlink()
 
 
+def _check_owner(path: Path, file: int) -> None:
+    """Refuse what another user has put there, and could remove or hold. Raises ServerError."""
+    status = os.fstat(file)
+    if os.name == "posix" and not (stat.S_ISREG(status.st_mode) and status.st_uid == os.geteuid()):
+        raise ServerError(
+            f"{path} is not a file of this user: remove it, or choose another folder with `--connection`"
+        )
+
+
 def _open(path: Path) -> int:
-    """Return the file, locked. Raises LockHeld, OSError."""
+    """Return the file, locked. Raises LockHeld, ServerError, OSError."""
     file = os.open(path, FLAGS, 0o600)
     try:
+        _check_owner(path, file)
         if _try_lock(file):
             return file
         content = os.read(file, MAX_PID_BYTES)

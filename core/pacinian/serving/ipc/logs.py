@@ -73,7 +73,10 @@ _logs = [EventLog()]  # the current one
 
 def configure(settings: Log, process: str) -> None:
     """Log as the settings say. Each line names the process."""
-    form = format_coloured_text if sys.stderr.isatty() else format_text
+    terminal = (
+        sys.stderr is not None and sys.stderr.isatty()
+    )  # None if it was closed before the start
+    form = format_coloured_text if terminal else format_text
     _logs[0] = EventLog(process, settings.level, format_json if settings.format == "json" else form)
 
 

@@ -23,7 +23,7 @@ SHARES = {"command": 0.6, "control": 0.3, "raw": 0.1}  # fractions of the messag
 BUSY = len(SHARES) + 2  # processes that a flood keeps busy: the senders, control and the bus
 CHUNK = 200_000  # messages between two control runs
 CONFIGURATION = """[clients]
-rate = 1e6
+max_rate = 1e6
 [metrics]
 port = {port}
 """  # the high rate limit makes the server decode the messages, not only count them

@@ -20,6 +20,7 @@ from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import (
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
+    SOUNDING_START,
     STARTING,
     TRUSTED_AFTER,
     Supervisor,
@@ -405,11 +406,70 @@ def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_sta
     assert spare.code is None
 
 
-def test_at_the_end_the_spare_goes_first() -> None:
+def test_at_the_end_the_spare_goes_last_because_it_may_be_needed() -> None:
     watch, _, _ = with_spare()
     watch.log.clear()
     watch.supervisor.end()
-    assert watch.log[:3] == [("kill", "spare"), ("wait", "spare"), ("close", "render")]
+    assert watch.log[-3:] == [("wait", "guard"), ("kill", "spare"), ("wait", "spare")]
+
+
+@pytest.mark.parametrize("how", ["hangs", "is killed", "ends by itself"])
+@pytest.mark.parametrize("spare", [True, False])
+def test_at_the_end_another_guard_opens_the_device_of_one_that_did_not_end_in_order(
+    how: str, spare: bool
+) -> None:
+    watch, guard, other = with_spare()
+    guard.stubborn = how == "hangs"
+    guard.code = {"hangs": None, "is killed": -9, "ends by itself": 1}[how]
+    if not spare:
+        other.code = 1
+    seen: list[float] = []
+
+    def has_device(since: float) -> bool:
+        seen.append(since)
+        watch.clock.advance(0.01)
+        return len(seen) > 3
+
+    watch.log.clear()
+    watch.supervisor.end(has_device)
+    new = watch.started[-1]
+    assert (new is other) is spare
+    assert ("call", "spare") in watch.log or not spare
+    assert watch.log.index(("close", new.name), 2) > 2 + spare
+    assert new.code == 0
+    assert seen == [seen[0]] * 4
+    assert all(fake.code is not None for fake in watch.started)
+
+
+@pytest.mark.parametrize(
+    "why", ["it opens nothing", "it ends", "it cannot be started", "the guard stays"]
+)
+def test_if_the_device_may_still_sound_at_the_end_that_is_an_error(why: str) -> None:
+    watch, guard, spare = with_spare()
+    guard.stubborn, guard.held = True, why == "the guard stays"
+
+    def has_device(_: float) -> bool:
+        watch.clock.advance(1.0)
+        if why == "it ends":
+            spare.code = 1
+        return False
+
+    if why == "it cannot be started":
+        spare.code, watch.error = 1, OSError("no memory")
+    with pytest.raises(ServerError, match="may still sound"):
+        watch.supervisor.end(has_device)
+    assert all(fake.code is not None for fake in watch.started if fake is not guard)
+
+
+def test_a_young_spare_that_takes_over_sound_has_not_long_to_begin() -> None:
+    watch, guard, spare = with_spare()
+    watch.check(sound=True)
+    guard.code = -9
+    watch.check(sound=True)
+    beat = watch.clock.time - 1.0
+    assert watch.look(SOUNDING_START - 0.1, guard=beat) == []
+    assert ("guard", "did not start, and was killed") in watch.look(0.3, guard=beat)
+    assert spare.code is not None
 
 
 @pytest.mark.parametrize("error", [OSError("no memory"), ServerError("too long")])

@@ -188,6 +188,18 @@ def test_what_is_told_after_the_end_closes_no_other_file() -> None:
     pipe.close()
 
 
+def test_nothing_is_imported_from_the_folder_of_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may be another user's."""
+    (tmp_path / "msgspec.py").write_text("import pathlib; pathlib.Path('imported').touch()")
+    monkeypatch.chdir(tmp_path)
+    child = child_process.start("guard", LaunchConfig(str(tmp_path / "none"), Settings()))
+    assert child.wait(PATIENCE) == 1
+    child.close()
+    assert not (tmp_path / "imported").exists()
+
+
 @posix
 def test_a_child_does_not_inherit_the_files_of_its_parent(tmp_path: Path) -> None:
     ends = os.pipe()
