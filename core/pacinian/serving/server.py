@@ -95,7 +95,7 @@ def serve(
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         secret = secrets.get("token") or secrets["secret_key"]
-        stop = stack.enter_context(StopSocket(folder / "stop", secret))
+        stop = stack.enter_context(_open_stop_socket(folder / "stop", secret))
         doors = stack.enter_context(ControlSockets(context, gate, settings.network, stop))
         command = settings.network.command or _free(settings.network.host, 0)
         network = replace(
@@ -151,6 +151,16 @@ def _alone(path: Path) -> FileLock:
         lock.close()
         raise
     return lock
+
+
+def _open_stop_socket(path: Path, secret: str) -> StopSocket:
+    try:
+        return StopSocket(path, secret)
+    except OSError as error:
+        raise ServerError(
+            f"{path}: no socket for emergency stops can be made there: {error.strerror or error}; "
+            "make room on that disk, or set TMPDIR to a short path"
+        ) from error
 
 
 def _raise_file_limit() -> None:

@@ -93,7 +93,13 @@ def locate_connection(path: str | Path = "") -> Path:
     # without a runtime folder, one in /tmp is safe enough: only this user can read the file
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return platformdirs.user_runtime_path("pacinian") / "connection.json"
+        try:
+            return platformdirs.user_runtime_path("pacinian") / "connection.json"
+        except OSError as error:  # somebody else's folder is in its place
+            raise ServerError(
+                f"there is no folder for the connection file ({error}): name a file with `--connection`, or in the "
+                f"environment variable {VARIABLE}"
+            ) from error
 
 
 def make_folder(folder: Path) -> None:

@@ -310,3 +310,30 @@ def test_a_folder_that_a_group_can_change_is_refused(
     if tmp_path.stat().st_gid == 0:
         os.chown(tmp_path, -1, 1234)
     assert "can be changed by a group of users" in refused(settings)
+
+
+def test_without_a_folder_for_the_connection_file_it_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def bad(_: str) -> Path:
+        raise PermissionError("/tmp/runtime-1 belongs to another user")
+
+    monkeypatch.delenv("PACINIAN_CONNECTION", raising=False)
+    monkeypatch.setattr("platformdirs.user_runtime_path", bad)
+    said = refused(Settings())
+    assert "/tmp/runtime-1 belongs to another user" in said
+    assert "`--connection`" in said
+
+
+def test_without_room_for_the_stop_socket_it_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def bad(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pacinian.serving.server.StopSocket", bad)
+    said = refused(Settings(connection=str(tmp_path / "connection.json")))
+    assert (
+        "stop: no socket for emergency stops can be made there: No space left on device; make"
+        in said
+    )
