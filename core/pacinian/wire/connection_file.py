@@ -85,7 +85,10 @@ class Connection(Struct, frozen=True, kw_only=True):
 
 
 def locate_connection(path: str | Path = "") -> Path:
-    """Return the path of the file: `path`, else the environment variable PACINIAN_CONNECTION, else the default."""
+    """Return the path of the file: `path`, else the environment variable PACINIAN_CONNECTION, else the default.
+
+    Raises ServerError if there is no folder for the default.
+    """
     if given := path or os.environ.get(VARIABLE):
         return Path(given)
     import platformdirs
