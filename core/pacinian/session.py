@@ -350,7 +350,7 @@ class Session:
         )
         if propagator.nulls is not None:
             enforce_zones(g, limits.gain, propagator.nulls, propagator, budget)
-        if propagator.quiet is not None and limits.quiet is not None:
+        if result.late and propagator.quiet is not None and limits.quiet is not None:
             enforce_quiet(g, limits.gain, propagator.quiet, np.asarray(limits.quiet[1], np.float64))
         p = propagator.apply(g)
         out[:] = g

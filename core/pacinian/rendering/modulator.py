@@ -25,6 +25,19 @@ if TYPE_CHECKING:
 MIN_POWER = 1e-30  # smallest power used as a divisor
 
 
+class Slot:
+    """One frame of a cycle that is played: it has every K-th row, and follows its own solutions.
+
+    last: limiter from whose last row it begins. span: remaining rows of a change.
+    """
+
+    def __init__(self, last: SlewRateLimiter) -> None:
+        self.smoother = SlewRateLimiter(last.settings, len(last.gains))
+        self.smoother.gains[:] = last.gains
+        self.solved: CachedSolution | None = None
+        self.span = 0
+
+
 class Modulator:
     """Turns solutions into rows of gains.
 
@@ -43,6 +56,7 @@ class Modulator:
         self._before: CachedSolution | None = None  # solution that still fades out
         self._span = 0  # remaining rows of a change
         self._limits: Limits | None = None  # of the last row
+        self._slots: list[Slot] = []  # of the cycle that is played
         self.retime(times, gap)
 
     def retime(self, times: Floats, gap: float) -> None:
@@ -57,7 +71,7 @@ class Modulator:
 
     def reset(self) -> None:
         """Start from silence."""
-        self._followed, self._before, self._limits = [], None, None
+        self._followed, self._before, self._limits, self._slots = [], None, None, []
         self.smoother.reset()
 
     @property
@@ -121,13 +135,50 @@ class Modulator:
             carrier[:] = one.gains
         # an intended jump of a focus is not limited, and new limits apply from the first row on
         limited = self._limits is not None and self._limits is not play.limits
-        jumps = limited or play.each or play.cycle
-        self.smoother.settings = self._jumps if jumps else self._smoothing
+        settings = self._jumps if limited or play.each else self._smoothing
         self._limits = play.limits
         if solved != self._followed:
             self._span = ticks * len(self.times)
             self._before = find_fading(self._followed, solved)
-        span = 1 if self.smoother.settings.rate is None else self._span
-        self.smoother.follow(carriers, self._gap, self._smooth, span, play.growth)
+        if play.cycle or (self._slots and not play.each):
+            self._follow_slots(carriers, solved, play, ticks, settings)
+        else:
+            self._slots, self.smoother.settings = [], settings
+            span = 1 if settings.rate is None else self._span
+            self.smoother.follow(carriers, self._gap, self._smooth, span, play.growth)
         self._span -= len(self.times)
         self._followed = solved
+
+    def _follow_slots(
+        self,
+        carriers: Gains,
+        solved: list[CachedSolution],
+        play: Solved,
+        ticks: int,
+        settings: Smoothing,
+    ) -> None:
+        """Let each frame of a cycle follow its own solutions, or after the cycle the one solution, until all have.
+
+        carriers: gains of `solved`; one for each row, or one for all.
+        """
+        count = len(play.rows) if play.cycle else len(self._slots)
+        if len(self._slots) != count:
+            old = self._slots
+            self._slots = [
+                Slot(old[k % len(old)].smoother if old else self.smoother) for k in range(count)
+            ]
+        for n in range(len(self.times)):
+            slot, k = self._slots[(self._row + n) % count], n % len(solved)
+            if slot.solved is not solved[k]:
+                slot.solved, slot.span = solved[k], max(1, ticks * len(self.times) // count)
+            slot.smoother.settings = settings
+            span = 1 if settings.rate is None else slot.span
+            row = self._smooth[n : n + 1]
+            slot.smoother.follow(carriers[k : k + 1], count * self._gap, row, span, play.growth)
+            slot.span -= 1
+        ended = not play.cycle and all(
+            slot.solved is solved[0] and slot.smoother.settled for slot in self._slots
+        )
+        self.smoother.gains[:], self.smoother.settled = self._smooth[-1], ended
+        if ended:
+            self._slots = []

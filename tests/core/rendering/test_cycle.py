@@ -15,6 +15,9 @@ from pacinian.gallery import SCENES
 from pacinian.rendering.cycle import split_frames
 from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+from .by_hand import solve_beside
 
 AIR, PERIOD = pc.Air(), 1e-3
 ONE, NINE = pc.autd(), pc.autd(3, 3)
@@ -363,3 +366,32 @@ def test_when_a_cycle_begins_again_no_earlier_frame_comes_back() -> None:
     assert counts[19] == 2
     assert counts[39] == 1
     assert counts[59] == 2
+
+
+@pytest.mark.parametrize("most", [1, 2])
+def test_a_region_that_comes_and_goes_does_not_step_though_its_frames_alternate(most: int) -> None:
+    """A row is compared with the one that its frame had before, two rows earlier, at a device of 4 kHz."""
+    x, y, _ = ONE.centre
+    disc = pc.Surface(
+        shape=pc.Disc(0.03), pose=pc.Pose((x, y, 0.2)), radiation_pressure=40.0, name="disc"
+    )
+    focus = pc.Point(position=(x, y + 0.05, 0.2), radiation_pressure=20.0, name="focus")
+    both, alone = pc.Scene((focus, disc)), pc.Scene((focus,))
+    clock, device = ManualClock(), Simulated(1 << 16, 1 << 16, rate=4000.0, keep=1000)
+    renderer = pc.Renderer(ONE, alone, clock=clock, backend=device, cycle=most)
+    counts = set[int]()
+    with renderer:
+        background = solve_beside(renderer, 8)
+        for k in range(240):
+            renderer.scene = both if k // 60 % 2 else alone
+            background.ready = k % 8 == 0
+            renderer.tick()
+            clock.advance(PERIOD)
+            counts.add(len(renderer.sounding))
+    assert max(counts) == most
+    frames = list(device.frames)[:240]  # without the end
+    gains = np.concatenate([f.gains(device.capability) for f in frames])
+    places = np.array([(x, y, 0.2), (x + 0.01, y, 0.2), (x, y + 0.02, 0.2), (x, y + 0.05, 0.2)])
+    p = np.abs([field(ONE, g, places, AIR) for g in gains])
+    steps = np.abs(p[2:] - p[:-2]) / p.max(axis=0)
+    assert steps.max() < 0.15
