@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -120,9 +121,10 @@ def _viewer(connection: Path) -> Generator[None]:
     """Run the viewer in a process of its own, which ends when its standard input closes."""
     import subprocess
 
+    from pacinian.serving.ipc.spawned_process import SAFE_PATH
+
     command = [
         sys.executable,
-        "-P",
         "-m",
         "pacinian",
         "view",
@@ -131,7 +133,8 @@ def _viewer(connection: Path) -> Generator[None]:
         str(connection),
     ]
     # A process group of its own: only the server receives Ctrl-C, and fades the sound out first.
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
+    env = {**os.environ, **SAFE_PATH}
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, env=env, start_new_session=True)
     try:
         yield
     finally:

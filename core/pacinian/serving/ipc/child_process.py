@@ -95,13 +95,11 @@ class Process:
 
 
 def start(module: str, config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:
-    """Start `python -P -m pacinian.serving.<module>.process`.
+    """Start `python -m pacinian.serving.<module>.process`.
 
     Call this from a thread that lives as long as the child: on Linux, the child is killed when that thread ends.
     """
-    # -P: nothing is imported from the folder in which the server was started, which may be another user's
-    command = [sys.executable, "-P", "-m", f"pacinian.serving.{module}.process"]
-    return launch(command, config, pipe)
+    return launch([sys.executable, "-m", f"pacinian.serving.{module}.process"], config, pipe)
 
 
 def launch(command: Sequence[str], config: LaunchConfig, pipe: ChildPipe | None = None) -> Process:

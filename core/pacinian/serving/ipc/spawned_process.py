@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 POLL_INTERVAL = 2e-3  # between two looks whether a process has ended [s]
+# Nothing is imported from the folder in which the server was started: it may be another user's.
+SAFE_PATH = {"PYTHONSAFEPATH": "1"}
 
 
 class SystemProcess(Protocol):
@@ -51,7 +53,7 @@ class SpawnedProcess:
         self.pid = os.posix_spawnp(
             command[0],
             self._command,
-            os.environ,
+            {**os.environ, **SAFE_PATH},
             file_actions=[(os.POSIX_SPAWN_DUP2, stdin, 0)],
             setsid=True,
             setsigdef=[signal.SIGPIPE, signal.SIGXFSZ],  # Python ignores these
@@ -92,4 +94,5 @@ def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
     if sys.platform != "win32":
         with contextlib.suppress(NotImplementedError):
             return SpawnedProcess(command, stdin)
-    return subprocess.Popen(command, stdin=stdin, start_new_session=os.name == "posix")
+    own, env = os.name == "posix", {**os.environ, **SAFE_PATH}
+    return subprocess.Popen(command, stdin=stdin, env=env, start_new_session=own)
