@@ -77,8 +77,12 @@ class Modulator:
     @property
     def held_back(self) -> bool:
         """Whether the limit of the slew rate kept the last row from its solution for longer than a change may take."""
-        smoother = self.smoother
-        return smoother.settings.rate is not None and not smoother.settled and self._span <= 0
+        # a frame begins with what another one played, and may take one row more
+        followers = [(slot.smoother, slot.span + 1) for slot in self._slots]
+        return any(
+            smoother.settings.rate is not None and not smoother.settled and span <= 0
+            for smoother, span in followers or [(self.smoother, self._span)]
+        )
 
     def rows(self, play: Solved, t: float, ticks: int = 1) -> Gains:
         """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
