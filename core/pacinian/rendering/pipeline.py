@@ -119,10 +119,8 @@ class Pipeline:
         self._changed = True  # whether the scene has changed since the last job began
         self._deviations = FrameDeviations()
         self._made: tuple[object, ...] = ()  # inputs of the last frame
-        self._time, self._repeated = (
-            math.nan,
-            False,
-        )  # of the last tick; whether its frame was the one before
+        # Time of the last tick [s]; whether its frame was the one before.
+        self._time, self._repeated = math.nan, False
         self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 ROUNDING = 1e-5  # relative excess up to which only the gains over the limit are clipped
 MAX_PROJECTIONS = 32  # alternating projections of gains for quiet zones
 MAX_QUIET_STEPS = 4  # corrections of gains for quiet points
-MAX_QUIET_ROWS = (
-    512  # most quiet points for which gains are corrected; for more they are only scaled down
-)
+# Most quiet points for which gains are corrected; for more they are only scaled down.
+MAX_QUIET_ROWS = 512
 QUIET_MU = 1e-6  # regularisation of that correction, relative to the mean power of rows
 UNCHECKED_FACTOR = 1.25  # safety factor for the places of a zone that are not checked
 CORRECTION_MU = 0.1  # regularisation of the pressure correction, relative to the mean power of rows

@@ -29,10 +29,9 @@ MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
 TRUSTED_AFTER = 10.0
 MAX_END_TIME = 3.0  # time limit to end after a request [s]
-MAX_SILENCING_TIME = (
-    5.0  # time limit for another guard to open the device, at the end of the server [s]
-)
-LOOK = 0.01  # interval between two looks for that [s]
+# Time limit for another guard to open the device, at the end of the server [s].
+MAX_SILENCING_TIME = 5.0
+POLL_INTERVAL = 0.01  # between two looks whether it has [s]
 
 
 class Process(Protocol):
@@ -256,7 +255,7 @@ class Supervisor:
             while not (opened := has_device(since)) and guard.process.poll() is None:
                 if self._clock() >= due:
                     break
-                time.sleep(LOOK)
+                time.sleep(POLL_INTERVAL)
             guard.process.close()
             return guard.process.wait(MAX_END_TIME) == 0 and opened
         except subprocess.TimeoutExpired:

@@ -51,9 +51,11 @@ FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
 EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
-# Longest time between two ticks while each repeats the frame before [s], if nothing new comes: something that moves by
-# itself may come into reach meanwhile. Also as a share of the time after which there is silence without a new frame.
-STILL_INTERVAL, STILL_SHARE = 4e-3, 0.25
+# Longest time between two ticks while each repeats the frame before [s]. It is short because something that moves by
+# itself may come into reach.
+STILL_INTERVAL = 4e-3
+# The same, as a share of the time after which there is silence without a new frame.
+STILL_SHARE = 0.25
 MAX_RESULTS = 64  # number of results of orders kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
