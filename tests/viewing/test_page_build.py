@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tarfile
 import zipfile
 from typing import TYPE_CHECKING
@@ -38,16 +39,7 @@ def project(tmp_path: Path) -> Path:
 
 def _build(project: Path, kind: str, **environment: str) -> tuple[Path, str]:
     """Build with hatchling; return the file and the output."""
-    command = [
-        shutil.which("python") or "python",
-        "-m",
-        "hatchling",
-        "build",
-        "-t",
-        kind,
-        "-d",
-        "out",
-    ]
+    command = [sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", "out"]
     made = subprocess.run(
         command, cwd=project, env={**os.environ, **environment}, timeout=LIMIT, check=True, text=True,
         capture_output=True,

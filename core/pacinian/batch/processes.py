@@ -27,6 +27,9 @@ from pacinian.batch.columns import from_columns, to_columns
 from pacinian.errors import PluginError, describe_error
 from pacinian.solving.blas import limit_blas_threads
 
+if sys.platform == "linux":
+    import fcntl
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
 LENGTH = np.dtype("<i8")  # of the lengths before each message
 COMMAND = "from pacinian.batch.processes import serve; serve()"
 IDLE_TIMEOUT = 60.0  # time after which a process ends if no batch has come [s]
+PIPE_SIZE = 1 << 20  # of answers, by default the largest that Linux allows [bytes]
 DIED = "a process that solves a part of a batch has died"
 HERE = b"__main__"  # the module that only this process has
 
@@ -47,6 +51,13 @@ def pack_task(task: Task) -> bytes | None:
     except Exception:  # objects of users can raise anything
         return None
     return None if HERE in packed else packed
+
+
+def _widen(pipe: IO[bytes]) -> None:
+    """Make a pipe hold an answer, so that the other process does not wait until a thread here runs and reads it."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError):  # all pipes of a user together have a limit
+            fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_SIZE)
 
 
 class WorkerProcess:
@@ -66,6 +77,7 @@ class WorkerProcess:
         assert self._process.stdin is not None
         assert isinstance(self._process.stdout, io.BufferedReader)
         self._out, self._in = self._process.stdin, self._process.stdout
+        _widen(self._in)
         self._greeter = threading.Thread(target=self._await_greeting, daemon=True)
         self._greeter.start()
 

@@ -1,4 +1,4 @@
-"""Scale each group in a row of gains, also while one solution fades into the next.
+"""Put envelopes on rows of gains, also while one solution fades into the next.
 
 A group is all samples that share one envelope; see `EnvelopeGroups`.
 """
@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.types import Floats, Gains, Singles
+    from pacinian.types import Complexes, Floats, Gains, Indices, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
 # regularisation, relative to total power; parts that differ by less are not separated
 MIN_DIFFERENCE = 1e-6
-MAX_SHARE = 4.0  # largest coefficient of a part while it fades; more is rounding
+MAX_COEFFICIENT = 4.0  # of a part; more is rounding
 
 
 def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
@@ -41,34 +43,117 @@ def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
     return np.asarray(np.sqrt(shares @ a**2 / max(shares.sum(), MIN_POWER)), dtype=np.float32)
 
 
-def split_by_group(solved: CachedSolution, a: Singles, s: Gains) -> tuple[Gains, Gains]:
-    """Split gains s, (K, N), into the part due to the groups, scaled by their amplitudes, and the rest; both (K, N).
+class Source:
+    """A solution that rows of gains s, (K, N), consist of in part.
 
-    a: present amplitudes of the groups, (V, K). While one solution fades into another, the coefficient of each group in
-    s is found by least squares.
+    parts: contributions of its groups, (V, N). a: amplitude of each in each row, (V, K). mean: their mean, (K,).
+    expected: coefficient of each in each row if all of s followed `share`, the solution's share of each row, (K,).
     """
-    if solved.parts is None:
-        parts, a = solved.gains[None], a[:1]  # one group, or no sample
-    else:
-        parts, a = solved.parts, np.vstack([a, mean_amplitude(solved, a)])
+
+    def __init__(
+        self, solved: CachedSolution, share: Floats, t: Floats, s: Gains, switches: bool
+    ) -> None:
+        a = group_amplitudes(solved, t, switches)
+        self.mean = mean_amplitude(solved, a)
+        if solved.parts is None:
+            self.parts, self.a = solved.gains[None], a[:1]  # one group, or no sample
+        else:
+            self.parts, self.a = solved.parts, np.vstack([a, self.mean])
+        turn = s @ solved.gains.conj()  # the phase of a solution is free
+        turn = share * turn / np.maximum(np.abs(turn), MIN_POWER)
+        self.expected: Complexes = np.broadcast_to(turn, self.a.shape)
+
+
+def mix(sources: Sequence[Source], s: Gains) -> Gains:
+    """Return the gains s, (K, N), under the envelopes of the solutions that they consist of.
+
+    sources: the present solution, then past ones. The coefficient of each part in s is found by least squares. Where s
+    cannot tell, because parts of two solutions are alike, it is the expected one. The rest follows the present one.
+    """
+    parts = np.concatenate([one.parts for one in sources]).astype(np.complex128)
+    c = np.concatenate([one.expected for one in sources])  # (V, K)
     power = parts.conj() @ parts.T
-    power += np.eye(len(parts), dtype=np.complex64) * np.float32(
-        MIN_DIFFERENCE * power.trace().real + MIN_POWER
-    )
-    c = np.linalg.solve(power, parts.conj() @ s.T)  # (V, K)
-    c = (c / np.maximum(np.abs(c) / MAX_SHARE, 1.0)).astype(np.complex64)
-    sound, whole = (a * c).T @ parts, c.T @ parts
-    return np.asarray(sound, dtype=np.complex64), np.asarray(s - whole, dtype=np.complex64)
+    power += np.eye(len(parts)) * (MIN_DIFFERENCE * power.trace().real + MIN_POWER)
+    c = c + np.linalg.solve(power, parts.conj() @ (s - c.T @ parts).T)
+    c /= np.maximum(np.abs(c) / MAX_COEFFICIENT, 1.0)
+    a = np.concatenate([one.a for one in sources])
+    rest = s - c.T @ parts
+    return np.asarray((a * c).T @ parts + sources[0].mean[:, None] * rest, dtype=np.complex64)
 
 
-def find_fading(last: list[CachedSolution], now: list[CachedSolution]) -> CachedSolution | None:
-    """Return the last solution if its envelope differs from that of the present one, so that it must fade out.
+class EnvelopeFade:
+    """Past solutions whose envelopes still count.
 
-    None if there are several solutions for a tick, because these jump anyway.
+    Gains on their way from one solution to another tell how much of each they contain. They do not if an object only
+    got another envelope. Therefore a past solution also has a share, which falls from row to row, no faster than gains
+    may change.
     """
-    if len(last) != 1 or len(now) != 1 or not len(last[0].samples):
-        return None
+
+    def __init__(self) -> None:
+        self._present: Sequence[CachedSolution] = ()
+        self._past: list[
+            tuple[Sequence[CachedSolution], float]
+        ] = []  # with its share of the last row
+        self._step = 1.0  # fall of a share from row to row
+
+    def __bool__(self) -> bool:
+        """Whether any past solution has a share."""
+        return any(share > 0.0 for _, share in self._past)
+
+    def begin(self, solved: Sequence[CachedSolution], step: float) -> None:
+        """Fade to other solutions from the next row on, if these are others.
+
+        solved: one, or the frames of a cycle. step: fall of a share from row to row.
+        """
+        if solved == self._present:
+            return
+        self._past = [(past, share) for past, share in self._past if share > 0.0]
+        if _envelopes_differ(self._present, solved):
+            self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
+        self._present = solved
+        # silence has no envelope: what fades out keeps its own
+        self._step = step if len(solved[0].samples) else 0.0
+
+    def end(self) -> None:
+        """Let only the present solutions count."""
+        self._past = []
+
+    def reset(self) -> None:
+        """Forget all solutions."""
+        self._present, self._past = (), []
+
+    def shares(self, number: int, rows: slice) -> list[tuple[CachedSolution, Floats]]:
+        """Return past solutions with their shares of rows of the next tick.
+
+        number: of the first row, which tells the frame of a cycle.
+        """
+        n = np.arange(rows.start, rows.stop, rows.step) + 1
+        return [
+            (past[number % len(past)], share)
+            for (past, _), share in zip(self._past, self._fall(n), strict=True)
+        ]
+
+    def advance(self, rows: int) -> None:
+        """Go on by so many rows."""
+        last = self._fall(np.array([rows]))
+        self._past = [(past, float(s[0])) for (past, _), s in zip(self._past, last, strict=True)]
+
+    def _fall(self, n: Indices) -> list[Floats]:
+        """Return the share of each past solution after n rows, (K,): the first ones fall first."""
+        shares = np.array([share for _, share in self._past])
+        left = shares.cumsum()[:, None] - self._step * n
+        return list(np.clip(left, 0.0, shares[:, None]))
+
+
+def _envelopes_differ(last: Sequence[CachedSolution], now: Sequence[CachedSolution]) -> bool:
+    """Return whether the envelopes of the last solutions must fade out, because those of the present ones differ.
+
+    Frames of a cycle with several groups jump anyway.
+    """
+    if not last or not len(last[0].samples):
+        return False
     before, then = last[0].groups, now[0].groups
     if before is None or not len(before) or (then is not None and before.alike(then)):
-        return None
-    return last[0]
+        return False
+    single = len(before) == 1 and then is not None and len(then) <= 1
+    return single or len(last) == len(now) == 1

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.rendering.mixing import (
-    find_fading,
+    EnvelopeFade,
+    Source,
     group_amplitudes,
     mean_amplitude,
-    split_by_group,
+    mix,
 )
 from pacinian.rendering.slew_limiter import SlewRateLimiter
 
@@ -53,7 +54,7 @@ class Modulator:
         """Which frame of a cycle the first row of the last tick was, and the number of frames in the cycle."""
         self._row = 0  # number of the next row
         self._followed: list[CachedSolution] = []
-        self._before: CachedSolution | None = None  # solution that still fades out
+        self._fade = EnvelopeFade()
         self._span = 0  # remaining rows of a change
         self._limits: Limits | None = None  # of the last row
         self._slots: list[Slot] = []  # of the cycle that is played
@@ -71,7 +72,8 @@ class Modulator:
 
     def reset(self) -> None:
         """Start from silence."""
-        self._followed, self._before, self._limits, self._slots = [], None, None, []
+        self._followed, self._limits, self._slots = [], None, []
+        self._fade.reset()
         self.smoother.reset()
 
     @property
@@ -98,30 +100,31 @@ class Modulator:
         if play.cycle:
             solved = [solved[(self._row + k) % count] for k in range(len(self.times))]
         flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
-        flat = flat and not play.cycle
+        flat = flat and not play.cycle and not self._fade
         if flat:
-            self._smooth[:], self._before = self.smoother.gains, None
+            self._smooth[:] = self.smoother.gains
             self.smoother.rest()
+            self._fade.end()
         else:
             self._follow(solved, play, ticks)
-        at, before = t + self.times, self._before
+        at = t + self.times
         if flat:
             self._write_steady(solved[0], group_amplitudes(solved[0], at, self.switches))
         for n, one in enumerate(() if flat else solved):
             own = slice(n, len(at), len(solved))  # its rows
-            a, s = group_amplitudes(one, at[own], self.switches), self._smooth[own]
-            if before is None and one.parts is None:
-                self._rows[own] = a[0][:, None] * s
-                continue
-            sound, rest = split_by_group(one, a, s)
-            if before is not None:
-                fading = group_amplitudes(before, at[own], self.switches)
-                more, rest = split_by_group(before, fading, rest)
-                sound += more
-            self._rows[own] = sound + mean_amplitude(one, a)[:, None] * rest
+            self._rows[own] = self._mix(one, own, at[own], self._smooth[own])
+        self._fade.advance(len(at))
         self._row += len(at)
         self.steady = flat and solved[0].steady
         return self._rows
+
+    def _mix(self, one: CachedSolution, own: slice, t: Floats, s: Gains) -> Gains:
+        """Put envelopes on the smooth gains s, (K, N), of one solution's rows `own` of this tick, at times t [s]."""
+        past = self._fade.shares(self._row + own.start, own)
+        if not past and one.parts is None:
+            return np.asarray(group_amplitudes(one, t, self.switches)[0][:, None] * s)
+        share = 1.0 - sum((share for _, share in past), np.zeros(len(t)))
+        return mix([Source(x, w, t, s, self.switches) for x, w in [(one, share), *past]], s)
 
     def _write_steady(self, one: CachedSolution, a: Singles) -> None:
         """Write the rows while nothing fades. a: amplitudes of the groups, (V, K)."""
@@ -143,7 +146,10 @@ class Modulator:
         self._limits = play.limits
         if solved != self._followed:
             self._span = ticks * len(self.times)
-            self._before = find_fading(self._followed, solved)
+        rate = settings.rate
+        self._fade.begin(
+            play.rows, 1.0 if rate is None else min(rate * self._gap, 1 / max(self._span, 1))
+        )
         if play.cycle or (self._slots and not play.each):
             self._follow_slots(carriers, solved, play, ticks, settings)
         else:

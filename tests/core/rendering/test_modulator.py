@@ -327,6 +327,37 @@ def test_different_envelopes_that_stand_still_change_no_faster_either() -> None:
     np.testing.assert_allclose(P, [36.0, 40.0], rtol=0.05)
 
 
+@pytest.mark.parametrize("others", [(), (0.3,), (None,)], ids=["alone", "beside", "crossing"])
+@pytest.mark.parametrize("wait", [1, 2, 20])
+def test_changed_envelopes_of_still_objects_change_no_faster_either(
+    others: tuple[float | None, ...], wait: int
+) -> None:
+    def show(level: float) -> pc.Scene:
+        levels = (level, *(1.01 - level if other is None else other for other in others))
+        pairs = zip((LEFT, RIGHT), levels, strict=False)
+        return pc.Scene(tuple(point(q, 40.0, envelope=pc.Constant(one)) for q, one in pairs))
+
+    rate = 250.0
+    loop = Loop(show(1.0), 2, rate)
+    played = [loop.run(20)[1]]
+    for level in 0.01, 0.5, 0.02, 0.9, 0.04, 1.0:  # also while the last change goes on
+        now = show(level)
+        loop.scene = lambda t, now=now: now
+        played.append(loop.run(wait)[1])
+    rows = np.concatenate(played)
+    change = np.abs(np.diff(rows, axis=0)).max() / np.abs(rows).max()
+    assert change <= rate * TICK / 2 * 1.5  # two objects may change at the same time
+
+
+def test_what_is_silenced_by_its_envelope_stays_silent_while_it_goes() -> None:
+    loop = Loop(pc.Scene((point(LEFT, 40.0, envelope=pc.Constant(0.0)),)), 2, 250.0)
+    loop.run(20)
+    for scene in NOTHING, pc.Scene((point(RIGHT, 40.0),)):
+        loop.scene = lambda t, scene=scene: scene
+        _, rows = loop.run(20)
+        assert pressures(rows, [LEFT]).max() < 0.5
+
+
 def test_groups_of_different_strengths_come_up_from_silence() -> None:
     items = point(LEFT, 80.0), point(RIGHT, 80.0, envelope=pc.Constant(0.01))
     rate = 100.0

@@ -598,7 +598,9 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
         technique=STM(frequency=100.0, along=Circle(0.02)),
     )
     for rows in (1, 2, 4):
-        renderer, _, _ = make(pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows))
+        renderer, _, _ = make(
+            pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows), governed=False
+        )
         report = renderer.run(0.1)
         assert len(report.errors) == 2  # in tick FIRST_LOOK, and TICKS_PER_LOOK later
         assert 0.0 < report.error < 0.02
