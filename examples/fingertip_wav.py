@@ -33,7 +33,7 @@ array, clock = pc.autd(3, 3), ManualClock()
 backend = pc.backend("simulated")
 felt, at = [], np.empty((0, 3))
 scene = pc.Scene((button,), hands=(hand,))
-with pc.Renderer(array, scene, backend=backend, governed=False, clock=clock) as renderer:
+with pc.Renderer(array, scene, backend=backend, adaptive=False, clock=clock) as renderer:
     for tick in range(500):
         clock.time = tick * renderer.period
         renderer.tick(clock.time)

@@ -17,7 +17,7 @@ spark = pc.Point(
 )
 clock = ManualClock()  # simulated time, so nothing waits
 emitted, places = [], []
-with pc.Renderer(array, pc.Scene((spark,)), governed=False, clock=clock) as renderer:
+with pc.Renderer(array, pc.Scene((spark,)), adaptive=False, clock=clock) as renderer:
     for tick in range(20):  # two turns of 10 ms
         clock.time = tick * renderer.period
         renderer.tick(clock.time)

@@ -25,7 +25,7 @@ def stroke(t: float) -> pc.Scene:
     return pc.Scene((plate,), hands=(hand,))
 
 
-with pc.Renderer(array, stroke, governed=False, clock=clock) as renderer:
+with pc.Renderer(array, stroke, adaptive=False, clock=clock) as renderer:
     for tick in range(100):
         clock.time = tick * renderer.period
         renderer.tick(clock.time)

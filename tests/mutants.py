@@ -69,7 +69,7 @@ AREAS = {
                 f"{WIRE}/{name}.py"
                 for name in ("binary_arrays", "co*", "objects", "protocol", "replies")
             ),
-            *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "error_path")),
+            *(f"{WIRE}/{name}.py" for name in ("shapes", "state", "time", "decode_errors")),
         ),
         ("tests/core/wire", "tests/wire"),
     ),

@@ -72,7 +72,7 @@ from .rendering.renderer import Renderer as Renderer
 from .rendering.report import Fault as Fault
 from .rendering.report import Report as Report
 from .rendering.rerender import rerender as rerender
-from .rendering.slew_limiter import Smoothing as Smoothing
+from .rendering.smoothing import Smoothing as Smoothing
 from .scene.file import SceneFile as SceneFile
 from .scene.file import load_scene_file as load_scene_file
 from .scene.hands.hand import Hand as Hand
@@ -131,7 +131,7 @@ from .solving.propagator import Propagator as Propagator
 from .solving.quiet_zone import Zone as Zone
 from .solving.regions import joint_phases as joint_phases
 from .solving.solution import Solution as Solution
-from .solving.status import Status as Status
+from .solving.solution_status import Status as Status
 from .types import Complexes as Complexes
 from .types import Floats as Floats
 from .types import Gains as Gains

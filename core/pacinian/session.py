@@ -31,11 +31,12 @@ from pacinian.solving.limit_enforcement import (
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
-from pacinian.solving.regions import carry_solution, settle_phases
+from pacinian.solving.regions import settle_phases
 from pacinian.solving.relaxation import MAX_POINTS
 from pacinian.solving.solution import Solution
 from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
+from pacinian.solving.warm_start import carry_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +49,6 @@ FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
 PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
-FEWER = 4  # warm start if the number of points changes by at most 1/FEWER of it, plus one
 MAX_MULTIPLE = 1e6  # largest factor by which a solution is scaled instead of solved again
 
 
@@ -171,35 +171,13 @@ class Session:
             self.last = self._scale_last(c, targets, out, start)
             return self.last
         if warm is not None:
-            warm = (
-                self._carry_over(warm, q, targets)
-                if len(warm.targets.amplitudes) and len(q)
-                else None
-            )
+            warm = carry_over(self.propagator, targets, warm)
         made = self._solve_anew(targets, limits, warm, budget, out, start, ready, solver)
         if targets.regions is not None and budget.endless:
             made = self._correct_regions(made, limits, start, solver)
         self.last = self._base = made
         self._solved_with = (solver, limits, self.propagator.version, self.tilt)
         return self.last
-
-    def _carry_over(self, warm: Solution, q: Floats, targets: Targets) -> Solution | None:
-        """Return the last solution carried over to the points q, (M, 3) [m]; None if they differ too much."""
-        if warm.asked_phases is not None and targets.regions is not None:
-            return carry_solution(self.propagator, targets, warm, warm.points)
-        M = len(warm.sound_pressure)
-        if len(q) == M:
-            return warm
-        alike = FEWER * abs(M - len(q)) <= max(M, len(q)) + FEWER
-        return self._there(warm) if alike else None
-
-    def _there(self, warm: Solution) -> Solution:
-        """Return the last solution evaluated at the present points, so that points that remain keep their phases."""
-        p = self.propagator.apply(warm.gains)
-        here = self.propagator.points
-        return dataclasses.replace(
-            warm, points=here, sound_pressure=p, multipliers=None, asked_phases=None
-        )
 
     def forget(self) -> None:
         """Discard the last solution and all caches, so that the next solve is a cold start."""

@@ -278,7 +278,7 @@ def label(page: Image.Image) -> Image.Image:
 def main(path: Path, *moments: float) -> None:
     """Write the loop, or only some moments [s] of it."""
     clock, drawn, tick = ManualClock(), list[Image.Image](), 0
-    with pc.Renderer(pc.autd(3, 3), scene, governed=False, clock=clock) as renderer:
+    with pc.Renderer(pc.autd(3, 3), scene, adaptive=False, clock=clock) as renderer:
         for t in moments or [frame / FPS for frame in range(round(SECONDS * FPS))]:
             if moments:
                 tick = max(tick, round(t / renderer.period) - SETTLED)

@@ -2,9 +2,16 @@
 
 Nothing here renders. A plug-in adds its commands to `pacinian`.
 
-plugin.py, commands/           the plug-in; one file for each command
-solvers/, regions/, scenes/    benchmarks of solvers against peers; of regions between samples; of ticks
-server/                        of real servers: latency, load, faults (faults/), fuzzing (fuzz/), soak
-devices/, stress/, study/      pacing and quantisation; numerical stability; arrangements of arrays
-examples/, paper/, vectors/    examples of peers; the paper; test vectors of the wire
+plugin.py  the plug-in: adds the commands below to `pacinian`
+commands/  one file for each command: `pacinian bench ...`, `soak`, `stress`, `study`, `paper`
+solvers/   run time and error of Pacinian's solvers and of other projects'
+regions/   how even the pressure of regions is between their samples
+scenes/    time per tick of the built-in scenes, saved work, audible noise
+server/    latency, load, soak of real servers; faults/ fault injection; fuzz/ malformed messages
+devices/   frame timing, quantisation, scatter of transducers
+examples/  examples of other projects, made again with Pacinian
+stress/    numerical stability: hard problems, promises of solvers
+study/     arrangements of arrays, compared
+paper/     the paper's experiment, figures, forces
+vectors/   test vectors of the wire
 """

@@ -10,10 +10,10 @@ from msgspec.structs import replace
 
 from pacinian_lab.server.faults.server import Server
 
-from ..core.client.fake import Fake
+from ..core.client.fake_server import Fake
 from . import tools
+from .blockable_link import BlockableLink
 from .game import HELD, Game, begin, sound, wait_until_free
-from .slow import Slow
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -56,14 +56,14 @@ def server() -> Iterator[Fake]:
 
 
 @pytest.fixture
-def wire(server: Fake) -> Iterator[Slow]:
+def wire(server: Fake) -> Iterator[BlockableLink]:
     """Return the transport of the commands to it."""
-    with Slow(server.connection.command) as slow:
-        yield slow
+    with BlockableLink(server.connection.command) as link:
+        yield link
 
 
 @pytest.fixture
-def file(server: Fake, wire: Slow, tmp_path: Path) -> Path:
+def file(server: Fake, wire: BlockableLink, tmp_path: Path) -> Path:
     """Return its connection file."""
     return replace(server.connection, command=wire.address).write(tmp_path / "connection.json")
 

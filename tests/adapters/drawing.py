@@ -1,4 +1,4 @@
-"""Draws terminals, menus, panels of fields, and an array with a ball and a hand, for the picture stories."""
+"""Draws terminals, menus, panels of fields, and an array with a ball and a hand, for the walkthroughs in pictures."""
 
 from __future__ import annotations
 

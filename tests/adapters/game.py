@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from pacinian_lab.server.faults.logging_device import Log
     from pacinian_lab.server.faults.server import Server
 
-    from ..core.client.fake import Fake
-    from .slow import Slow
+    from ..core.client.fake_server import Fake
+    from .blockable_link import BlockableLink
 
 HEAVY = 120  # more objects than the sockets take
 LEASE = 0.25  # [s], requested by a game whose lease is to end
@@ -257,7 +257,7 @@ def kill(server: Server) -> None:
     eventually(lambda: not server.list_running())
 
 
-def fill(server: Fake, game: Game, wire: Slow) -> None:
+def fill(server: Fake, game: Game, wire: BlockableLink) -> None:
     """Block the game's commands, and send until there is no room; then new ones wait.
 
     After each command, the client's thread sends a message to control. This proves that no command replaced the one

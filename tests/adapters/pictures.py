@@ -12,7 +12,7 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.plot import figure, save
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Settings
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.testing.server import run_server

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from pacinian.wire import control, replies
 
-from ..core.client.fake import Fake
+from ..core.client.fake_server import Fake
 from ..waiting import eventually
 from . import test_csharp_client, test_csharp_connecting, test_csharp_server, tools
 from .game import Game, begin

@@ -14,10 +14,10 @@ from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.state import TouchState
 
-from ..core.client.fake import Fake, state, usual
+from ..core.client.fake_server import Fake, state, usual
 from ..waiting import PATIENCE, eventually
+from .blockable_link import BlockableLink
 from .game import HEAVY, fill
-from .slow import Slow
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -263,7 +263,7 @@ def test_no_call_waits_for_the_clients_own_thread_which_alone_waits_for_the_serv
 def test_a_server_that_hangs_is_lost(
     server: Fake, tmp_path: Path, start: Callable[..., Game], how: str
 ) -> None:
-    with Slow(server.connection.control) as line:
+    with BlockableLink(server.connection.control) as line:
         path = replace(server.connection, control=line.address).write(tmp_path / "hangs.json")
         with start(path, timeout=2.0) as game:
             game.do("start")
@@ -283,7 +283,9 @@ def height(move: commands.Move) -> float:
     return float(unpack(move.poses, 7)[0, 2])
 
 
-def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: Game) -> None:
+def test_the_newest_wins_while_there_is_no_room(
+    server: Fake, wire: BlockableLink, game: Game
+) -> None:
     fill(server, game, wire)
     for i in range(50):
         game.do(f"move rain 0 0 {i / 100}")
@@ -297,7 +299,7 @@ def test_the_newest_wins_while_there_is_no_room(server: Fake, wire: Slow, game: 
 
 
 def test_what_waits_too_long_is_not_sent(
-    server: Fake, wire: Slow, file: Path, start: Callable[..., Game]
+    server: Fake, wire: BlockableLink, file: Path, start: Callable[..., Game]
 ) -> None:
     """A trial in which the link was lost does not count, because a new link has room: try again."""
     with start(file, life=1.0) as game:
@@ -320,7 +322,7 @@ def test_what_waits_too_long_is_not_sent(
 
 
 def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
-    server: Fake, wire: Slow, game: Game
+    server: Fake, wire: BlockableLink, game: Game
 ) -> None:
     game.do("put ball 0 0 0.2 5")
     game.do("arm")

@@ -19,7 +19,7 @@ from pacinian.wire import control, replies
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.emergency import NONCE_BYTES, sign, verify
 
-from ..core.client.fake import Fake, usual
+from ..core.client.fake_server import Fake, usual
 from ..core.client.stopped_processes import server_apart, stand_still
 from ..waiting import PATIENCE, eventually
 from . import tools
@@ -28,7 +28,7 @@ from .game import Game, begin, fill
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .slow import Slow
+    from .blockable_link import BlockableLink
 
     Start = Callable[..., Game]
 
@@ -185,7 +185,7 @@ def is_closed(peer: str | tuple[str, int]) -> bool:
 
 @pytest.mark.parametrize("when", ["never started", "connecting", "connected", "unsent", "hangs"])
 def test_the_end_waits_for_nobody(
-    server: Fake, wire: Slow, file: Path, start: Start, tmp_path: Path, when: str
+    server: Fake, wire: BlockableLink, file: Path, start: Start, tmp_path: Path, when: str
 ) -> None:
     path = tmp_path / "none.json" if when == "connecting" else file
     with start(path) as game:  # has enough time for an answer

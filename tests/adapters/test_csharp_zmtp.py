@@ -15,8 +15,8 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from ..waiting import PATIENCE, eventually
 from . import tools
+from .blockable_link import BlockableLink
 from .game import Game
-from .slow import Slow
 from .zmtp import Listener, command, frame, frames, greeting, ready
 
 if TYPE_CHECKING:
@@ -248,7 +248,7 @@ def test_who_is_refused(bind: Bind, start: Start) -> None:
 def test_heartbeats_go_both_ways(bind: Bind, start: Start) -> None:
     """Each side answers the other's heartbeats with their content."""
     router, address = bind(zmq.ROUTER, heartbeat=10)
-    with Slow(address) as line:
+    with BlockableLink(address) as line:
         heard: dict[str, bytes] = {"near": b"", "far": b""}
         line.tap = lambda side, data: heard.__setitem__(side, heard[side] + data)
         with start("Dealer", line.address, ping=0.01) as game:

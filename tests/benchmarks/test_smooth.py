@@ -14,7 +14,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.rendering.quantiser import Quantiser
-from pacinian.rendering.slew_limiter import SlewRateLimiter, Smoothing
+from pacinian.rendering.smoothing import GainSmoother, Smoothing
 
 
 def median(*functions: Callable[[], object], repeats: int = 2000) -> list[float]:
@@ -34,7 +34,7 @@ def test_what_smooth_output_costs(benchmark: Any, N: int, K: int) -> None:
     rng = np.random.default_rng(1)
     gains = cycle(np.exp(2j * np.pi * rng.random((8, K, N))).astype(np.complex64))
     out = np.empty((K, N), np.complex64)
-    limited, free = SlewRateLimiter(Smoothing(), N), SlewRateLimiter(Smoothing(rate=None), N)
+    limited, free = GainSmoother(Smoothing(), N), GainSmoother(Smoothing(rate=None), N)
     quantiser = Quantiser(pc.Capability(256, 320, 1000.0 * K), K, N)
     seconds = 1e-3 / K
     benchmark(lambda: limited.follow(next(gains), seconds, out))

@@ -8,7 +8,7 @@ import pytest
 
 from pacinian_lab.server.faults.server import Server
 
-from ..core.client.patience import wait_long
+from ..core.client.long_timeouts import wait_long
 from .game import Game
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import pacinian as pc
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import Running, run_server
 

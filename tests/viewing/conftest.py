@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian.client import link
 from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, run_server
 from pacinian.viewing import demonstration, slices, states

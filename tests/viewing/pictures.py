@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from PIL import Image
 
 import pacinian as pc
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing.server import Running, run_server
 from pacinian.viewing import slices

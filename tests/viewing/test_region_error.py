@@ -19,7 +19,7 @@ from pacinian.viewing.region_error import (
 )
 from pacinian.wire.binary_arrays import pack
 
-from ..core.client.fake import state
+from ..core.client.fake_server import state
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

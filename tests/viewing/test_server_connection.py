@@ -23,7 +23,7 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.state import ClientState
 
-from ..core.client.fake import Fake, state, usual
+from ..core.client.fake_server import Fake, state, usual
 from .watching import LIMIT, Page, viewer
 
 if TYPE_CHECKING:

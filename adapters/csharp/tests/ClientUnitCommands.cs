@@ -9,7 +9,7 @@ namespace Pacinian.Tests
         private const double Life = 1.0; // [s]
 
         private readonly Outbox _outbox = new Outbox(new WriterPool(), Life);
-        private readonly Batch _batch = new Batch();
+        private readonly CommandBatch _batch = new CommandBatch();
 
         public ClientUnitCommands()
         {

@@ -10,7 +10,7 @@ namespace Pacinian.Tests
         private const double Life = 1.0; // [s]
 
         private readonly WriterPool _writers = new WriterPool();
-        private readonly Batch _batch = new Batch();
+        private readonly CommandBatch _batch = new CommandBatch();
         private readonly Outbox _outbox;
 
         public ClientUnitOutbox()

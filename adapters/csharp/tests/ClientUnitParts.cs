@@ -53,34 +53,34 @@ namespace Pacinian.Tests
 
         public void WhatIsAskedIsAnsweredInTimeOrLate()
         {
-            RequestTable table = new RequestTable();
+            UnansweredRequests unanswered = new UnansweredRequests();
             Writer writer = new Writer();
             long sequence = 0;
-            ClientUnit.Equal("", table.FindLate(1e9, 2.0));
+            ClientUnit.Equal("", unanswered.FindLate(1e9, 2.0));
             PendingRequest arm = new PendingRequest("arm", new Arm(), 2.0);
-            long id = table.NextId();
+            long id = unanswered.NextId();
             arm.Write(writer, new Bulk(), id, ref sequence, 10.0);
-            table.Add(id, arm);
-            ClientUnit.Equal("", table.FindLate(12.0, 2.0));
-            ClientUnit.Equal("arm", table.FindLate(12.1, 2.0));
-            ClientUnit.Holds(table.Take(id) == arm);
-            ClientUnit.Holds(table.Take(id) == null);
-            long first = table.NextId(), second = table.NextId();
-            table.NoteRenewal(first, 20.0);
-            table.NoteRenewal(second, 21.0);
-            ClientUnit.Equal("renew", table.FindLate(22.1, 2.0));
-            ClientUnit.Equal(20.0, table.TakeRenewal(first));
-            ClientUnit.Equal("", table.FindLate(1e9, 2.0));
-            ClientUnit.Holds(double.IsNaN(table.TakeRenewal(12345)));
+            unanswered.Add(id, arm);
+            ClientUnit.Equal("", unanswered.FindLate(12.0, 2.0));
+            ClientUnit.Equal("arm", unanswered.FindLate(12.1, 2.0));
+            ClientUnit.Holds(unanswered.Take(id) == arm);
+            ClientUnit.Holds(unanswered.Take(id) == null);
+            long first = unanswered.NextId(), second = unanswered.NextId();
+            unanswered.NoteRenewal(first, 20.0);
+            unanswered.NoteRenewal(second, 21.0);
+            ClientUnit.Equal("renew", unanswered.FindLate(22.1, 2.0));
+            ClientUnit.Equal(20.0, unanswered.TakeRenewal(first));
+            ClientUnit.Equal("", unanswered.FindLate(1e9, 2.0));
+            ClientUnit.Holds(double.IsNaN(unanswered.TakeRenewal(12345)));
         }
 
         public void NumbersGoRoundWithoutZero()
         {
-            RequestTable table = new RequestTable();
+            UnansweredRequests unanswered = new UnansweredRequests();
             long last = 0;
             for (int i = 0; i < 1000; i++)
             {
-                long number = table.NextId();
+                long number = unanswered.NextId();
                 ClientUnit.Holds(number == last + 1);
                 last = number;
             }
@@ -89,7 +89,7 @@ namespace Pacinian.Tests
         public void RequestsWaitForTheirSessionOnly()
         {
             Inbox inbox = new Inbox();
-            RequestQueue requests = new RequestQueue();
+            UnsentRequests requests = new UnsentRequests();
             PendingRequest request = new PendingRequest("field", new Field(), 2.0, answer => { });
             ClientUnit.Holds(!requests.Add(0, request));
             requests.Open(1, inbox);
@@ -202,12 +202,12 @@ namespace Pacinian.Tests
 
         public void ProblemsSayWhatToDo()
         {
-            ClientUnit.Holds(Problems.Version(2).EndsWith("update the client", StringComparison.Ordinal));
-            ClientUnit.Holds(Problems.Version(0).EndsWith("update the server", StringComparison.Ordinal));
-            Refusal why = Problems.Of(new Error { Code = Code.Version, Message = "no" });
+            ClientUnit.Holds(ErrorMessages.Version(2).EndsWith("update the client", StringComparison.Ordinal));
+            ClientUnit.Holds(ErrorMessages.Version(0).EndsWith("update the server", StringComparison.Ordinal));
+            Refusal why = ErrorMessages.Of(new Error { Code = Code.Version, Message = "no" });
             string ours = Protocol.Major + "." + Protocol.Minor;
             ClientUnit.Equal("version: no; update the older of the two: this client speaks " + ours, why.ToString());
-            ClientUnit.Holds(Problems.Of(new DllNotFoundException("libzmq")).Contains("not installed"));
+            ClientUnit.Holds(ErrorMessages.Of(new DllNotFoundException("libzmq")).Contains("not installed"));
         }
     }
 }

@@ -39,8 +39,8 @@ namespace Pacinian.Haptics.Editing
                 EditorGUILayout.PropertyField(property);
                 return;
             }
-            string[] names = Choices.Of(plugins, property.stringValue);
-            int chosen = EditorGUILayout.Popup(label, Choices.Index(names, property.stringValue), names);
+            string[] names = PluginDropDown.Of(plugins, property.stringValue);
+            int chosen = EditorGUILayout.Popup(label, PluginDropDown.Index(names, property.stringValue), names);
             property.stringValue = chosen == 0 ? "" : names[chosen];
         }
 

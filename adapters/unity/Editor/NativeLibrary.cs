@@ -41,7 +41,7 @@ namespace Pacinian.Haptics.Editing
         {
             get
             {
-                return Executable.Windows ? "libzmq.dll" : Directory.Exists("/System/Library") ? "libzmq.dylib" : "libzmq.so";
+                return ServerExecutable.Windows ? "libzmq.dll" : Directory.Exists("/System/Library") ? "libzmq.dylib" : "libzmq.so";
             }
         }
 

@@ -11,10 +11,10 @@ namespace Pacinian.Haptics.Editing
     {
         static ReloadGuard()
         {
-            StartedServer.FindElsewhere = Executable.Find;
+            StartedServer.FindElsewhere = ServerExecutable.Find;
             AssemblyReloadEvents.beforeAssemblyReload += HapticServer.ShutDown;
             EditorApplication.quitting += HapticServer.ShutDown;
-            EditorApplication.quitting += LocalServer.Stop;
+            EditorApplication.quitting += EditorServer.Stop;
             EditorApplication.playModeStateChanged += Change;
             EditorApplication.pauseStateChanged += Pause;
             EditorApplication.update += KeepAlive;

@@ -44,36 +44,36 @@ namespace Pacinian.Haptics.Editing
             if (EditorApplication.timeSinceStartup >= _next)
             {
                 _next = EditorApplication.timeSinceStartup + Period;
-                _log = LocalServer.Log();
+                _log = EditorServer.Log();
                 Repaint();
             }
         }
 
         private void OnGUI()
         {
-            string executable = Executable.Find();
+            string executable = ServerExecutable.Find();
             EditorGUILayout.LabelField("Program", executable.Length > 0 ? executable : "not found");
             if (executable.Length == 0)
             {
-                EditorGUILayout.HelpBox(Executable.Advice, MessageType.Warning);
+                EditorGUILayout.HelpBox(ServerExecutable.Advice, MessageType.Warning);
             }
             if (GUILayout.Button("Choose the program..."))
             {
                 string chosen = EditorUtility.OpenFilePanel("pacinian", "", "");
-                Executable.Chosen = chosen.Length > 0 ? chosen : Executable.Chosen;
+                ServerExecutable.Chosen = chosen.Length > 0 ? chosen : ServerExecutable.Chosen;
             }
             Library(executable);
             _arguments = EditorGUILayout.TextField("pacinian serve", _arguments);
             EditorGUILayout.BeginHorizontal();
-            GUI.enabled = executable.Length > 0 && !LocalServer.Running;
+            GUI.enabled = executable.Length > 0 && !EditorServer.Running;
             if (GUILayout.Button("Start"))
             {
-                _problem = LocalServer.Start(executable, _arguments);
+                _problem = EditorServer.Start(executable, _arguments);
             }
-            GUI.enabled = LocalServer.Running;
+            GUI.enabled = EditorServer.Running;
             if (GUILayout.Button("Stop"))
             {
-                LocalServer.Stop();
+                EditorServer.Stop();
             }
             GUI.enabled = true;
             EditorGUILayout.EndHorizontal();
@@ -81,7 +81,7 @@ namespace Pacinian.Haptics.Editing
             {
                 EditorGUILayout.HelpBox(_problem, MessageType.Error);
             }
-            EditorGUILayout.LabelField("State", LocalServer.Running ? "running" : "not started here");
+            EditorGUILayout.LabelField("State", EditorServer.Running ? "running" : "not started here");
             _at = EditorGUILayout.BeginScrollView(_at);
             float height = EditorStyles.wordWrappedLabel.CalcHeight(new GUIContent(_log), 600f);
             EditorGUILayout.SelectableLabel(_log, EditorStyles.wordWrappedLabel, GUILayout.MinHeight(height));

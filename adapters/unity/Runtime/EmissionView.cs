@@ -42,9 +42,9 @@ namespace Pacinian.Haptics
         {
             positions.Clear();
             pressures.Clear();
-            Wire.State state = Emitted.Now;
+            Wire.State state = EmittedState.Now;
             Rigid array = ArrayOrigin.InWorld;
-            for (int i = 0; state != null && i < Emitted.Count(state); i++)
+            for (int i = 0; state != null && i < EmittedState.Count(state); i++)
             {
                 positions.Add(WireSpace.ToUnity(array.Point(state.Points.Point(i))));
                 pressures.Add(state.Achieved.Single(i));
@@ -53,7 +53,7 @@ namespace Pacinian.Haptics
 
         private void OnDrawGizmos()
         {
-            Wire.State state = Emitted.Now;
+            Wire.State state = EmittedState.Now;
             if (state == null)
             {
                 return;
@@ -72,7 +72,7 @@ namespace Pacinian.Haptics
 
         private void Samples(Wire.State state, Rigid array)
         {
-            int count = Emitted.Count(state);
+            int count = EmittedState.Count(state);
             float strongest = 1e-6f;
             for (int i = 0; i < count; i++)
             {

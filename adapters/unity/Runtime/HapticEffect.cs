@@ -84,13 +84,13 @@ namespace Pacinian.Haptics
         /// <summary>The largest radiation pressure emitted for the effect, as the server reports it [Pa]; 0 if there is none.</summary>
         public float Emitted
         {
-            get { return Haptics.Emitted.Most(Haptics.Emitted.Now, _name); }
+            get { return EmittedState.Most(EmittedState.Now, _name); }
         }
 
         /// <summary>The achieved and the requested pressure of the effect, as the server reports them; unknown for a point.</summary>
         public RegionFelt RegionFelt
         {
-            get { return Pacinian.RegionFelt.Of(Haptics.Emitted.Now, _name); }
+            get { return Pacinian.RegionFelt.Of(EmittedState.Now, _name); }
         }
 
         /// <summary>Returns the shape without the settings that all effects have; null and the reason if there is none.</summary>

@@ -1,5 +1,7 @@
 """Many problems in one call, on all cores.
 
-solve_many.py   the call        task.py   the problems and how one is solved
-processes.py   the other processes      columns.py   the solutions that they send
+solve_many.py  `solve_many`: threads or processes, how problems are spread on cores
+task.py        `Task`: the problems; solves one of them
+processes.py   worker processes: pickles over pipes, reused for 60 s
+columns.py     solutions as columns, cheaper to send than one by one
 """

@@ -1,1 +1,31 @@
-"""The command `pacinian`, one file a subcommand."""
+"""The command `pacinian`, one file a subcommand.
+
+main.py               the command: groups of subcommands, errors, exit codes
+demo.py               `pacinian demo`: a moving ball on a simulated array, as a picture
+doctor.py             `pacinian doctor`: prints findings about this machine
+doctor_probes.py      what `doctor` measures: Python, libraries, kernels, processor, memory, clock, USB, server
+doctor_rules.py       what `doctor` says about it, with advice
+engines.py            `pacinian unity`, `pacinian unreal`
+engine_package.py     copies an engine's package into a project, all or nothing, and keeps changed files
+serve.py              `pacinian serve`: runs the server
+stop.py               `pacinian stop`: emergency stop
+render.py             `pacinian render`: renders a scene file, without a server; `--record`
+replay.py             `pacinian replay`: plays a recording of `render` again
+run_output.py         progress bar, summary and picture of `demo` and `render`; whether ticks were late
+keys.py               `pacinian keys`: CURVE keys for connections from other machines
+status.py             `pacinian status`: one state of the server
+watch.py              `pacinian watch`: states, live in a terminal
+view.py               `pacinian view`: the viewer in a browser
+devices.py            `pacinian devices`: list, check, draw, schema, udev rules
+device_findings.py    rules of `pacinian devices check`
+device_calibrate.py   `pacinian devices calibrate`: calibration from a microphone scan; its warnings
+udev.py               udev rules for USB arrays
+plugins.py            `pacinian plugins`: installed plug-ins
+new.py                `pacinian new`: package of a solver or backend from templates/
+schema.py             `pacinian schema`: JSON Schema of scene files
+wire.py               `pacinian wire`: documents of the protocol
+connection_option.py  the option `--connection`
+console.py            colours and width of a terminal, NO_COLOR
+standard_input.py     end of standard input: the parent has ended
+templates/            files of a new plug-in
+"""

@@ -176,7 +176,7 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
     from rich.text import Text
 
     from pacinian.cli.console import make_console
-    from pacinian.rendering.deviations import Total, describe_totals
+    from pacinian.rendering.deviation_log import Total, describe_totals
     from pacinian.solving.felt_regions import FeltRegion
 
     table = Table(box=None, show_header=False, pad_edge=False)

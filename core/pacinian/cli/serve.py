@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
 
     from pacinian.plugins.registry import Kind
-    from pacinian.scene.setup import PluginConfig
+    from pacinian.scene.config_sections import PluginConfig
     from pacinian.serving.settings import Settings
 
 FAREWELL = 5.0  # time for the viewer to end [s]

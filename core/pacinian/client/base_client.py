@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pacinian.checks import check_number
 from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.server_session import ServerSession
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import ConnectionLost, ServerError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pacinian.wire.connection_file import Connection
 
 
-class BaseClient(Closing):
+class BaseClient(Closeable):
     """Base of `Client`, with the same arguments. A context manager. Belongs to the thread that makes it."""
 
     def __init__(

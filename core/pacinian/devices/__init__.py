@@ -1,8 +1,14 @@
 """Real devices: descriptions, calibration and USB access.
 
-description.py, board.py, layouts.py   description files: boards, their poses, wiring and deviations
-calibration.py                 strengths and phases of all channels, as files
-scan.py, scan_fit.py, scan_least_squares.py   microphone scans, and what they say about a device
-usb.py, usb_link.py, usb_errors.py   finds and selects USB devices; claims one; advice for each error
-device_users.py                programs that have a device open
+description.py      `DeviceDescription`: description file of a device, its boards, levels, wiring; makes the `Array`
+board.py            one board: channel order, dead channels, gain, phase and their standard errors
+layouts.py          positions of transducers on a board: AUTD unit, grid, list of places
+calibration.py      calibration files (CSV): strength and phase of every channel; read, write, apply to boards
+scan.py             microphone scan files: CSV, NPZ, HDF5; units of columns; several channels driven at once
+scan_fit.py         `fit_scan`: P0, responses, speed of sound, pose; dead, reversed, odd transducers; what is vague
+scan_robust_fit.py  the least squares of `fit_scan`: Gauss-Newton, Cauchy weights against outliers, covariance, priors
+usb.py              `UsbKind`: finds, lists and selects USB devices by vendor, product, serial number
+usb_link.py         `UsbLink`: claims a device; control requests, bulk OUT frames, time limits
+usb_errors.py       pyusb's errors in words, with advice: permission, driver, unplugged
+device_users.py     which other programs have a device open, so that it is busy
 """

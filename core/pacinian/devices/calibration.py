@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian import documents
 from pacinian.checks import check_integer, check_number
 from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
+from pacinian.toml_json_files import read_bytes
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +45,7 @@ def read_calibration(path: Path) -> Measured:
     """
     found: Measured = {}
     try:
-        text = io.StringIO(documents.read_bytes(path, largest=MAX_BYTES).decode(), newline="")
+        text = io.StringIO(read_bytes(path, largest=MAX_BYTES).decode(), newline="")
         rows = csv.reader(text, skipinitialspace=True)
         head = tuple(name.strip() for name in next(rows, []))
         if head not in (COLUMNS, COLUMNS + ERROR_COLUMNS):

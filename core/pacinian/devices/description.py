@@ -17,8 +17,8 @@ from pacinian.acoustics.uncertainty import MAX_PRESSURE, Uncertainty
 from pacinian.checks import check_integer, check_number
 from pacinian.devices.board import Board
 from pacinian.devices.calibration import apply_calibration
-from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
+from pacinian.toml_json_files import decode_document, json_schema
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices

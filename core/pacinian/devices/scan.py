@@ -35,8 +35,8 @@ from msgspec.structs import replace
 
 from pacinian.checks import check_integer, check_number, check_numbers
 from pacinian.devices.scan_fit import MAX_POSITIONS
-from pacinian.documents import MAX_BYTES, decode_document
 from pacinian.errors import ArgumentError, MissingExtra, SceneFileError
+from pacinian.toml_json_files import MAX_BYTES, decode_document
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,7 @@ Least squares for s, q, c and the pose T of the array in the frame of the scan, 
 X_mn is the reading of the microphone at position m while only transducer n is driven. mu, the microphone's gain and
 phase, is one complex number for the whole scan. It cannot be separated from a factor common to all responses, so their
 mean strength is set to 1 and their common phase to 0; the factor is P0 in the microphone's unit.
-`pacinian.devices.scan_least_squares` has the method.
+`pacinian.devices.scan_robust_fit` has the method.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.checks import check_near, check_number, check_numbers
-from pacinian.devices.scan_least_squares import (
+from pacinian.devices.scan_robust_fit import (
     MAX_SPEED,
     MIN_NOISE,
     MIN_SPEED,
@@ -44,8 +44,8 @@ TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be o
 MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
-OUTLYING = 0.1  # weight below which a reading is an outlier
-MAX_OUTLYING = 0.5  # share of outliers in a transducer's readings above which these are odd
+OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
+MAX_OUTLIER_SHARE = 0.5  # share of outliers in a transducer's readings above which these are odd
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
 # information from the scan, relative to that from before; below, a parameter is unknown
 MIN_INFORMATION = 0.1
@@ -318,7 +318,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
     errors = np.sqrt(np.diag(covariance))
-    outlying = model.read & (model.W < OUTLYING)
+    outlying = model.read & (model.W < OUTLIER_WEIGHT)
     sizes = np.maximum((np.abs(model.X) ** 2).sum(axis=0), MIN_SUM)
     missed = np.sqrt((np.abs(model.read * (model.X - model.F)) ** 2).sum(axis=0) / sizes)  # (N,)
     return ScanFit(
@@ -344,7 +344,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         pressure_error=float(errors[8]),
         covariance=covariance,
         widened=widened,
-        odd=(outlying.sum(axis=0) > MAX_OUTLYING * model.read.sum(axis=0))
+        odd=(outlying.sum(axis=0) > MAX_OUTLIER_SHARE * model.read.sum(axis=0))
         & (missed > MAX_RESIDUAL),
         vague=_find_vague(model),
     )

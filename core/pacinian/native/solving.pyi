@@ -27,10 +27,10 @@ def power(g: Complexes) -> float:
     """
 
 @overload
-def held(g: Gains, limit: float) -> int: ...
+def count_at_limit(g: Gains, limit: float) -> int: ...
 
 @overload
-def held(g: Complexes, limit: float) -> int:
+def count_at_limit(g: Complexes, limit: float) -> int:
     """The number of gains, (N,), with |g_n| >= limit."""
 
 @overload
@@ -43,10 +43,10 @@ def powers(B: Complexes, out: Floats) -> None:
     """
 
 @overload
-def restrain(g: Gains, factor: float, highest: float) -> None: ...
+def limit_gains(g: Gains, factor: float, highest: float) -> None: ...
 
 @overload
-def restrain(g: Complexes, factor: float, highest: float) -> None:
+def limit_gains(g: Complexes, factor: float, highest: float) -> None:
     """
     Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it.
     """
@@ -65,10 +65,10 @@ def changed(points: Floats, before: Floats, normals: Floats, normals_before: Flo
 
 TILE: int = 256
 
-def spread(B: Gains, y: Singles, x: Singles, tile: Singles) -> None:
+def adjoint_planar(B: Gains, y: Singles, x: Singles, tile: Singles) -> None:
     """Write x = B^H y, (2, N)."""
 
-def gather(B: Gains, g: Singles, p: Floats, tile: Singles) -> None:
+def apply_planar(B: Gains, g: Singles, p: Floats, tile: Singles) -> None:
     """Write p = B g, (2, M), for gains (2 or more, N)."""
 
 def apply(B: Gains, g: Gains, p: Complexes) -> None:
@@ -87,10 +87,10 @@ def converge(q: Floats, P: Floats, some: Floats, centre: Floats, k: float, least
     """
 
 @overload
-def stand_for(B: Gains, p: Complexes, group: Longs, rows: Gains) -> None: ...
+def sum_group_rows(B: Gains, p: Complexes, group: Longs, rows: Gains) -> None: ...
 
 @overload
-def stand_for(B: Complexes, p: Complexes, group: Longs, rows: Complexes) -> None:
+def sum_group_rows(B: Complexes, p: Complexes, group: Longs, rows: Complexes) -> None:
     """
     Write p_g^H B_g for the samples of each group g, (R, N).
 
@@ -109,7 +109,7 @@ def waves(q: Floats, t: Floats, regions: Longs, some: Floats, centre: Floats, k:
     q: (M, 3) [m]. t: amplitudes, (M,) [Pa]. regions: numbered from 0, (M,). Others: as for `converge`.
     """
 
-def join(t: Floats, given: Floats, regions: Longs, wave: Floats, start: Floats, warm: bool, norm: float, group: Longs, phi: Floats, p: Complexes, z: Complexes) -> int:
+def combine_regions(t: Floats, given: Floats, regions: Longs, wave: Floats, start: Floats, warm: bool, norm: float, group: Longs, phi: Floats, p: Complexes, z: Complexes) -> int:
     """
     Write the group of each sample, (M,), the samples of which share one free phase; return the number of groups.
 
@@ -119,12 +119,12 @@ def join(t: Floats, given: Floats, regions: Longs, wave: Floats, start: Floats, 
     phases, (M,), written if there are several groups. z: phase factor of each group, (M + 1,).
     """
 
-def turn(given: Floats, group: Longs, z: Complexes, phi: Floats) -> None:
+def rotate_phases(given: Floats, group: Longs, z: Complexes, phi: Floats) -> None:
     """
-    Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `join`.
+    Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `combine_regions`.
     """
 
-def carry(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, multipliers: Complexes, made: Complexes, near: float, still: float, phases: Floats, y: Complexes) -> int:
+def carry_multipliers(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, multipliers: Complexes, made: Complexes, near: float, still: float, phases: Floats, y: Complexes) -> int:
     """
     Write the phases, (M,) [rad], and multipliers y, (M,), that points take over from earlier points of their kind.
 
@@ -135,7 +135,7 @@ def carry(q: Floats, now: Longs, before: Floats, were: Longs, asked: Floats, mul
     with their regions, phases [rad] and multipliers. Returns how many points have a multiplier.
     """
 
-def choose(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, p: Complexes, free: Flags) -> float:
+def choose_phases(G: Complexes, t: Floats, phi: Floats, start: Floats, steps: int, p: Complexes, free: Flags) -> float:
     """
     Write targets p, (M,), with the phases phi, where NaN by Gerchberg-Saxton steps from `start`.
 
@@ -147,7 +147,7 @@ def furthest(q: Floats, origin: Floats, t: Floats) -> float:
     The largest |q_m - origin|^2, (M, 3); NaN where a number is not finite, or t_m neither 0 nor 1e-30..1e30.
     """
 
-def miss(p: Complexes, t: Floats, phi: Floats) -> float:
+def relative_error(p: Complexes, t: Floats, phi: Floats) -> float:
     """
     ||asked - p|| / ||t||; phases phi, (M,) [rad], are as p has them where NaN.
     """

@@ -2,7 +2,7 @@
 #define NO_IMPORT_ARRAY
 #include "pacinian/rendering/quantiser.hpp"
 #include "pacinian/rendering/reachability.hpp"
-#include "pacinian/rendering/slew_limiter.hpp"
+#include "pacinian/rendering/smoothing.hpp"
 #include "pacinian/scene/unbounded.hpp"
 #include "pacinian/solving/unbounded.hpp"
 

@@ -11,7 +11,7 @@ from pacinian.plot.pareto_front import plainly
 from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
 from pacinian.plugins.registry import discover_plugins, solver
 from pacinian.session import Session
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

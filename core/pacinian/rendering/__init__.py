@@ -1,25 +1,46 @@
 """The render loop: sample, propagate, solve, modulate, quantise, send.
 
 The loop
-    renderer.py, pipeline.py          the API; one tick, from a scene to a frame
-    settings.py, scene_renderer.py    settings as plain values; a renderer from a scene file
-    clock.py, tick_pacing.py          time; when ticks are due, and which are skipped
-    warmup.py, realtime_section.py    what is done before the first tick, and against delays
-    fail_safe_output.py               the backend, whose failures silence the output
+    renderer.py               the API: `Renderer`, its options and defaults; a tick never raises
+    pipeline.py               one tick, from a scene to a frame; deadline of a solve; how old a result may be
+    tick_pacing.py            when ticks are due, and which are skipped when the loop is late
+    clock.py                  the clock, which tests replace
+    warmup.py                 what is loaded and tried before the first tick
+    realtime_section.py       garbage collection and thread switches, kept from delaying ticks
+    fail_safe_output.py       the backend, whose failures silence the output
+    scene_renderer.py         a renderer from a scene file
 Solve
-    sample_solver.py, cached_solution.py, outcome.py   solve for samples, reuse solutions, pass them on
-    background_schedule.py, background_solve.py   solve in ticks, or beside them
-    sample_budget_controller.py       how many samples
-    reachability.py, cycle.py         samples that sound reaches; regions rendered by several frames in turn
-    skin_limit.py                     the pressure limit on all skin that is seen
+    sample_solver.py          solves for samples; reuses solutions while nothing moves
+    cached_solution.py        a solution as it is kept, and whether it needs another solve
+    solve_result.py           what passes from a solve to the ticks that play it
+    background_schedule.py    solve in the ticks or beside them; how often; over how many ticks a change is spread
+    background_solve.py       the thread that solves beside the ticks
+    sample_budget_controller.py   how many samples there may be when time is short
+    reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
+    cycle.py                  regions whose mean over several frames meets the target; number of these frames
+    skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
 From gains to levels
-    modulator.py, row_times.py, envelope_groups.py, mixing.py   rows of gains, with their envelopes
-    slew_limiter.py, quantiser.py     no jumps; levels of the device
+    modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
+    smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
+    envelope_gains.py         puts envelopes on gains; fades from the envelopes of one solution to those of the next
+    envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains
+    row_times.py              how many rows a frame has, and when each sounds
+    quantiser.py              levels of the device: rounding, dither, inverse of its amplitude table
 What is reported
-    report.py, deviations.py, frame_deviations.py   counts and times; what is left out or changed
-    scene_warnings.py                 what to warn about before a run
-    measurement_schedule.py, emitted_measurement.py, audibility.py   the emitted field; audible sound
+    report.py                 counts, tick times and their stages, errors, faults
+    deviation_log.py          what was left out or changed, by object and reason, over time
+    frame_deviations.py       what one frame leaves out or changes
+    scene_warnings.py         what to warn about before a run
+    measurement_schedule.py   when the emitted field is measured
+    emitted_measurement.py    the emitted field between the samples
+    audibility.py             how audible the frames are
 Recordings
-    recording.py, recording_clock.py, scene_log.py, recorded_files.py   written and read
-    replay.py, rerender.py, library_versions.py   played; rendered again, and what may differ
+    recording.py              the file: written tick by tick, read up to its last whole tick
+    scene_log.py              changes of the scene from tick to tick, as they are written
+    embedded_files.py         meshes, textures and sounds inside a recording
+    recorded_settings.py      the renderer's settings inside a recording
+    recording_clock.py        clock readings inside a recording, so that decisions repeat
+    replay.py                 plays a recording on a backend
+    rerender.py               renders a recording again, and compares
+    library_versions.py       versions and variants on which frames depend
 """

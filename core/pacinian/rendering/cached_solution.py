@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.rendering.envelope_groups import EnvelopeGroups
@@ -22,11 +22,11 @@ class CachedSolution:
     gains: at full envelope, (N,). groups: the samples' groups by envelope; None if the gains contain the envelopes.
     parts: contribution of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
     those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would be
-    useless, because the solver had enough time. vain: number of successive solves without improvement. averaged:
-    whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each object to which
-    little sound comes, with the number of such samples. limited: whether it is scaled down, because the pressure on
-    skin would exceed its limit. evaluated: whether that pressure was compared with its limit, if there is one. retry:
-    time from which to solve again if it is not final [s].
+    useless, because the solver had enough time. failed_improvements: number of successive solves that were not better.
+    averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each
+    object to which little sound comes, with the number of such samples. limited: whether it is scaled down, because the
+    pressure on skin would exceed its limit. evaluated: whether that pressure was compared with its limit, if there is
+    one. retry: time from which to solve again if it is not final [s].
     """
 
     gains: Gains
@@ -36,14 +36,14 @@ class CachedSolution:
     samples: Samples
     steady: bool
     final: bool
-    vain: int = 0
+    failed_improvements: int = 0
     averaged: bool = False
     weakened: tuple[tuple[int, int], ...] = ()
     limited: bool = False
     evaluated: bool = True
     retry: float = -math.inf
 
-    def rests(self, t: float) -> bool:
+    def needs_no_solve(self, t: float) -> bool:
         """Return whether a solve at time t [s] is not needed, or not yet."""
         return self.final or t < self.retry
 

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from pacinian.rendering.cached_solution import CachedSolution
-from pacinian.rendering.deviations import (
+from pacinian.rendering.deviation_log import (
     AVERAGED,
     FEWER_FRAMES,
     INTERPOLATED,
@@ -22,8 +22,8 @@ from pacinian.scene.sampling.sample_counts import label_object
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pacinian.rendering.deviations import Reasons
-    from pacinian.rendering.outcome import Outcome
+    from pacinian.rendering.deviation_log import Reasons
+    from pacinian.rendering.solve_result import SolveResult
 
 
 class FrameDeviations:
@@ -33,7 +33,7 @@ class FrameDeviations:
         self._last: tuple[tuple[object, ...], Reasons] = (), NOTHING
 
     def describe(
-        self, before: Outcome, played: Outcome, *, between: bool, held_back: bool
+        self, before: SolveResult, played: SolveResult, *, between: bool, held_back: bool
     ) -> Reasons:
         """Return what a frame leaves out or changes that plays `played` after `before`.
 

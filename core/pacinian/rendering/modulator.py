@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.rendering.mixing import (
+from pacinian.rendering.envelope_gains import (
     EnvelopeFade,
     Source,
     group_amplitudes,
     mean_amplitude,
     mix,
 )
-from pacinian.rendering.slew_limiter import SlewRateLimiter
+from pacinian.rendering.smoothing import GainSmoother
 
 if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.sample_solver import Solved
-    from pacinian.rendering.slew_limiter import Smoothing
+    from pacinian.rendering.smoothing import Smoothing
     from pacinian.solving.problem import Limits
     from pacinian.types import Floats, Gains, Singles
 
@@ -32,8 +32,8 @@ class Slot:
     last: limiter from whose last row it begins. span: remaining rows of a change.
     """
 
-    def __init__(self, last: SlewRateLimiter) -> None:
-        self.smoother = SlewRateLimiter(last.settings, len(last.gains))
+    def __init__(self, last: GainSmoother) -> None:
+        self.smoother = GainSmoother(last.settings, len(last.gains))
         self.smoother.gains[:] = last.gains
         self.solved: CachedSolution | None = None
         self.span = 0
@@ -48,7 +48,7 @@ class Modulator:
     def __init__(self, times: Floats, gap: float, smoothing: Smoothing, columns: int) -> None:
         self.switches = False
         """Whether square waves have steps, for a device whose transducers are either on or off."""
-        self.smoother = SlewRateLimiter(smoothing, columns)
+        self.smoother = GainSmoother(smoothing, columns)
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.place_in_cycle = 0, 1
         """Which frame of a cycle the first row of the last tick was, and the number of frames in the cycle."""

@@ -1,7 +1,7 @@
 """Make a frame from a scene: sample, solve, modulate and quantise, as far as time allows.
 
 Sampling and solving are one job. It runs in the tick, or in a thread beside the ticks if these would be late. Only its
-result (`Outcome`) passes to the rest of the tick.
+result (`SolveResult`) passes to the rest of the tick.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
 from pacinian.rendering.modulator import Modulator
-from pacinian.rendering.outcome import Outcome
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
+from pacinian.rendering.solve_result import SolveResult
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability, Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.recording_clock import RecordingClock
-    from pacinian.rendering.slew_limiter import Smoothing
+    from pacinian.rendering.smoothing import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
     from pacinian.types import Floats, Gains
@@ -55,11 +55,11 @@ class Pipeline:
     """Makes the frames of one render loop.
 
     session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
-    period: of a tick [s]. governed: whether to solve beside the ticks if these would be late, to end solves in time,
+    period: of a tick [s]. adaptive: whether to solve beside the ticks if these would be late, to end solves in time,
     and to reduce the number of samples, except those of regions. most: largest number of frames in a cycle. peak:
-    largest target of such a frame [Pa]. stages: stage timer, which also holds the report. tape: clock of the ticks.
-    job_tape: clock of sampling and solving; `session` uses it, too. strict: never leave anything out, and do not
-    govern. start_thread: starts the thread that solves beside the ticks. Raises ArgumentError.
+    largest target of such a frame [Pa]. stages: stage timer, which also holds the report. recording_clock: of the
+    ticks. job_recording_clock: of sampling and solving; `session` uses it, too. strict: never leave anything out, and
+    do not adapt. start_thread: starts the thread that solves beside the ticks. Raises ArgumentError.
     """
 
     def __init__(
@@ -69,18 +69,18 @@ class Pipeline:
         smoothing: Smoothing,
         capability: Capability,
         period: float,
-        governed: bool,
+        adaptive: bool,
         most: int,
         peak: float,
         stages: StageTimer,
-        tape: RecordingClock,
-        job_tape: RecordingClock,
+        recording_clock: RecordingClock,
+        job_recording_clock: RecordingClock,
         strict: bool = False,
         start_thread: Callable[[Callable[[], object], str], None] = start_daemon,
     ) -> None:
         self.session, self.sampler, self.period = session, sampler, period
         self.stages, self._most = stages, most
-        self._tape, self._job_tape = tape, job_tape
+        self._recording_clock, self._job_recording_clock = recording_clock, job_recording_clock
         sampler.prepare(session.array, session.medium)
         self.strict = sampler.strict = strict
         sampler.peak = peak
@@ -91,11 +91,13 @@ class Pipeline:
         self.player = Modulator(times, gap, smoothing, len(session.array))
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
-        self._governed = governed and not strict
-        sampler.fine = not self._governed
-        self.governor = SampleBudgetController(period, sampler.budget) if self._governed else None
+        self._adaptive = adaptive and not strict
+        sampler.fine = not self._adaptive
+        self.budget_controller = (
+            SampleBudgetController(period, sampler.budget) if self._adaptive else None
+        )
         self._allowed = sampler.budget  # number of samples that the next job may use
-        self.background = BackgroundSolve[Outcome | Measurement](start_thread)
+        self.background = BackgroundSolve[SolveResult | Measurement](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
         self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
@@ -103,12 +105,12 @@ class Pipeline:
         self._begin()
 
     def _begin(self) -> None:
-        empty = Outcome(
+        empty = SolveResult(
             Scene(), SampleCounts(), Solved(no_samples(), self.limits), self.session.solver
         )
         self.played = self._before = empty
         """The result that the last frame plays."""
-        self._taken: Outcome | None = None  # of this tick
+        self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0
         """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
         self._aim = -math.inf  # time that the last job was made for [s]
@@ -165,12 +167,12 @@ class Pipeline:
         self.solver.reset()
         self.player.reset()
         self.session.forget()
-        self._job_tape.take()
+        self._job_recording_clock.take()
         # what a tick without a frame has counted is in no recording
         self.schedule = BackgroundSchedule(self.period, beside=self._beside)
         self._begin()
-        if self.governor is not None:
-            self.governor = SampleBudgetController(self.period, self.sampler.budget)
+        if self.budget_controller is not None:
+            self.budget_controller = SampleBudgetController(self.period, self.sampler.budget)
             self.sampler.allowed = self._allowed = self.sampler.budget
 
     def finish_measuring(self) -> None:
@@ -249,7 +251,7 @@ class Pipeline:
         # the last measurement may still be under way, with the propagator that the next one needs
         if self.background.running or (measure := self._find_measuring(limits)) is None:
             return
-        if self._governed and not self._tape.replays:
+        if self._adaptive and not self._recording_clock.replays:
             self._start_job(measure, measures=True)
         else:
             self.stages.report.add_measurement(*measure())
@@ -283,16 +285,16 @@ class Pipeline:
             self.stages.report.skipped[NOT_DUE] += 1
 
     def _start_job(
-        self, job: Callable[[], Outcome] | Callable[[], Measurement], *, measures: bool
+        self, job: Callable[[], SolveResult] | Callable[[], Measurement], *, measures: bool
     ) -> None:
         """Start a job beside the ticks. measures: whether it only measures, so that it may run beside a solve."""
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._started, self._measures = self.stages.now(), measures
-        self.background.deferred = self._tape.replays
+        self.background.deferred = self._recording_clock.replays
         self.background.start(job)
 
-    def _take_job(self) -> Outcome | None:
+    def _take_job(self) -> SolveResult | None:
         """Wait for the job beside the ticks, and use its result; return that of a solve."""
         self._measures = False
         try:
@@ -309,7 +311,7 @@ class Pipeline:
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
         old = self.stages.now() - self._started >= max(MAX_AGE, MAX_TICKS * self.period)
-        return bool(self._tape.note(lambda: float(old or self.background.done)))
+        return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
         """Wait for the job beside the ticks, if one runs, and drop its result."""
@@ -318,25 +320,25 @@ class Pipeline:
                 self.background.take()
             self._changed = self._changed or not self._measures
             self._measures = False
-            self.job_readings += self._job_tape.take()
+            self.job_readings += self._job_recording_clock.take()
 
     def _make_job(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, stages: StageTimer, *, beside: bool
-    ) -> Callable[[], Outcome]:  # fmt: skip
+    ) -> Callable[[], SolveResult]:  # fmt: skip
         """Return a function that samples and solves. beside: whether it runs beside the ticks."""
         if self._changed:  # even if it has changed back since
             self.sampler.invalidate()
         self._changed = False
-        if self.governor is not None:
+        if self.budget_controller is not None:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
         time = (MAX_TICKS if beside else 1) * self.period
-        deadline = DEADLINE_SHARE * time if self._governed else math.inf
+        deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
         at = self._find_aim(t, beside)
         last = self.sampler.sample_counts
 
-        def run() -> Outcome:
-            begin = self._job_tape.now() if beside else math.nan
+        def run() -> SolveResult:
+            begin = self._job_recording_clock.now() if beside else math.nan
             samples = self.sampler.sample(scene, at, at - t)
             counts = self.sampler.sample_counts
             if counts is not last and len(counts.samples):
@@ -345,10 +347,10 @@ class Pipeline:
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             solved = self.solver.solve(samples, t, limits, solver, deadline)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
-            seconds = self._job_tape.now() - begin if beside else math.nan
+            seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return Outcome(scene, counts, solved, solver, fresh, heard, at, seconds)
+            return SolveResult(scene, counts, solved, solver, fresh, heard, at, seconds)
 
         return run
 
@@ -375,9 +377,9 @@ class Pipeline:
         self._aim = max(t + lead, last)
         return self._aim
 
-    def _play(self, outcome: Outcome) -> None:
+    def _play(self, outcome: SolveResult) -> None:
         """Play the result of a job from now on."""
-        self.job_readings += self._job_tape.take()
+        self.job_readings += self._job_recording_clock.take()
         report = self.stages.report
         report.skipped.update(self._skipped)
         self._skipped.clear()
@@ -415,14 +417,14 @@ class Pipeline:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
-    def govern(self, seconds: float) -> None:
+    def adapt_budget(self, seconds: float) -> None:
         """Adapt schedule and sample budget to the duration of this tick, `seconds` [s], whose frame has been sent."""
         self._adapt(seconds)
         self._beside = self.schedule.beside
 
     def _adapt(self, seconds: float) -> None:
         taken = self._taken
-        if self.governor is None or taken is None:
+        if self.budget_controller is None or taken is None:
             return
         if not math.isnan(taken.seconds):
             seconds = MAX_LOAD * taken.seconds / SOLVE_TICKS
@@ -435,7 +437,7 @@ class Pipeline:
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
         samples = max((len(one.samples) for one in taken.fresh), default=0)
-        self._allowed = self.governor.tick(seconds, samples, self.schedule.interval)
+        self._allowed = self.budget_controller.tick(seconds, samples, self.schedule.interval)
 
     def quantise_gains(self, gains: Gains) -> Gains:
         """Return gains, (N,), as rounded by the device."""

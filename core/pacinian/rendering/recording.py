@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from pacinian.acoustics.array import Array
-    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.scene_log import TickOutcome
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.scene import Scene

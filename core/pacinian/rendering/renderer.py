@@ -10,24 +10,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.checks import check_integer, check_kind, check_number
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.background_solve import start_daemon
 from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.cycle import MAX_FRAMES
-from pacinian.rendering.deviations import HALTED, LATE, MISSED, NOTHING, mark
+from pacinian.rendering.deviation_log import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
 from pacinian.rendering.pipeline import Pipeline, find_ceiling
 from pacinian.rendering.realtime_section import realtime_section
+from pacinian.rendering.recorded_settings import to_config
 from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
 from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.scene_warnings import find_warnings
-from pacinian.rendering.settings import to_config
-from pacinian.rendering.slew_limiter import Smoothing
-from pacinian.rendering.tick_pacing import BEHIND, pace
+from pacinian.rendering.smoothing import Smoothing
+from pacinian.rendering.tick_pacing import MAX_LAG, pace
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.background_schedule import BackgroundSchedule
-    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 
-class Renderer(Closing):
+class Renderer(Closeable):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
     scene: a `Scene`, or a function that maps the time since `open` [s] to one. The function is called every tick and
@@ -71,15 +71,15 @@ class Renderer(Closing):
     objects have different envelopes, each envelope is replaced by its mean over the tick. With quiet zones, a row
     whose gains would exceed their limit is scaled down as a whole.
 
-    Every tick sends a frame. governed: if ticks would be late, sampling and solving run in a thread beside them. Frames
+    Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in a thread beside them. Frames
     then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more
-    than four ticks, the samples of the lowest priority are dropped until there is time again. If not governed, solves
+    than four ticks, the samples of the lowest priority are dropped until there is time again. If not adaptive, solves
     take the time that they need, contacts with skin have twice as many samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
     scene with more samples than the budget is refused: `open` raises ArgumentError, and in a later tick it is a fault.
-    Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `governed`.
+    Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `adaptive`.
 
     cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
     each of them 500 times a second. A region with more samples than the budget is split into bands, one for each frame.
@@ -108,7 +108,7 @@ class Renderer(Closing):
         limits: Limits | None = None,
         sampler: Sampler | None = None,
         smoothing: Smoothing | None = None,
-        governed: bool = True,
+        adaptive: bool = True,
         strict: bool = False,
         cycle: int = MAX_FRAMES,
         peak: float = math.inf,
@@ -122,9 +122,9 @@ class Renderer(Closing):
             scene.check_files()
         self.scene = scene
         self.clock = clock or SystemClock()
-        self.tape = RecordingClock(self.clock.now)
-        self.job_tape = RecordingClock(self.clock.now, stops=True)
-        self.session = Session(array, medium, solver, clock=self.job_tape.now)
+        self.recording_clock = RecordingClock(self.clock.now)
+        self.job_recording_clock = RecordingClock(self.clock.now, stops=True)
+        self.session = Session(array, medium, solver, clock=self.job_recording_clock.now)
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
         self.limits = Limits() if limits is None else limits
@@ -142,8 +142,8 @@ class Renderer(Closing):
         self.recorder = recorder
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
-            self.session, self.sampler, self.smoothing, made.capability, self.period, governed, self.cycle,
-            self.peak, self._stages, self.tape, self.job_tape, self.strict,
+            self.session, self.sampler, self.smoothing, made.capability, self.period, adaptive, self.cycle,
+            self.peak, self._stages, self.recording_clock, self.job_recording_clock, self.strict,
             start_thread,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
@@ -200,9 +200,9 @@ class Renderer(Closing):
         return self._pipeline.player
 
     @property
-    def governor(self) -> SampleBudgetController | None:
-        """The controller of the sample budget, if `governed`."""
-        return self._pipeline.governor
+    def budget_controller(self) -> SampleBudgetController | None:
+        """The controller of the sample budget, if `adaptive`."""
+        return self._pipeline.budget_controller
 
     @property
     def schedule(self) -> BackgroundSchedule:
@@ -304,22 +304,22 @@ class Renderer(Closing):
         self,
         duration: float | None = None,
         on_tick: Callable[[Report], object] | None = None,
-        behind: float = BEHIND,
+        max_lag: float = MAX_LAG,
     ) -> Report:
         """Run ticks for `duration` [s], or until Ctrl-C; always silence the output at the end.
 
-        on_tick: called after each tick. behind: lag up to which the loop catches up by ticking faster [s]. With more
+        on_tick: called after each tick. max_lag: lag up to which the loop catches up by ticking faster [s]. With more
         lag, missed ticks are skipped and counted in `report.skipped["missed ticks"]`. Pass 0 if only the present
         matters. Ctrl-C ends the run and sets `report.interrupted`.
         """
-        behind = check_number("behind", behind, low=0.0)
+        max_lag = check_number("max_lag", max_lag, low=0.0)
         duration = None if duration is None else check_number("duration", duration, low=0.0)
         was_open, interrupted = self._opened, False
         try:
             self.open()
             self.report.interrupted = False
             with realtime_section():
-                for due, lost in pace(self.clock, self.period, duration, behind):
+                for due, lost in pace(self.clock, self.period, duration, max_lag):
                     self.tick(due, lost)
                     if on_tick is not None:
                         on_tick(self.report)
@@ -417,7 +417,7 @@ class Renderer(Closing):
     def reset(self) -> None:
         """Clear a fault and all state, so that the next tick starts from silence."""
         self._emitter.halted = None
-        self.tape.take()
+        self.recording_clock.take()
         self.restart()
 
     def restart(self) -> None:
@@ -430,7 +430,7 @@ class Renderer(Closing):
         pipeline, stages = self._pipeline, self._stages
         if pipeline.sent is not None and not self._emitter.loud:  # the end of a run silenced it
             self.reset()
-        begin = self.tape.now()
+        begin = self.recording_clock.now()
         stages.begin("scene", self.report, begin)
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
@@ -439,10 +439,10 @@ class Renderer(Closing):
         stages.enter("send")
         self._emitter.send(frame)
         self._outcome = self._judge(due)
-        if pipeline.governor is not None:
-            pipeline.govern(self.tape.now() - begin)
+        if pipeline.budget_controller is not None:
+            pipeline.adapt_budget(self.recording_clock.now() - begin)
         stages.enter("record")
-        noted = self.tape.take()
+        noted = self.recording_clock.take()
         if self.recorder is not None:
             asked = TickInput(scene, solver, limits)
             readings = noted, pipeline.job_readings

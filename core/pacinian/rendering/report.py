@@ -10,16 +10,16 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
-from pacinian.rendering.deviations import NOTHING, Deviations, describe_totals
+from pacinian.rendering.deviation_log import NOTHING, Deviations, describe_totals
 from pacinian.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.status import Status
+    from pacinian.solving.solution_status import Status
     from pacinian.types import Floats
 
 MAX_LISTED = 4  # most objects in a notebook's card

@@ -13,7 +13,7 @@ from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plugins.backend import Backend, Capability, Frame
 from pacinian.rendering.library_versions import compare_versions, list_versions
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
@@ -162,8 +162,8 @@ def iterate_rerendered(
                 renderer.reset()
             renderer.scene, renderer.limits = tick.asked.scene, tick.asked.limits
             renderer.session.solver = tick.asked.solver
-            renderer.tape.tell(list(tick.clock))
-            renderer.job_tape.tell(list(tick.job_clock))
+            renderer.recording_clock.tell(list(tick.clock))
+            renderer.job_recording_clock.tell(list(tick.job_clock))
             clock.time = tick.time
             renderer.tick(tick.time)
             if renderer.halted is not None:
@@ -197,7 +197,7 @@ def from_config(
         rate=settings["rate"],
         sampler=Sampler(**settings["sampler"]),
         smoothing=Smoothing(**settings["smoothing"]),
-        governed=settings["governed"],
+        adaptive=settings["adaptive"],
         strict=settings["strict"],
         cycle=settings["cycle"],
         peak=settings["peak"],

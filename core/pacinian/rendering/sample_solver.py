@@ -151,15 +151,15 @@ class SampleSolver:
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
-            return self._in_turn(samples, t, limits, solver, deadline)
+            return self._solve_cycle_frame(samples, t, limits, solver, deadline)
         self.cycle.forget()
         last = self._last
-        if last is not None and last.rows[0].rests(t) and not last.brief:
+        if last is not None and last.rows[0].needs_no_solve(t) and not last.brief:
             self.skipped[NOTHING_MOVED] += 1
             return last
         base, parts = self._parts
         if not parts:
-            found = self._found((), base, t, limits, solver, deadline)
+            found = self._get_or_solve((), base, t, limits, solver, deadline)
             self.cycle.consider(found)
             self._last = self._make(samples, limits, (found,))
             return self._last
@@ -167,11 +167,11 @@ class SampleSolver:
         for now in (t + self.times).tolist():
             step = tuple(item.technique.step(now) for item, _ in parts)
             kept = self._steps.get(step)
-            if kept is None or not kept.rests(t):
+            if kept is None or not kept.needs_no_solve(t):
                 row = join_samples(
                     [base, *(_present_item(item, part, now) for item, part in parts)]
                 )
-                kept = self._found(step, row, t, limits, solver, deadline / len(self.times))
+                kept = self._get_or_solve(step, row, t, limits, solver, deadline / len(self.times))
             else:
                 self.skipped[STEP_KNOWN] += 1
             solved.append(kept)
@@ -192,7 +192,7 @@ class SampleSolver:
             hurried=self.cycle.hurried,
         )
 
-    def _found(
+    def _get_or_solve(
         self, step: Step, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
     ) -> CachedSolution:  # fmt: skip
         """Return the solution for `samples`, from the cache or new.
@@ -207,7 +207,7 @@ class SampleSolver:
             strength = groups.strength(t + self.times).mean(axis=1)
             P, step = P * strength[groups.index], (*step, strength.tobytes())
         kept = self._steps.get(step)
-        if kept is not None and kept.rests(t):
+        if kept is not None and kept.needs_no_solve(t):
             self.skipped[NOTHING_MOVED] += 1
             return kept
         made = self._solve_part(
@@ -216,11 +216,15 @@ class SampleSolver:
         )  # fmt: skip
         better = kept is None or made.solution.error <= BETTER * kept.solution.error
         if kept is not None and kept.evaluated and not better:
-            vain, final = kept.vain + 1, made.final
-            waits = final or vain >= MAX_TRIES
+            failures, final = kept.failed_improvements + 1, made.final
+            waits = final or failures >= MAX_TRIES
             retry = t + RETRY_INTERVAL if waits else t
             made = replace(
-                kept, steady=groups.steady and waits, final=final, vain=vain, retry=retry
+                kept,
+                steady=groups.steady and waits,
+                final=final,
+                failed_improvements=failures,
+                retry=retry,
             )
         self.fresh.append(made)
         if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
@@ -228,7 +232,7 @@ class SampleSolver:
         self._steps[step] = made
         return made
 
-    def _in_turn(
+    def _solve_cycle_frame(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
     ) -> Solved:
         """Return the frames of a cycle; first solve for one of them, if any needs it."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from pacinian.errors import ArgumentError, PacinianError, describe_error
 from pacinian.plugins.registry import solver as solver_of
-from pacinian.rendering.recorded_files import FileReader, FileWriter
+from pacinian.rendering.embedded_files import EmbeddedFileReader, EmbeddedFileWriter
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene, Workspace
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.solver import Solver
-    from pacinian.rendering.deviations import Reasons
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.scene.sampling.sample_counts import SampleCounts
 
     News = dict[int, Any]  # by index in a list: the element's old index, or its encoding
@@ -64,7 +64,7 @@ class Writer:
 
     def __init__(self) -> None:
         self._last: TickInput | None = None
-        self._files = FileWriter()
+        self._files = EmbeddedFileWriter()
 
     def prepare(self, scene: Scene) -> None:
         """Read the files of a scene now rather than in its first tick."""
@@ -117,7 +117,7 @@ class Reader:
 
     def __init__(self) -> None:
         self._asked: TickInput | None = None
-        self._files = FileReader()
+        self._files = EmbeddedFileReader()
 
     def next(self, new: dict[str, Any]) -> TickInput:
         """Return the inputs of the next tick."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from pacinian.errors import ArgumentError, PluginError, SceneFileError
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.scene.setup import PluginConfig
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 from pacinian.native import solving as kernels
 from pacinian.solving.problem import ISOLATED
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.clock import Clock
 
-BEHIND = 0.1  # lag up to which a loop catches up; with more, it skips ticks [s]
+MAX_LAG = 0.1  # lag up to which a loop catches up; with more, it skips ticks [s]
 
 
 def pace(
-    clock: Clock, period: float, duration: float | None = None, behind: float = BEHIND
+    clock: Clock, period: float, duration: float | None = None, max_lag: float = MAX_LAG
 ) -> Iterator[tuple[float, int]]:
     """Wait for each tick of a loop; yield its due time [s] and the number of ticks skipped just before it.
 
-    period: from tick to tick [s]. duration: [s], None for ever. behind: lag above which the loop skips the ticks whose
+    period: from tick to tick [s]. duration: [s], None for ever. max_lag: lag above which the loop skips the ticks whose
     period is over [s], but never the last tick.
     """
     begin = clock.now()
@@ -30,5 +30,5 @@ def pace(
         yield due, lost
         k += 1
         lag = clock.now() - (begin + k * period)
-        lost = int(min(lag / period, max(last - k, 0))) if lag > behind else 0
+        lost = int(min(lag / period, max(last - k, 0))) if lag > max_lag else 0
         k += lost

@@ -1,11 +1,16 @@
 """Scenes of virtual objects and hands, and the samples that represent them to a solver.
 
-objects.py, haptic_object.py   points, paths, particles, surfaces and volumes; fields and defaults that all share
-scene.py, file.py, setup.py    a snapshot of objects and hands; scene files; what they share with a server's settings
-material.py, motion.py         how hard an object feels; where it is between two updates
-point_sets.py                  grids, discs and balls of points
-shapes/                        what is felt: signed distances
-hands/                         joints and skin of hands; what trackers send
-modulation/                    envelopes and techniques
-sampling/                      from a scene to samples
+scene.py            `Scene`: snapshot of objects and hands, with bounding spheres
+objects.py          `Point`, `Path`, `Particles`, `Surface`, `Volume`: immutable
+haptic_object.py    what all objects share: force or pressure, envelope, technique, material, motion, priority
+material.py         `Material`: stiffness, reach; pressure by penetration depth, full at 2 mm
+motion.py           `Motion`: velocity; extrapolates a pose between two updates, for at most 0.1 s
+file.py             scene files, TOML or JSON; their JSON Schema
+config_sections.py  sections of scene files and server settings: array, medium, plug-in, sampling, workspace; FINEST
+point_sets.py       `grid`, `disc`, `ball` of points
+unbounded.hpp       kernels safe for NaN and infinity: called by sampling/broad_phase.py and shapes/mesh_*.py
+shapes/             what is felt: signed distances, meshes, textures
+hands/              joints and skin of hands; what trackers send
+modulation/         envelopes and techniques: AM, STM, LM, waves
+sampling/           from a scene to samples: contact, budget, spacing, ramps
 """

@@ -10,12 +10,8 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose, Vector
 from pacinian.checks import check_number
-from pacinian.documents import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.hands.hand import Hand
-from pacinian.scene.objects import Object
-from pacinian.scene.scene import Scene
-from pacinian.scene.setup import (
+from pacinian.scene.config_sections import (
     Device,
     Lattice,
     Medium,
@@ -25,6 +21,10 @@ from pacinian.scene.setup import (
     Workspace,
     resolve_path,
 )
+from pacinian.scene.hands.hand import Hand
+from pacinian.scene.objects import Object
+from pacinian.scene.scene import Scene
+from pacinian.toml_json_files import decode_document, json_schema
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):

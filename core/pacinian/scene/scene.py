@@ -15,10 +15,10 @@ from msgspec import Struct
 from pacinian.checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.notebook import MAX_ROWS, Card, card
+from pacinian.scene.config_sections import Workspace
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.motion import MAX_EXTRAPOLATION, STILL
 from pacinian.scene.objects import Object, Particles, Path, Point, Surface, Volume
-from pacinian.scene.setup import Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

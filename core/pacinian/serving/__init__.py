@@ -5,7 +5,7 @@
   control/     the parent: control socket, leases, output ownership, status; supervises the others
   bus/         command socket: decodes and validates commands, stores the objects
   render/      the loop: scene, solver plug-ins
-  guard/       owns the device: lets frames through only while permitted and fresh; a spare waits (spare.py)
+  guard/       owns the device: lets frames through only while permitted and fresh; a spare waits (spare_guard.py)
   ipc/         common to all: start of a process, messages, shared memory, logs, scheduling, authentication
 
 Each process begins in the `process.py` of its folder. They exchange data through shared memory (ipc/shared_memory.py),

@@ -212,7 +212,7 @@ def _metrics(
 
     return Metrics(
         settings.metrics.port,
-        lambda: (control.newest, {**control.counts, **doors.counts}, control.view.traffic),
+        lambda: (control.newest, {**control.counts, **doors.counts}, control.view.bus_status),
     )
 
 

@@ -11,9 +11,8 @@ from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.checks import check_number
-from pacinian.documents import decode_document
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.scene.setup import (
+from pacinian.scene.config_sections import (
     Device,
     Lattice,
     Medium,
@@ -23,6 +22,7 @@ from pacinian.scene.setup import (
     Workspace,
     resolve_path,
 )
+from pacinian.toml_json_files import decode_document
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 
 METRICS_HOST = "127.0.0.1"

@@ -1,17 +1,35 @@
 """Inputs and outputs of solvers: targets, limits, budget, propagator and solution. The solvers are plug-ins.
 
+The API, `Session` and `solve`, is in `pacinian/session.py`.
+
 What goes in
-    problem.py, quiet_zone.py         targets, limits and budget; quiet zones
-    propagator.py, column_groups.py, factor.py   B and what is derived from it
+    problem.py            targets and their relative error; limits; budget of time
+    quiet_zone.py         what a quiet zone is
+    propagator.py         B = propagation from transducers to points, and what is derived from it, cached
+    column_groups.py      transducers with equal columns of B share one gain
+    factor.py             Cholesky factor of the regularised Gram matrix B B^H + mu I
 What solvers share
-    regions.py, phases.py, skin_phases.py, corrections.py   free phases; amplitudes that are missing
-    least_squares.py, quiet_subspace.py   gains of least norm, also without sound in quiet zones
-    limit_enforcement.py              limits, whatever a solver has written
-    linalg.py, blas.py, buffer_pool.py   libraries and memory
+    warm_start.py         the last solution, carried over to points that moved, came or went
+    phases.py             free phases of isolated points
+    regions.py            joint phases of the samples of one surface
+    skin_phases.py        joint phases on skin
+    corrections.py        larger amplitudes where regularisation leaves pressure missing
+    least_squares.py      gains of least norm for any shape and rank of B
+    quiet_subspace.py     gains that leave quiet zones quiet: computed once for each set of zones
+    limit_enforcement.py  limits of gain, power and quiet points, enforced whatever a solver has written
+    linalg.py             BLAS and LAPACK without the rest of SciPy
+    blas.py               one BLAS thread for small problems
+    buffer_pool.py        workspaces that repeated solves share
 What comes out
-    solution.py, solution_values.py, solution_file.py, solution_tables.py, status.py
+    solution.py           `Solution`: field, pressure, force, plot, save
+    solution_metrics.py   its figures: error, shape error, gap, count at the limit
+    solution_status.py    its status: ok, limited, scaled, deadline, ...
+    solution_file.py      saved solutions
+    solution_tables.py    xarray and pandas
 Evidence
-    solution_check.py, gain_evaluation.py   from the gains: status, limits, bound; in double precision
-    felt_regions.py, surface_force.py   between and beside the samples; force on a surface
-    relaxation.py                     a lower bound for any phases
+    solution_check.py     status, violated limits and proven bound, from the gains
+    gain_evaluation.py    the same in double precision, for any gains
+    felt_regions.py       force, rms, holes and spill between and beside the samples
+    surface_force.py      force on a surface, along its normals
+    relaxation.py         a lower bound of the error for any phases
 """

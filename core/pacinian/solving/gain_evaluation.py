@@ -20,7 +20,7 @@ from pacinian.solving.solution_check import (
     measure_violations,
     relative_error,
 )
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits

@@ -95,7 +95,7 @@ f8 total_power(View<const std::complex<T>, 1> g) {
 }
 
 template <typename T>
-Index held(View<const std::complex<T>, 1> g, f8 limit) {
+Index count_at_limit(View<const std::complex<T>, 1> g, f8 limit) {
     const T squared = static_cast<T>(std::min(limit * limit, 1e30));
     Index count = 0;
     for (Index n = 0; n < g.size(); ++n) count += power(g[n]) >= squared ? 1 : 0;
@@ -119,7 +119,7 @@ void powers(View<const std::complex<T>, 2> B, View<f8, 1> out) {
 }
 
 template <typename T>
-void restrain(View<std::complex<T>, 1> g, f8 factor, f8 highest) {
+void limit_gains(View<std::complex<T>, 1> g, f8 factor, f8 highest) {
     for (Index n = 0; n < g.size(); ++n) {
         const f8 re = factor * g[n].real(), im = factor * g[n].imag();
         const f8 size = std::sqrt(re * re + im * im), shorter = size > highest ? highest / size : 1.0;
@@ -140,14 +140,14 @@ inline void define_kernels(nb::module_& m) {
     kernel(m, "power", &total_power<float>, power, "g");
     kernel(m, "power", &total_power<double>, power, "g");
     const char* number = "The number of gains, (N,), with |g_n| >= limit.";
-    kernel(m, "held", &held<float>, number, "g", "limit");
-    kernel(m, "held", &held<double>, number, "g", "limit");
+    kernel(m, "count_at_limit", &count_at_limit<float>, number, "g", "limit");
+    kernel(m, "count_at_limit", &count_at_limit<double>, number, "g", "limit");
     const char* rows = "Write sum_n |B_mn|^2 of each row, (M,); summed in B's precision for 64 columns at most.";
     kernel(m, "powers", &powers<float>, rows, "B", "out");
     kernel(m, "powers", &powers<double>, rows, "B", "out");
     const char* limit = "Multiply gains (N,) by `factor` in place; then shorten those above `highest` to it.";
-    kernel(m, "restrain", &restrain<float>, limit, "g", "factor", "highest");
-    kernel(m, "restrain", &restrain<double>, limit, "g", "factor", "highest");
+    kernel(m, "limit_gains", &limit_gains<float>, limit, "g", "factor", "highest");
+    kernel(m, "limit_gains", &limit_gains<double>, limit, "g", "factor", "highest");
 }
 
 }  // namespace pacinian::solving

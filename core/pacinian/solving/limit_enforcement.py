@@ -56,7 +56,7 @@ def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool
     rounding = 2.0**-21 if g.dtype == np.complex64 else 2.0**-50
     highest = math.inf if limits.gain is None else limits.gain * (1.0 - rounding)
     if factor != 1.0 or strongest > highest:
-        kernels.restrain(g, factor, highest)
+        kernels.limit_gains(g, factor, highest)
     return True, over
 
 
@@ -79,7 +79,7 @@ def enforce_quiet(g: Complexes, gain: float | None, quiet: Propagator, limit: Fl
         g -= quiet.adjoint(factor.solve(excess))
         strongest = math.sqrt(kernels.peak(g))
         if gain is not None and strongest > gain:
-            kernels.restrain(g, gain / strongest, gain * (1.0 - 2.0**-21))
+            kernels.limit_gains(g, gain / strongest, gain * (1.0 - 2.0**-21))
     over = float((np.abs(quiet.apply(g)) / np.maximum(most, 1e-30)).max())
     if not math.isfinite(over):
         g[:] = 0.0
@@ -102,7 +102,7 @@ def enforce_zones(
         most = MAX_LEAK / nulls.loudest + SINGLE_LEAK * math.sqrt(kernels.power(g))
         if (left <= most and math.sqrt(kernels.peak(g)) <= top) or (turn and budget.spent):
             break
-        kernels.restrain(g, 1.0, top)
+        kernels.limit_gains(g, 1.0, top)
         nulls.remove(g)
         factor = propagator.factor(CORRECTION_MU * propagator.power)
         if factor.definite:
@@ -112,4 +112,4 @@ def enforce_zones(
     over = max(1.0, UNCHECKED_FACTOR * nulls.heard(g), math.sqrt(kernels.peak(g)) / top)
     if over > 1.0:
         g /= over
-        kernels.restrain(g, 1.0, top)
+        kernels.limit_gains(g, 1.0, top)

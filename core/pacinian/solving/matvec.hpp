@@ -61,10 +61,10 @@ inline void require_tile(View<const f4, 3> tile, Index M) {
     require(tile.shape[0] == 2 && tile.shape[1] >= M && tile.shape[1] % 4 == 0 && tile.shape[2] == TILE, "no tile for B");
 }
 
-inline void spread(View<const c8, 2> B, View<const f4, 2> y, View<f4, 2> x, View<f4, 3> tile) {
+inline void adjoint_planar(View<const c8, 2> B, View<const f4, 2> y, View<f4, 2> x, View<f4, 3> tile) {
     const Index N = B.shape[1];
     require_tile(tile, B.shape[0]);
-    require(y.shape[0] == 2 && y.shape[1] >= tile.shape[1] && x.shape[0] == 2 && x.shape[1] >= N, "spread: the shapes differ");
+    require(y.shape[0] == 2 && y.shape[1] >= tile.shape[1] && x.shape[0] == 2 && x.shape[1] >= N, "adjoint_planar: the shapes differ");
     for (Index first = 0; first < N; first += TILE) {
         const Index count = std::min(TILE, N - first);
         load(B, first, count, tile);
@@ -72,10 +72,10 @@ inline void spread(View<const c8, 2> B, View<const f4, 2> y, View<f4, 2> x, View
     }
 }
 
-inline void gather(View<const c8, 2> B, View<const f4, 2> g, View<f8, 2> p, View<f4, 3> tile) {
+inline void apply_planar(View<const c8, 2> B, View<const f4, 2> g, View<f8, 2> p, View<f4, 3> tile) {
     const Index N = B.shape[1];
     require_tile(tile, B.shape[0]);
-    require(g.shape[0] >= 2 && g.shape[1] >= N && p.shape[0] == 2 && p.shape[1] <= tile.shape[1], "gather: the shapes differ");
+    require(g.shape[0] >= 2 && g.shape[1] >= N && p.shape[0] == 2 && p.shape[1] <= tile.shape[1], "apply_planar: the shapes differ");
     std::fill(p.data, p.data + p.size(), 0.0);
     for (Index first = 0; first < N; first += TILE) {
         const Index count = std::min(TILE, N - first);
@@ -129,8 +129,8 @@ inline void adjoint(View<const c8, 2> B, View<const c16, 1> y, View<c8, 1> x) {
 
 inline void define_passes(nb::module_& m) {
     m.attr("TILE") = TILE;
-    kernel(m, "spread", &spread, "Write x = B^H y, (2, N).", "B", "y", "x", "tile");
-    kernel(m, "gather", &gather, "Write p = B g, (2, M), for gains (2 or more, N).", "B", "g", "p", "tile");
+    kernel(m, "adjoint_planar", &adjoint_planar, "Write x = B^H y, (2, N).", "B", "y", "x", "tile");
+    kernel(m, "apply_planar", &apply_planar, "Write p = B g, (2, M), for gains (2 or more, N).", "B", "g", "p", "tile");
     kernel(m, "apply", &apply, "Write p = B g, (M,), for gains (N,).", "B", "g", "p");
     kernel(m, "adjoint", &adjoint, "Write x = B^H y, (N,), for y of shape (M,).", "B", "y", "x");
 }

@@ -31,7 +31,7 @@ def gerchberg_saxton(
     """
     start = _spread(len(gram)) if start is None else start
     p, free = np.empty(len(gram), np.complex128), np.empty(len(gram), np.bool_)
-    kernels.choose(gram, targets.amplitudes, targets.phases, start, steps, p, free)
+    kernels.choose_phases(gram, targets.amplitudes, targets.phases, start, steps, p, free)
     return p
 
 
@@ -65,7 +65,9 @@ def choose_phases_into(
     if len(p) > len(propagator.array):
         return _choose_tall(propagator, targets, first, steps, p, free)
     return float(
-        kernels.choose(propagator.gram, targets.amplitudes, targets.phases, first, steps, p, free)
+        kernels.choose_phases(
+            propagator.gram, targets.amplitudes, targets.phases, first, steps, p, free
+        )
     )
 
 

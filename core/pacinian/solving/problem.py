@@ -170,7 +170,7 @@ class Targets:
         made: Complexes = p.astype(np.complex128, copy=False)
         if self.regions is not None:
             made = np.where(self.beside, 0.0, made)
-        return float(kernels.miss(made, self.amplitudes, self.phases))
+        return float(kernels.relative_error(made, self.amplitudes, self.phases))
 
 
 def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:

@@ -58,11 +58,11 @@ inline void waves(View<const f8, 2> q, View<const f8, 1> t, View<const i8, 1> re
     }
 }
 
-inline Index join(View<const f8, 1> t, View<const f8, 1> given, View<const i8, 1> regions, View<const f8, 1> wave,
+inline Index combine_regions(View<const f8, 1> t, View<const f8, 1> given, View<const i8, 1> regions, View<const f8, 1> wave,
                   View<const f8, 1> start, bool warm, f8 norm, View<i8, 1> group, View<f8, 1> phi, View<c16, 1> p, View<c16, 1> z) {
     const Index M = t.size();
-    require(given.size() == M && regions.size() == M && wave.size() == M && start.size() == M, "join: the shapes differ");
-    require(group.size() == M && phi.size() == M && p.size() == M && z.size() == M + 1, "join: the shapes differ");
+    require(given.size() == M && regions.size() == M && wave.size() == M && start.size() == M, "combine_regions: the shapes differ");
+    require(group.size() == M && phi.size() == M && p.size() == M && z.size() == M + 1, "combine_regions: the shapes differ");
     const auto is_given = [&](Index m) { return given[m] == given[m]; };
     i8 last = 0;
     bool fixed = false;
@@ -94,8 +94,8 @@ inline Index join(View<const f8, 1> t, View<const f8, 1> given, View<const i8, 1
     return count;
 }
 
-inline void turn(View<const f8, 1> given, View<const i8, 1> group, View<const c16, 1> z, View<f8, 1> phi) {
-    require(given.size() == phi.size() && group.size() == phi.size(), "turn: the shapes differ");
+inline void rotate_phases(View<const f8, 1> given, View<const i8, 1> group, View<const c16, 1> z, View<f8, 1> phi) {
+    require(given.size() == phi.size() && group.size() == phi.size(), "rotate_phases: the shapes differ");
     for (Index m = 0; m < phi.size(); ++m)
         if (given[m] != given[m]) phi[m] += std::arg(z[group[m]]);
 }
@@ -111,13 +111,13 @@ inline std::array<f8, 3> median(std::vector<std::array<f8, 3>>& displacements) {
     return out;
 }
 
-inline Index carry(View<const f8, 2> q, View<const i8, 1> now, View<const f8, 2> before, View<const i8, 1> were,
+inline Index carry_multipliers(View<const f8, 2> q, View<const i8, 1> now, View<const f8, 2> before, View<const i8, 1> were,
                    View<const f8, 1> asked, View<const c16, 1> multipliers, View<const c16, 1> made, f8 near, f8 still,
                    View<f8, 1> phases, View<c16, 1> y) {
     const Index M = q.shape[0], K = before.shape[0];
-    require(q.shape[1] == 3 && before.shape[1] == 3 && now.size() == M && were.size() == K, "carry: the shapes differ");
+    require(q.shape[1] == 3 && before.shape[1] == 3 && now.size() == M && were.size() == K, "carry_multipliers: the shapes differ");
     require(asked.size() == K && multipliers.size() == K && made.size() == M && phases.size() == M && y.size() == M,
-            "carry: the shapes differ");
+            "carry_multipliers: the shapes differ");
     for (Index m = 0; m < M; ++m) phases[m] = std::arg(made[m]), y[m] = 0.0;
     i8 last = ISOLATED;
     for (Index m = 0; m < M; ++m) last = std::max(last, now[m]);
@@ -168,16 +168,16 @@ inline void define_groups(nb::module_& m) {
            "Write the phases [rad] of the regions' points, (M,), as `converge` does for each region; 0 for all other points.\n\n"
            "q: (M, 3) [m]. t: amplitudes, (M,) [Pa]. regions: numbered from 0, (M,). Others: as for `converge`.",
            "q", "t", "regions", "some", "centre", "k", "least", "tilt", "phases");
-    kernel(m, "join", &join,
+    kernel(m, "combine_regions", &combine_regions,
            "Write the group of each sample, (M,), the samples of which share one free phase; return the number of groups.\n\n"
            "Samples with given phases are group 0, if there are any; then come the regions, then each isolated sample. t, given,\n"
            "regions: of each sample, (M,); given: NaN where free [rad]. wave: see `waves`. start: phases that the groups start\n"
            "from, (M,); for regions only if `warm`. norm: of t. phi: phases within the groups, (M,). p: t / norm with these\n"
            "phases, (M,), written if there are several groups. z: phase factor of each group, (M + 1,).",
            "t", "given", "regions", "wave", "start", "warm", "norm", "group", "phi", "p", "z");
-    kernel(m, "turn", &turn, "Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `join`.", "given", "group", "z",
+    kernel(m, "rotate_phases", &rotate_phases, "Add the phase of its group's factor z to each free phase phi, (M,) [rad]; see `combine_regions`.", "given", "group", "z",
            "phi");
-    kernel(m, "carry", &carry,
+    kernel(m, "carry_multipliers", &carry_multipliers,
            "Write the phases, (M,) [rad], and multipliers y, (M,), that points take over from earlier points of their kind.\n\n"
            "Kinds are: in a region, isolated, beside regions. The multiplier is that of the same point, the phase is that of the\n"
            "same or the nearest point; without one, they are 0 and the phase of the pressure `made`, (M,). The same point is where\n"

@@ -74,9 +74,9 @@ inline void converge(View<const f8, 2> q, View<const f8, 1> P, View<const f8, 2>
 }
 
 template <typename T>
-void stand_for(View<const std::complex<T>, 2> B, View<const c16, 1> p, View<const i8, 1> group, View<std::complex<T>, 2> rows) {
+void sum_group_rows(View<const std::complex<T>, 2> B, View<const c16, 1> p, View<const i8, 1> group, View<std::complex<T>, 2> rows) {
     const Index M = B.shape[0], N = B.shape[1];
-    require(p.size() == M && group.size() == M && rows.shape[1] == N, "stand_for: the shapes differ");
+    require(p.size() == M && group.size() == M && rows.shape[1] == N, "sum_group_rows: the shapes differ");
     std::fill(rows.data, rows.data + rows.size(), std::complex<T>(0));
     for (Index m = 0; m < M; ++m) {
         T* __restrict to = reinterpret_cast<T*>(rows.row(group[m]));
@@ -97,8 +97,8 @@ inline void define_regions(nb::module_& m) {
            "array's radius times d'/d.",
            "q", "P", "some", "centre", "k", "least", "tilt", "phases");
     const char* rows = "Write p_g^H B_g for the samples of each group g, (R, N).\n\nB: (M, N). p, group: of each sample, (M,).";
-    kernel(m, "stand_for", &stand_for<float>, rows, "B", "p", "group", "rows");
-    kernel(m, "stand_for", &stand_for<double>, rows, "B", "p", "group", "rows");
+    kernel(m, "sum_group_rows", &sum_group_rows<float>, rows, "B", "p", "group", "rows");
+    kernel(m, "sum_group_rows", &sum_group_rows<double>, rows, "B", "p", "group", "rows");
 }
 
 }  // namespace pacinian::solving

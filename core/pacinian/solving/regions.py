@@ -22,17 +22,15 @@ from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
 from pacinian.solving.propagator import gram_matrix
 from pacinian.solving.skin_phases import relax_phases
-from pacinian.solving.solution import Solution
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.solution import Solution
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices
 
 
-STILL = 5e-4  # samples that moved by less than this, except as their whole region moved, are the same [m]
-CARRY_DISTANCE = 3e-3  # a sample takes over the phase of an earlier one within this distance [m]
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
 ON_SKIN = 0.8  # the same for samples on skin, which are less even
 MAX_SOURCES = 256  # most transducers that tell where the sound on skin comes from
@@ -117,16 +115,16 @@ def settle_phases(
     p, z = np.empty(M, np.complex128), np.empty(M + 1, np.complex128)
     # normalised, so that squares in single precision do not overflow
     norm = targets.norm or 1.0
-    count = kernels.join(
+    count = kernels.combine_regions(
         t, given, regions, wave, start, warm is not None, norm, group, phases, p, z
     )
     if count > 1:
         rows, z = np.empty((count, len(array)), propagator.dtype), z[:count]
-        kernels.stand_for(propagator.B, p, group, rows)
+        kernels.sum_group_rows(propagator.B, p, group, rows)
         turns = np.ones(count, np.bool_)
         turns[0] = targets.all_free
         kernels.gerchberg_saxton(gram_matrix(rows), turns, steps, z)
-    kernels.turn(given, group, z, phases)
+    kernels.rotate_phases(given, group, z, phases)
     if relax and _is_relaxed(propagator, targets, tilt):
         phases = relax_phases(propagator, targets, phases, None if warm is None else start)
     return targets.with_phases(phases)
@@ -197,37 +195,6 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     for _ in range(TURNS if step else 0):
         p = turned(np.angle(p - step * costly(p)))
     return np.asarray(np.angle(p), np.float64)
-
-
-def carry_solution(
-    propagator: Propagator, targets: Targets, warm: Solution, before: Floats
-) -> Solution:
-    """Return the last solution carried over to the present points, although samples may have come and gone.
-
-    before: the points of `warm`, (M', 3) [m]. A point takes over the phase and the multiplier of the same point, that
-    is, from where it was if its whole region has moved alike. A new point takes over the phase of the nearest earlier
-    point of its kind (in a region, isolated, or beside regions) within 3 mm, or else that of the present sound there,
-    and its multiplier is 0 (decision 72).
-    """
-    q, asked = propagator.points, warm.asked_phases
-    now, were = targets.regions, warm.targets.regions
-    assert asked is not None
-    assert now is not None
-    assert were is not None
-    M = len(q)
-    same = len(before) == M and np.array_equal(now, were)
-    if same and float(np.abs(q - before).max()) < STILL:
-        return warm
-    p, phases, y = propagator.apply(warm.gains), np.empty(M), np.empty(M, np.complex128)
-    last = np.zeros(len(before), np.complex128) if warm.multipliers is None else warm.multipliers
-    found = kernels.carry(
-        q, now, before, were, asked, last, p, CARRY_DISTANCE, STILL, phases, y
-    )  # fmt: skip
-    made = object.__new__(Solution)  # `dataclasses.replace` takes as long as a kernel
-    made.__dict__.update(
-        warm.__dict__, sound_pressure=p, asked_phases=phases, multipliers=y if found else None
-    )
-    return made
 
 
 def _phases(warm: Solution) -> Floats:

@@ -14,7 +14,7 @@ from pacinian.acoustics.propagation import field
 from pacinian.checks import check_length
 from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
-from pacinian.solving.solution_values import SolutionValues
+from pacinian.solving.solution_metrics import SolutionMetrics
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +45,7 @@ class PosedSurface(Protocol):
         ...
 
 
-class Solution(SolutionValues):
+class Solution(SolutionMetrics):
     """Gains, the problem that they solve, and the pressures that they achieve.
 
     gains: (N,), complex64, or complex128 in double precision. array, medium: of N transducers, and the air. points:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits, Targets

@@ -26,11 +26,11 @@ from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets
 from pacinian.solving.quiet_zone import Zone
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
-    from pacinian.solving.solution_values import SolutionValues
+    from pacinian.solving.solution_metrics import SolutionMetrics
     from pacinian.types import Complexes
 
 FORMAT = "pacinian solution"
@@ -153,7 +153,7 @@ PLAIN = (
 )  # fields that need no conversion, except for the status  # fmt: skip
 
 
-def save_values(solution: SolutionValues, path: str | Path) -> None:
+def save_values(solution: SolutionMetrics, path: str | Path) -> None:
     """Write a solution to a file.
 
     Raises ArgumentError if a part cannot be stored, SolutionFileError if the file cannot be written.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pacinian.solving.solution_values import SolutionValues
+    from pacinian.solving.solution_metrics import SolutionMetrics
 
 UNITS = {
     "x": "m",
@@ -40,7 +40,7 @@ MEANINGS = {
 }
 
 
-def to_dataframe(solution: SolutionValues) -> pd.DataFrame:
+def to_dataframe(solution: SolutionMetrics) -> pd.DataFrame:
     """Return a data frame with one row for each point; see `Solution.to_dataframe`. Raises MissingExtra."""
     try:
         import pandas as pd
@@ -52,7 +52,7 @@ def to_dataframe(solution: SolutionValues) -> pd.DataFrame:
     return frame
 
 
-def to_xarray(solution: SolutionValues) -> xr.Dataset:
+def to_xarray(solution: SolutionMetrics) -> xr.Dataset:
     """Return a dataset of points and transducers; see `Solution.to_xarray`. Raises MissingExtra."""
     try:
         import xarray as xr
@@ -71,7 +71,7 @@ def to_xarray(solution: SolutionValues) -> xr.Dataset:
     return xr.Dataset(variables, places, _facts(solution))
 
 
-def _columns(solution: SolutionValues) -> dict[str, Any]:
+def _columns(solution: SolutionMetrics) -> dict[str, Any]:
     p, targets = solution.sound_pressure, solution.targets
     x, y, z = solution.points.T
     columns: dict[str, Any] = {
@@ -92,7 +92,7 @@ def _describe(name: str) -> dict[str, str]:
     return {"units": UNITS[name], "long_name": MEANINGS[name]}
 
 
-def _facts(solution: SolutionValues) -> dict[str, Any]:
+def _facts(solution: SolutionMetrics) -> dict[str, Any]:
     """Return what holds for the whole solution, as plain numbers and texts. NaN is left out."""
     medium = solution.medium
     facts: dict[str, Any] = {

@@ -11,7 +11,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
-    from pacinian.solving.solution_values import SolutionValues
+    from pacinian.solving.solution_metrics import SolutionMetrics
     from pacinian.types import Floats
 
 ELEMENTS = 1 << 22  # elements of B at once
@@ -19,7 +19,7 @@ FLAT = 1.0 - 1e-9  # least cosine between the normals of a flat surface
 
 
 def surface_force(
-    solution: SolutionValues, points: Floats, normals: Floats, areas: Floats
+    solution: SolutionMetrics, points: Floats, normals: Floats, areas: Floats
 ) -> float:
     """Return the force [N] on places of a surface: points, (K, 3) [m], outward normals, (K, 3), areas, (K,) [m^2].
 

@@ -9,10 +9,10 @@
 
 namespace pacinian::solving {
 
-inline f8 choose(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi, View<const f8, 1> start, i8 steps,
+inline f8 choose_phases(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi, View<const f8, 1> start, i8 steps,
                  View<c16, 1> p, View<bool, 1> free) {
     const Index M = t.size();
-    require(phi.size() == M && start.size() == M && p.size() == M && free.size() == M, "choose: the shapes differ");
+    require(phi.size() == M && start.size() == M && p.size() == M && free.size() == M, "choose_phases: the shapes differ");
     f8 size = 0.0;
     bool any_free = false;
     for (Index m = 0; m < M; ++m) {
@@ -40,8 +40,8 @@ inline f8 furthest(View<const f8, 2> q, View<const f8, 1> origin, View<const f8,
     return fine ? most : std::numeric_limits<f8>::quiet_NaN();
 }
 
-inline f8 miss(View<const c16, 1> p, View<const f8, 1> t, View<const f8, 1> phi) {
-    require(t.size() == p.size() && phi.size() == p.size(), "miss: the shapes differ");
+inline f8 relative_error(View<const c16, 1> p, View<const f8, 1> t, View<const f8, 1> phi) {
+    require(t.size() == p.size() && phi.size() == p.size(), "relative_error: the shapes differ");
     f8 missed = 0.0, size = 0.0;
     for (Index m = 0; m < p.size(); ++m) {
         const f8 re = p[m].real(), im = p[m].imag();
@@ -71,14 +71,14 @@ f8 peak(View<const std::complex<T>, 1> g) {
 
 void define_unbounded(nb::module_& m) {
     define_groups(m);
-    kernel(m, "choose", &choose,
+    kernel(m, "choose_phases", &choose_phases,
            "Write targets p, (M,), with the phases phi, where NaN by Gerchberg-Saxton steps from `start`.\n\n"
            "G: (M, M). t: amplitudes, (M,). free: where a phase may be any, and counts, (M,). Returns ||t||.",
            "G", "t", "phi", "start", "steps", "p", "free");
     kernel(m, "furthest", &furthest,
            "The largest |q_m - origin|^2, (M, 3); NaN where a number is not finite, or t_m neither 0 nor 1e-30..1e30.",
            "q", "origin", "t");
-    kernel(m, "miss", &miss, "||asked - p|| / ||t||; phases phi, (M,) [rad], are as p has them where NaN.", "p", "t", "phi");
+    kernel(m, "relative_error", &relative_error, "||asked - p|| / ||t||; phases phi, (M,) [rad], are as p has them where NaN.", "p", "t", "phi");
     const char* largest = "The largest |g_n|^2, or NaN where any is not finite.";
     kernel(m, "peak", &peak<float>, largest, "g");
     kernel(m, "peak", &peak<double>, largest, "g");

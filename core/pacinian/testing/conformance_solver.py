@@ -17,7 +17,7 @@ from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.regions import joint_phases
 from pacinian.solving.solution_check import REGION_TOLERANCE
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
 

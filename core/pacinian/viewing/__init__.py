@@ -1,11 +1,25 @@
 """The server of the live viewer: a page in the browser that shows what a running server emits, or a recording.
 
-run.py                                   all of it, until Ctrl-C
-app.py, feed.py, messages.py             HTTP and the token; one page; messages between pages and viewer
-hub.py, server_connection.py, states.py   newest values for all pages; a client of the server; its states and frames
-scene_mirror.py, recent_frames.py, modulation.py   objects of the rendered scene; the last frames, for their mean
-slices.py, array_model.py, region_error.py   the field, in its own process; its array; pressure on skin minus its target
-feed_file.py, feed_player.py, history.py   recordings of the viewer: written and read, played, their charts
-recording_to_feed.py, recording_tick_stats.py, tick_histogram.py   recordings of a renderer as a feed; tick times
-demonstration.py, browser.py, page/      a hand on a ball for an empty page; opens the page; its built files
+run.py                   runs all of it, until Ctrl-C
+app.py                   HTTP on loopback, token, content security policy, websockets
+feed.py                  the connection to one page: messages, at most 40 per second, slow pages
+messages.py              messages between pages and viewer (docs/viewer-feed.md); their version
+hub.py                   newest values for all pages
+server_connection.py     a client of the server in a thread: passes on requests (arm, stop, select), reconnects
+states.py                reads published states and frames, polls scene and properties
+scene_mirror.py          copy of the rendered scene; each object is sent once
+recent_frames.py         the last frames, for the mean of a modulated field
+modulation.py            shares of time of these frames, from envelopes
+slices.py                computes the field in planes and boxes and on skin, in a process of low priority
+array_model.py           array and medium of that process
+region_error.py          felt pressure minus target on regions, between samples too
+feed_file.py             recordings of the viewer (.feed): written and read
+feed_player.py           plays a recording: from any time, at any speed
+history.py               drive and error before a time, for charts
+recording_to_feed.py     recording of `pacinian render --record` to a feed
+recording_tick_stats.py  statistics of a recording's ticks
+tick_histogram.py        histogram of tick times
+demonstration.py         a hand on a ball, for an empty page
+browser.py               opens the page without showing its token
+page/                    the built page, from viewer/ in the project's root
 """

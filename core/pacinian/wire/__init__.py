@@ -1,12 +1,24 @@
 """The wire protocol: every message between a client and `pacinian serve`, its codec and its documentation.
 
-protocol.py       version, limits, field types    objects.py, shapes.py, modulation.py   objects of a scene
-commands.py       client to command socket        control.py                       client to control socket
-replies.py        server to client                state.py                         messages that the server publishes
-codec.py          bytes to messages and back      convert.py, convert_*.py         wire to scene objects and back
-binary_arrays.py  numbers in a `bin`              error_path.py                    path of the field that is wrong
-markdown.py       docs/wire*.md, with *.md        asyncapi.py                      the AsyncAPI document
-message_docs.py   field tables from docstrings    connection_file.py               the connection file
-emergency.py      a stop without a connection     silence_cause.py                 causes of silence
-wording.py        words for figures of a state
+protocol.py            version, limits (1 MiB a command), field types; a message is a MessagePack map
+commands.py            messages to the command socket: put, move, remove, envelopes, hands, zones, field
+control.py             messages to the control socket: hello, renew, arm, disarm, stop, select, status
+replies.py             the server's answers: welcome, ok, error, renewed, plug-ins
+state.py               what the server publishes: `State` and `FrameState`, every field
+objects.py             haptic objects, materials, motion, textures in a message
+shapes.py              shapes and curves in a message
+modulation.py          envelopes and techniques in a message
+codec.py               bytes to messages and back: encode, decode_command, check_part, id_of
+binary_arrays.py       arrays of float32 or uint32 in a `bin`: pack, unpack, checks of range and length
+decode_errors.py       WireError of an invalid message: path of the wrong field, problem, known types
+convert.py             messages to scene objects and back
+convert_shapes.py      shapes, poses, textures to those of a scene and back; degrees and radians
+convert_modulation.py  envelopes and techniques to those of a scene and back
+connection_file.py     the connection file: where it lies, secret, permissions; `PACINIAN_CONNECTION`
+emergency.py           a stop by a datagram with HMAC, without a connection
+silence_cause.py       why nothing sounds: causes and their words
+state_wording.py       numbers of a state in words, for people: counts, percent, felt regions
+message_docs.py        fields, types, bounds and meanings of messages, from their docstrings
+markdown.py            writes docs/wire.md and docs/wire-messages.md from page.md, messages.md
+asyncapi.py            the AsyncAPI document, JSON Schemas
 """

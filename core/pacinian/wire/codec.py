@@ -6,18 +6,16 @@ refuses messages that are nested deeper than Python's recursion limit. If a key 
 
 from __future__ import annotations
 
-import re
-from typing import TYPE_CHECKING, Any, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import msgspec
 import numpy as np
 from msgspec import Struct
 from msgspec.msgpack import Decoder, Encoder
 
 from pacinian.errors import WireError
-from pacinian.wire import modulation, shapes
 from pacinian.wire.commands import AnyCommand
 from pacinian.wire.control import CONTROLS, AnyControl
+from pacinian.wire.decode_errors import CODEC_ERRORS, convert_error
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES, MAX_REPLY_BYTES, Id
 from pacinian.wire.replies import AnyReply
 from pacinian.wire.state import AnyState, State
@@ -26,33 +24,6 @@ if TYPE_CHECKING:
     Bytes = bytes | bytearray | memoryview
 
 T = TypeVar("T")
-
-PROBLEM, PATH = 300, 200  # length of a problem and of a path in an error [characters]
-FIELD = re.compile(r"(?:Object missing required field )?`(\w+)`")  # the field that a problem names
-WRONG = (
-    msgspec.MsgspecError,
-    ValueError,
-    TypeError,
-    OverflowError,
-    RecursionError,
-    MemoryError,
-)
-
-
-def _list_tags(*unions: Any) -> list[str]:
-    """Return the types of the structs in some unions, in order and once."""
-    structs = [kind for union in unions for kind in get_args(union) if isinstance(kind, type)]
-    tags = [str(kind.__struct_config__.tag) for kind in structs if issubclass(kind, Struct)]
-    return list(dict.fromkeys(tags))
-
-
-TAGS = {
-    "shape": _list_tags(shapes.Shell, shapes.Solid, shapes.Curve),
-    "along": _list_tags(shapes.Curve),
-    "envelope": _list_tags(modulation.Envelope),
-    "technique": _list_tags(modulation.Technique),
-}
-"""Types of the parts of objects, by the name of the field."""
 
 
 class _Known(Struct):
@@ -80,8 +51,8 @@ def encode(message: Struct) -> bytes:
     """Encode a message, with its fields in order and with defaults. Raises WireError if it is too long."""
     try:
         data = _encoder.encode(message)
-    except WRONG as error:
-        raise _convert_error(error) from error
+    except CODEC_ERRORS as error:
+        raise convert_error(error) from error
     most = MAX_CONTROL_BYTES if isinstance(message, CONTROLS) else MAX_COMMAND_BYTES
     if len(data) > most:
         raise _too_long(data, most)
@@ -112,8 +83,8 @@ def check_part(decoder: Decoder[T], value: Any, path: str = "$") -> T:
     """Validate the part of a message at `path` and return it. Raises WireError."""
     try:
         return decoder.decode(_encoder.encode(value))
-    except WRONG as error:
-        raised = _convert_error(error)
+    except CODEC_ERRORS as error:
+        raised = convert_error(error)
         raise WireError(raised.problem, path + raised.path.removeprefix("$")) from error
 
 
@@ -130,26 +101,9 @@ def _decode(decoder: Decoder[T], data: Bytes, most: int) -> T:
         raise _too_long(data, most)
     try:
         return decoder.decode(data)
-    except WRONG as error:
-        raise _convert_error(error) from error
+    except CODEC_ERRORS as error:
+        raise convert_error(error) from error
 
 
 def _too_long(data: Bytes, most: int) -> WireError:
     return WireError(f"is {len(data):,} bytes: keep to {most:,}", "$")
-
-
-def _convert_error(error: Any) -> WireError:
-    if isinstance(error, RecursionError):
-        return WireError("is nested too deeply", "$")
-    if isinstance(error, MemoryError):
-        return WireError("is too large", "$")
-    problem, _, path = str(error).rpartition(" - at `")
-    problem, path = (problem, path) if problem else (str(error), "$")
-    path = path.rstrip("`").removeprefix("key` in `")
-    if field := FIELD.match(problem):
-        path = f"{path}.{field[1]}"
-    if problem.startswith("Invalid value '") and path.endswith(".type"):
-        kind = path.removesuffix(".type").rpartition(".")[2]
-        if known := TAGS.get(kind):
-            problem = f"{problem[: PROBLEM // 3]}: there are {', '.join(known)}"
-    return WireError(problem[:PROBLEM], path[:PATH])

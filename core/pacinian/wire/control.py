@@ -74,7 +74,11 @@ class Disarm(Request, frozen=True, kw_only=True, tag="disarm"):
 
 
 class Stop(Struct, frozen=True, kw_only=True, tag_field="type", tag="stop"):
-    """Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session."""
+    """Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.
+
+    The answer is `ok` once the device is silent. If no guard has confirmed silence within 0.5 s, it is the error
+    `fault`: switch the array off if it sounds.
+    """
 
     id: Id = 0
 

@@ -28,7 +28,7 @@ from pacinian.wire.convert_shapes import (
     texture_to_scene,
     texture_to_wire,
 )
-from pacinian.wire.error_path import BROKEN, locate, locate_errors
+from pacinian.wire.decode_errors import CONVERSION_ERRORS, locate, locate_errors
 
 if TYPE_CHECKING:
     from pacinian.scene.modulation.technique import Technique
@@ -55,7 +55,7 @@ def to_scene(
     """
     try:
         return _to_scene(name, item, default, time)
-    except BROKEN as error:
+    except CONVERSION_ERRORS as error:
         raise locate(f"$.objects[{name}]", item, error) from error
 
 

@@ -21,7 +21,7 @@ from pacinian.wire.convert_shapes import (
     shape_to_scene,
     shape_to_wire,
 )
-from pacinian.wire.error_path import locate_errors
+from pacinian.wire.decode_errors import locate_errors
 from pacinian.wire.protocol import MAX_VALUES
 
 ENVELOPES: dict[type, type] = {  # classes whose fields have the same names

@@ -16,7 +16,7 @@ from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.arrays import decode_array
 from pacinian.wire import shapes
 from pacinian.wire.binary_arrays import pack, pack_indices, unpack, unpack_indices
-from pacinian.wire.error_path import locate_errors
+from pacinian.wire.decode_errors import locate_errors
 from pacinian.wire.objects import Texture
 
 if TYPE_CHECKING:

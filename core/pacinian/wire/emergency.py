@@ -16,7 +16,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 
 NONCE_BYTES = 16  # size of a nonce, which is new for each stop [bytes]
 DATAGRAM_BYTES = NONCE_BYTES + hashlib.sha256().digest_size  # size of a datagram [bytes]
@@ -38,7 +38,7 @@ def verify(secret: str, what: bytes, data: bytes) -> bytes:
     )
 
 
-class StopSocket(Closing):
+class StopSocket(Closeable):
     """The server's socket; a context manager. address: for the connection file. file: path of the socket (Unix)."""
 
     def __init__(self, file: Path, secret: str) -> None:

@@ -54,7 +54,7 @@ class ClientState(Struct, frozen=True, kw_only=True):
 
     def describe(self) -> str:
         """Return its scene, and how much it has sent."""
-        from pacinian.wire.wording import count
+        from pacinian.wire.state_wording import count
 
         words = ["owner"] if self.owner else []
         words += [
@@ -157,7 +157,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     def describe(self) -> str:
         """Return one line on what the output emits, and for whom."""
-        from pacinian.wire.wording import count
+        from pacinian.wire.state_wording import count
 
         if self.output != "sounding":
             return f"{self.output}: {self.silence}" if self.silence else self.output
@@ -169,7 +169,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     def summarise(self) -> dict[str, str]:
         """Return names and values of what a person wants to know first."""
-        from pacinian.wire.wording import count, describe_felt, list_counts, share
+        from pacinian.wire.state_wording import count, describe_felt, list_counts, share
 
         hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4
         median, p99, longest = self.tick_ms

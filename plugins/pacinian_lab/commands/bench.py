@@ -112,7 +112,7 @@ def bench(
 ) -> None:
     """Measure run time against error of every solver.
 
-    Solves random problems, cold and warm, with every installed solver. Each contestant runs in its own process, with
+    Solves random problems, cold and warm, with every installed solver. Each project runs in its own process, with
     one thread and with all threads. The same plain NumPy code evaluates all of them in double precision. Rows are
     written as they are measured, so Ctrl-C keeps them.
     """

@@ -1,5 +1,8 @@
-"""The peers' own examples that are about touch, made again with Pacinian.
+"""The peers' (other projects') own examples that are about touch, made again with Pacinian.
 
-examples.py   what each example asks        workers/   how each package makes it, in its own process
-score.py      the field that comes out, by code that no solver uses        run.py, tables.py   the command
+examples.py  what each example asks for: array, air, places
+workers/     how each package makes it, in its own process
+run.py       all packages in turn; their times
+score.py     peaks and quiet places of the field, by code that no solver uses
+tables.py    results in a terminal or in docs/
 """

@@ -91,7 +91,7 @@ def measure_contacts(array: Array) -> Iterator[Contact]:
 
 def _render_frames(array: Array, scene: Scene) -> tuple[Gains, int, float]:
     """Return the frames that the device plays in turn, (K, N), the number of samples, and the saturation."""
-    with Renderer(array, scene, medium=AIR, clock=ManualClock(), governed=False) as renderer:
+    with Renderer(array, scene, medium=AIR, clock=ManualClock(), adaptive=False) as renderer:
         for k in range(TICKS):
             renderer.tick(k * PERIOD)
         assert renderer.samples is not None

@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.session import Session
-from pacinian.solving.solution_values import AT_LIMIT
+from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_lab.regions.methods import FREE, OURS, SPACINGS, SWEPT, MethodResult
 from pacinian_lab.regions.score import evaluate_pressure, score
 from pacinian_lab.regions.shapes import SHAPES

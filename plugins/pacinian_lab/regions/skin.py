@@ -12,9 +12,9 @@ from scipy.spatial import KDTree
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.reachability import ReachabilityFilter
+from pacinian.scene.config_sections import FINEST
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.scene.setup import FINEST
 from pacinian.session import Session
 from pacinian.solving.felt_regions import HOLE, FeltRegion
 

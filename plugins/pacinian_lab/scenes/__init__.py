@@ -1,9 +1,13 @@
 """Benchmarks of the built-in scenes: time per tick, saved work, audible noise.
 
-run.py, report.py, tables.py   run the scenes; their verdicts; tables in a terminal
-tick_parts.py                  kernels and Python, by stage; the wake-up
-savings.py, skips.py           what a tick saves by skipping work; what can be skipped
-growth.py                      time by the number of objects
-audibility.py, onsets.py       audible noise of moving scenes; of objects that come and go
-pictures.py                    a picture of each scene
+run.py         time per tick by stage, late ticks, error of pressures
+report.py      verdicts, JSON
+tables.py      results in a terminal
+tick_parts.py  time of a tick in kernels and Python; wake-up delay
+savings.py     ticks with and without a skip, in turn
+skips.py       which work can be skipped, and how each skip is disabled
+growth.py      time by number of objects
+audibility.py  audible noise of moving scenes, with and without smoothing
+onsets.py      audible noise of objects that appear, vanish, hop, vibrate
+pictures.py    a picture of each scene
 """

@@ -12,7 +12,7 @@ from pacinian import gallery
 from pacinian.plugins.registry import backend
 from pacinian.rendering.audibility import compute_envelope, measure_audible
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.objects import Point
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler

@@ -131,7 +131,7 @@ def collect_gains(
     """Return the rows of gains, (ticks * rows, N)."""
     device = CaptureBackend(Capability(MAX_LEVELS, MAX_LEVELS, rate=1000.0 * rows))
     made: list[Gains] = []
-    with Renderer(array, scene, backend=device, clock=ManualClock(), governed=False) as renderer:
+    with Renderer(array, scene, backend=device, clock=ManualClock(), adaptive=False) as renderer:
         for k in range(ticks):
             device.frame = None
             renderer.tick(k * renderer.period)

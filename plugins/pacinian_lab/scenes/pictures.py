@@ -38,7 +38,7 @@ def picture(array: Array, name: str) -> Figure:
     """Return a picture of a built-in scene, its samples and its field. Raises the error of a failed tick."""
     at, clock = SCENES[name], ManualClock()
     emitted, sounding, felt, t = [], [], [no_samples()], 0.0
-    with Renderer(array, at, governed=False, clock=clock) as renderer:
+    with Renderer(array, at, adaptive=False, clock=clock) as renderer:
         for tick in range(TICKS):
             t = clock.time = tick * renderer.period
             renderer.tick(t)

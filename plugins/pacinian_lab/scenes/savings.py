@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.plugins import registry
 from pacinian.rendering.renderer import Renderer
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.solving.blas import limit_blas_threads
@@ -84,7 +84,7 @@ class Side:
             backend=self.device,
             sampler=sampler or Sampler(),
             smoothing=Smoothing(rate=None),
-            governed=False,
+            adaptive=False,
             cycle=1,
             clock=self.clock,
         )

@@ -182,7 +182,7 @@ class _Loop:
         """Tick for `seconds` [s]."""
         renderer, clock, ended = self._renderer, self._renderer.clock, -math.inf
         stages, spent = dict(renderer.report.stages), dict(self._spent)
-        for due, lost in pace(clock, renderer.period, seconds, behind=0.0):
+        for due, lost in pace(clock, renderer.period, seconds, max_lag=0.0):
             if ended < due:
                 self._wakeup.append(clock.now() - due)
             begin = time.thread_time()
@@ -199,7 +199,7 @@ class _Loop:
     def sleep(self, seconds: float) -> None:
         """Wake up at the same rate, and do nothing."""
         clock = self._renderer.clock
-        for due, lost in pace(clock, self._renderer.period, seconds, behind=0.0):
+        for due, lost in pace(clock, self._renderer.period, seconds, max_lag=0.0):
             if not lost:
                 self._dummy.append(clock.now() - due)
 

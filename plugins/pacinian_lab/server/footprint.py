@@ -13,9 +13,9 @@ from msgspec import Struct
 from pacinian.acoustics.pose import Pose
 from pacinian.client.client import Client
 from pacinian.errors import Refused
+from pacinian.scene.config_sections import Units
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
-from pacinian.scene.setup import Units
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server

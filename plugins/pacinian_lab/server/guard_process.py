@@ -48,7 +48,7 @@ class GuardProcess:
         self._stack = ExitStack()
         self._folder = self._stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(self._array))}
-        names = "permit", "frame", "orders", "device"
+        names = "permit", "frame", "requested_settings", "device"
         self._memory = {
             path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
             for path in map(self._folder.joinpath, names)

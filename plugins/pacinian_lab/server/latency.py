@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server.echo import Echo

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
+from pacinian.scene.config_sections import Units
 from pacinian.scene.scene import Workspace
-from pacinian.scene.setup import Units
 from pacinian.serving.settings import Clients, Log, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server import positions

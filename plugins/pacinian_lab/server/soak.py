@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
+from pacinian_lab.server.killed_client import Visit
 from pacinian_lab.server.soak_game import SCENE, Heard, Play, Window
-from pacinian_lab.server.visitor import Visit
 from pacinian_lab.server.worker_process import WorkerProcess
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 WINDOWS = 120  # windows of a run
 MIN_WINDOW = 0.5  # [s] minimum length of a window
 MAX_WAIT = 60.0  # [s] longest wait for an answer
-VISITS = 4  # windows between the kills of two visitors
+VISITS = 4  # windows between two clients that are killed
 
 
 class Row(Struct, frozen=True):
@@ -47,8 +47,8 @@ def measure(side: int, seconds: float) -> Iterator[Row]:
             before, start = server.usage(), time.perf_counter()
             with ExitStack() as visit:
                 if k % VISITS == 1:
-                    visitor = visit.enter_context(WorkerProcess("visitor"))
-                    visitor.send(Visit(str(server.connection), SCENE))
+                    killed = visit.enter_context(WorkerProcess("killed_client"))
+                    killed.send(Visit(str(server.connection), SCENE))
                 game.send(Window(length))
                 heard = game.receive(Heard, length + MAX_WAIT)
             after, end = server.usage(), time.perf_counter()

@@ -19,9 +19,9 @@ from msgspec import Struct
 from pacinian.acoustics.pose import Pose
 from pacinian.client.client import Client
 from pacinian.errors import ConnectionLost, Refused, ServerError
+from pacinian.scene.config_sections import Units
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Volume
-from pacinian.scene.setup import Units
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import msgspec
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class WorkerError(PacinianError):
     """A process of the benchmark crashed or hung."""
 
 
-class WorkerProcess(Closing):
+class WorkerProcess(Closeable):
     """Runs `python -m pacinian_lab.server.<module>`. As a context manager, ends the process on exit."""
 
     def __init__(self, module: str) -> None:

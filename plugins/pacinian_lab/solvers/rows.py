@@ -19,7 +19,7 @@ KINDS: dict[str, Callable[[Any], Any]] = {"int": int, "float": float, "str": str
 
 @dataclass(frozen=True)
 class Row:
-    """One solver on one problem.
+    """One entry on one problem.
 
     family: "pacinian", a peer, or "reference". mode: "cold", "warm" (all points have moved by 1 mm), "one moved",
     "rescaled" (only the strength has changed) or "reference". threads: maximum number of threads. units, N, M, level,

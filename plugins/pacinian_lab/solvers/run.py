@@ -1,4 +1,4 @@
-"""Run the benchmark: every contestant solves one problem before the next, so that ratios compare adjacent runs."""
+"""Run the benchmark: every entry solves one problem before the next, so that ratios compare adjacent runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REFERENCE = "reference"
 
 @dataclass(frozen=True)
 class Entry:
-    """One solver of one worker, in one mode."""
+    """One contestant, which is a solver of a worker, in one mode."""
 
     worker: Worker
     solver: str
@@ -33,7 +33,7 @@ class Entry:
 
     @property
     def family(self) -> str:
-        """Name of the contestant, or "reference"."""
+        """Whose solver it is: "pacinian", a peer, or "reference"."""
         return REFERENCE if self.mode == REFERENCE else self.worker.name
 
 

@@ -1,12 +1,12 @@
-"""The process of a contestant: `python -P worker.py workers/autd3.py`. It speaks JSON lines.
+"""A worker, the process of one project's solvers: `python -P worker.py workers/autd3.py`. It speaks JSON lines.
 
 First line out: {"versions": {...}, "offers": [[solver, mode], ...]}. For each line in, {"solver", "mode", "seconds",
 "problem"}, a line out: {"re", "im", "points", "p50", "p99", "samples", "traced", "resident"}, or {"error"}. Standard
 library only, because Pacinian is not installed in the peers' environments.
 
-A contestant's file defines `versions()` and `offers(threads)`, a map from (solver, mode) to a function of the
+A project's file in workers/ defines `versions()` and `offers(threads)`, a map from (solver, mode) to a function of the
 problem. That function prepares what may be kept from solve to solve, and returns two functions. The first maps points
-to the contestant's own output, and is timed. The second maps the output to (gains, points), with gains in the
+to the solver's own output, and is timed. The second maps the output to (gains, points), with gains in the
 convention p = B g, B ~ exp(-jkr), or to None if there are none.
 """
 
@@ -48,14 +48,14 @@ def answer(offers: Any, timing: Any, asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Serve until standard input ends. Redirects the contestant's own output to standard error."""
+    """Serve until standard input ends. Redirects what the solvers print to standard error."""
     lines = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     file, threads = Path(sys.argv[1]), int(os.environ["OMP_NUM_THREADS"])
     sys.argv[1:] = []  # AcousTools reads the arguments
-    timing, contestant = load(Path(__file__).with_name("timing.py")), load(file)
-    offers = contestant.offers(threads)
-    reply: dict[str, Any] = {"versions": contestant.versions(), "offers": list(offers)}
+    timing, project = load(Path(__file__).with_name("timing.py")), load(file)
+    offers = project.offers(threads)
+    reply: dict[str, Any] = {"versions": project.versions(), "offers": list(offers)}
     while True:
         print(json.dumps(reply), file=lines, flush=True)
         line = sys.stdin.readline()
@@ -63,7 +63,7 @@ def main() -> None:
             return
         try:
             reply = answer(offers, timing, json.loads(line))
-        except Exception as error:  # report a contestant's failure, and go on to the next problem
+        except Exception as error:  # report a solver's failure, and go on to the next problem
             reply = {"error": f"{type(error).__name__}: {error}"}
 
 

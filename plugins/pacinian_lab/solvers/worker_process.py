@@ -1,4 +1,4 @@
-"""A contestant's process. It is queried with a time limit, killed if it hangs, and restarted."""
+"""Workers: the process of one project's solvers is asked with a time limit, killed if it hangs, and restarted."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ HERE = Path(__file__).parent
 
 
 class WorkerError(PacinianError):
-    """A contestant crashed, hung, or gave an invalid answer."""
+    """A worker crashed, hung, or gave an invalid answer."""
 
 
 class Worker:
     """A process that answers each JSON line with one JSON line.
 
-    name: of the contestant. command: what to run. threads: maximum for its libraries. The process starts when it is
+    name: "pacinian" or a peer. command: what to run. threads: maximum for its libraries. The process starts when it is
     first needed, and again after a failure ended it.
     """
 
@@ -46,12 +46,12 @@ class Worker:
 
     @classmethod
     def of(cls, name: str, python: str, threads: int, folder: Path = HERE / "workers") -> Worker:
-        """Return a worker for the contestant `{name}.py` of a folder, run by this Python."""
+        """Return a worker for the solvers in `{name}.py` of a folder, run by this Python."""
         files = (HERE / "worker.py", folder / f"{name}.py")
         return cls(name, [python, "-P", *(str(file) for file in files)], threads)
 
     def offers(self) -> list[tuple[str, str]]:
-        """Return the (solver, mode) pairs of the contestant. Raises WorkerError."""
+        """Return the (solver, mode) pairs of its solvers. Raises WorkerError."""
         if self._process is None:
             self._start()
         return self._offers

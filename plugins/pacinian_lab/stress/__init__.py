@@ -1,8 +1,15 @@
 """Test numerical stability: hard problems, the promises of every solver, and whether the solver keeps them.
 
-promises.py, check.py, answer_checks.py, region_checks.py   the promises; whether a solver keeps them
-case.py, cases.py, problem_parts.py   one problem; all of them; their parts
-ill_conditioned_problems.py, extreme_problems.py, region_problems.py   families
-reference.py                   the smallest residual, without a solver
-run.py                         everything
+run.py                       every problem with every solver; the propagator through many moves
+promises.py                  what each solver promises, with tolerances
+check.py                     does a solver keep its promises on a problem?
+answer_checks.py             promises of every answer: limits, reported error, bound
+region_checks.py             promises about regions, by brute force
+reference.py                 the smallest residual, without a solver
+case.py                      one hard problem
+cases.py                     all of them
+problem_parts.py             building blocks: arrays, points, targets
+ill_conditioned_problems.py  coincident points, touching transducers, low rank, extreme media
+extreme_problems.py          extreme targets, all limits, many points, long series of moves
+region_problems.py           hard regions
 """

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 from pacinian_lab.stress.region_checks import find_split_regions
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.errors import UnsupportedLimit
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 from pacinian_lab.stress import promises
 from pacinian_lab.stress.answer_checks import find_broken_promises, measure_excess
 from pacinian_lab.stress.case import DEFAULT_DEADLINE

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.regions import joint_phases
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

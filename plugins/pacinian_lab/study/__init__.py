@@ -1,12 +1,26 @@
 """Studies: how the arrangement of an array shapes the image. Needs the extra `study`.
 
-Definition   file.py      studies and their files          sweep.py    lists that are swept
-             layouts.py, arrangements.py                   planes.py, patterns.py
-Execution    tasks.py     the tasks, and their keys        study_run.py     computes missing tasks
-             engine.py    runs them with Dask              store.py         stores the results
-Worker       worker.py    solves and measures              target_plane.py  data that the tasks of one place share
-             measures.py  the columns of the results       focus.py         the size of a focus
-Report       report.py    Markdown                         images.py, charts.py
+Definition
+    file.py          `Study`: study files, their schema
+    layouts.py       layouts: arrangements bent into space, real devices
+    arrangements.py  positions in a plane: hexagonal, sunflower, rings, Poisson disc
+    planes.py        planes of patterns
+    patterns.py      focus, circle, grid, letters, random points
+    sweep.py         lists in place of values: all combinations
+Execution
+    study_run.py     `run`, `load`: computes the missing tasks
+    tasks.py         tasks, labels, keys of what a result depends on
+    engine.py        runs tasks with Dask
+    store.py         folder of results, Parquet
+Worker
+    worker.py        solves the tasks of one place and measures
+    target_plane.py  what the tasks of one place share: B, field
+    measures.py      columns of the results: error, yield, widths
+    focus.py         widths of a focus, its main lobe
+Report
+    report.py        Markdown
+    images.py        pictures of layouts and images
+    charts.py        charts of measures
 """
 
 from __future__ import annotations

@@ -228,7 +228,7 @@ MAX_START: int = 16
 
 def start(G: Complexes, t: Floats, phi: Floats, first: Floats, steps: int, mu: float, relative: float, unit: float, workspace: Workspace) -> float:
     """
-    Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.
+    Write targets p [Pa per unit limit], with phases chosen as by `choose_phases`, and y = mu (G + mu I)^-1 p.
 
     G: (M, M), for at most MAX_START samples, for which this is quicker than LAPACK. t, phi, first: (M,). Returns the
     factor on the targets, as by `scale_for_single`.

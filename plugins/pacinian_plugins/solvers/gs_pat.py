@@ -10,7 +10,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import check_integer
-from pacinian.native.solving import gerchberg_saxton, peak, restrain
+from pacinian.native.solving import gerchberg_saxton, limit_gains, peak
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -94,7 +94,7 @@ class GsPat(pc.Solver):
         if limits.gain is None or targets.scale == "max":
             return pc.Result(iterations=done, late=late)
         cut = peak(out) > limits.gain**2
-        restrain(out, 1.0, limits.gain)
+        limit_gains(out, 1.0, limits.gain)
         return pc.Result(iterations=done, limited=cut, late=late)
 
 

@@ -22,7 +22,7 @@ from pacinian.wire import control, replies
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.state import ClientState, State
 
-from ..client.fake import Fake, state
+from ..client.fake_server import Fake, state
 
 FULL: dict[str, Any] = {
     "output": "sounding", "armed": True, "owner": "game [1]", "scene": "hall",

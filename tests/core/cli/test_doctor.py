@@ -15,7 +15,7 @@ from pacinian.cli.doctor import doctor
 from pacinian.cli.doctor_rules import Finding
 from pacinian.wire import control
 
-from ..client.fake import Fake, state
+from ..client.fake_server import Fake, state
 
 OK, WARNING, PROBLEM = "ok", "warning", "problem"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from .patience import wait_long
+from .long_timeouts import wait_long
 
 
 @pytest.fixture(autouse=True)

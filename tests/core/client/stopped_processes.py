@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 STILL = 0.75  # longer than most leases, half as long as a connection may be quiet [s]
-SERVER = Path(__file__).with_name("fake.py")
+SERVER = Path(__file__).with_name("fake_server.py")
 
 
 @contextmanager

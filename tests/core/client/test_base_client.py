@@ -12,7 +12,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.wire import control, replies
 
-from .fake import Fake
+from .fake_server import Fake
 
 
 @pytest.fixture

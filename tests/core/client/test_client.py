@@ -20,7 +20,7 @@ from pacinian.wire.convert import to_scene
 from pacinian.wire.protocol import MAJOR, MINOR
 
 from ...waiting import PATIENCE
-from .fake import Fake, state, usual
+from .fake_server import Fake, state, usual
 
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
 BALL = pc.Volume(

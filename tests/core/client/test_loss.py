@@ -20,7 +20,7 @@ from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.connection_file import Connection
 
 from ...waiting import PATIENCE
-from .fake import Fake, usual
+from .fake_server import Fake, usual
 
 FOREVER = 1e4  # timeout that no test reaches [s]
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")

@@ -11,7 +11,7 @@ from pacinian.wire import commands
 from pacinian.wire.codec import encode
 from pacinian.wire.protocol import MAX_COMMAND_BYTES
 
-from .fake import Fake
+from .fake_server import Fake
 
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
 

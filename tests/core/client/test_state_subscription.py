@@ -22,8 +22,8 @@ from pacinian.wire.codec import encode
 from pacinian.wire.state import STATE
 
 from ...waiting import PATIENCE
-from .fake import Fake, state
-from .patience import BEATS
+from .fake_server import Fake, state
+from .long_timeouts import BEATS
 from .stopped_processes import STILL, server_apart, stand_still
 
 SECONDS = st.floats(0.0, 1.0)

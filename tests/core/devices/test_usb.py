@@ -13,7 +13,7 @@ from pacinian.devices.usb_errors import advice, has_gone
 from pacinian.testing import UsbBus
 from pacinian.testing.usb_device import error
 
-from .on_usb import KIND, PADS, UDEV, Pad, plugged, refused
+from .fake_usb_devices import KIND, PADS, UDEV, Pad, plugged, refused
 
 NONE = "is not connected; there are: none"
 WHERE = "bus 1, address 2"

@@ -12,7 +12,7 @@ from pacinian.devices.usb import UsbKind
 from pacinian.devices.usb_link import UsbLink
 from pacinian.testing import UsbBus
 
-from .on_usb import HANGS, PADS, Pad, plugged, refused
+from .fake_usb_devices import HANGS, PADS, Pad, plugged, refused
 
 BUSY = "pads A: opening it: it is in use by another program: end that first"
 FRAME = bytes(range(200))

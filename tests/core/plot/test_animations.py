@@ -29,7 +29,7 @@ SCENE = pc.Scene(
 
 
 def renderer(scene: Any = SCENE, array: pc.Array = ARRAY) -> pc.Renderer:
-    return pc.Renderer(array, scene, governed=False, clock=ManualClock())
+    return pc.Renderer(array, scene, adaptive=False, clock=ManualClock())
 
 
 def read_pictures(path: Path) -> list[Any]:

@@ -21,7 +21,7 @@ def renderer(**how: Any) -> pc.Renderer:
     device = pc.backend("simulated", rate=2000.0)
     given = {
         "backend": device,
-        "governed": False,
+        "adaptive": False,
         "clock": ManualClock(),
         "medium": pc.Air(temperature=25.0),
     }

@@ -47,7 +47,7 @@ def recording(tmp_path: Path) -> pc.Recording:
     """Record 200 ticks of 1 ms; 30 are missed after the 100th; a reset and a still scene at the 150th."""
     path, clock = tmp_path / "run.rec", ManualClock()
     scene = pc.Scene((PULSE,))
-    renderer = pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path), governed=False)
+    renderer = pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path), adaptive=False)
     with renderer:
         for k in range(200):
             due = PERIOD * (k + 30 * (k >= 100))

@@ -34,7 +34,7 @@ def pulsed() -> pc.Renderer:
     point = pc.Point(position=POINT, radiation_pressure=0.1, envelope=pc.Sine(150.0))
     device = pc.backend("simulated", rate=4000.0, amplitudes=65536)
     return pc.Renderer(
-        ARRAY, pc.Scene((point,)), backend=device, governed=False, clock=ManualClock()
+        ARRAY, pc.Scene((point,)), backend=device, adaptive=False, clock=ManualClock()
     )
 
 

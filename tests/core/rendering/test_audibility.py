@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering.audibility import compute_envelope, measure_audible, weigh_a
-from pacinian.rendering.slew_limiter import SlewRateLimiter, Smoothing
+from pacinian.rendering.smoothing import GainSmoother, Smoothing
 
 bounded = settings(max_examples=30)
 FS = 96_000.0
@@ -106,7 +106,7 @@ def test_jumps_of_the_global_phase_are_heard_and_alignment_silences_them() -> No
     gains = np.array([focused(x) for x in 2e-4 * np.sin(np.arange(300) / 30.0)])
     gains *= np.exp(2j * np.pi * rng.random((300, 1)))
     smoother, rows = (
-        SlewRateLimiter(Smoothing(), len(ARRAY)),
+        GainSmoother(Smoothing(), len(ARRAY)),
         np.empty((300, len(ARRAY)), np.complex64),
     )
     smoother.follow(gains.astype(np.complex64), 1e-3, rows)

@@ -25,7 +25,7 @@ from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-from .by_hand import ByHand, solve_beside
+from .manual_background import ManualBackground, solve_beside
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -333,7 +333,7 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
     scene = [at(0.0)]
     renderer, _ = make(lambda t: scene[0])
     with renderer:
-        background = renderer._pipeline.background = ByHand()
+        background = renderer._pipeline.background = ManualBackground()
         renderer.schedule.beside, begun, count = True, 0, 0
         for k in range(200):
             if background.started > count:
@@ -510,7 +510,7 @@ def test_a_recording_comes_out_the_same_whenever_solves_are_done(
     chance, path = np.random.default_rng(seed), tmp_path / "run.pac"
     renderer, _ = make(SCENES[name], recorder=pc.Recorder(path), clock=Slow())
     with renderer:
-        background = renderer._pipeline.background = ByHand()
+        background = renderer._pipeline.background = ManualBackground()
         for k in range(100):
             background.ready = bool(chance.random() < 0.4)
             if k == 70:

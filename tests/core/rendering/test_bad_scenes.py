@@ -10,7 +10,7 @@ import pytest
 from trimesh.creation import icosphere
 
 import pacinian as pc
-from pacinian.rendering.slew_limiter import SlewRateLimiter
+from pacinian.rendering.smoothing import GainSmoother
 from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.testing import ManualClock
@@ -38,13 +38,13 @@ def render(
 ) -> pc.Report:
     """Run two ticks with each scene in turn. All amplitudes for the device must be finite and at most 1."""
     rows: list[Any] = []
-    follow = SlewRateLimiter.follow
+    follow = GainSmoother.follow
 
-    def followed(self: SlewRateLimiter, gains: Any, seconds: float, out: Any, *more: Any) -> None:
+    def followed(self: GainSmoother, gains: Any, seconds: float, out: Any, *more: Any) -> None:
         follow(self, gains, seconds, out, *more)
         rows.append(np.abs(out).max(initial=0.0))
 
-    monkeypatch.setattr(SlewRateLimiter, "follow", followed)
+    monkeypatch.setattr(GainSmoother, "follow", followed)
     clock = ManualClock(100.0)
     renderer = pc.Renderer(ARRAY, scenes[0], clock=clock, **given)
     with renderer:

@@ -17,7 +17,7 @@ from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-from .by_hand import solve_beside
+from .manual_background import solve_beside
 
 AIR, PERIOD = pc.Air(), 1e-3
 ONE, NINE = pc.autd(), pc.autd(3, 3)
@@ -353,7 +353,7 @@ def test_when_a_cycle_begins_again_no_earlier_frame_comes_back() -> None:
     kept, counts = list[object](), list[int]()
     sampler = pc.Sampler(ramp=0.0)
     with pc.Renderer(
-        array, scene, clock=ManualClock(), governed=False, rate=1000.0, sampler=sampler
+        array, scene, clock=ManualClock(), adaptive=False, rate=1000.0, sampler=sampler
     ) as renderer:
         for k in range(60):
             renderer.tick(k * renderer.period)

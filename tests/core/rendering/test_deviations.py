@@ -14,15 +14,15 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering import deviations as named
-from pacinian.rendering.deviations import (
+from pacinian.rendering import deviation_log as named
+from pacinian.rendering.deviation_log import (
     MAX_LABELS,
     MAX_NAMED,
     MAX_SPANS,
     Deviations,
     Total,
 )
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,

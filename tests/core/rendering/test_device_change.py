@@ -15,7 +15,7 @@ from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-from .by_hand import solve_beside
+from .manual_background import solve_beside
 
 ARRAY = pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)

@@ -18,7 +18,7 @@ from pacinian.rendering import sample_solver as module
 from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.sample_solver import SampleSolver
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.modulation.technique import AM, LM, STM

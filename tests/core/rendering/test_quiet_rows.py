@@ -47,7 +47,7 @@ def test_zones_are_quiet_though_two_objects_have_different_envelopes(solver: str
         envelope=pc.Sine(37.0),
     )  # fmt: skip
     limits = pc.Limits(gain=1.0, zones=(ZONE,))
-    g = look(pc.Scene((ball, disc)), solver=solver, limits=limits, governed=False)
+    g = look(pc.Scene((ball, disc)), solver=solver, limits=limits, adaptive=False)
     assert np.abs(g).max() <= 1.0 + 1e-6
     assert np.abs(g).max() > 0.1
     loud = np.abs(pc.matrix(ARRAY, ball_of(ZONE), AIR) @ g.T).max()

@@ -19,7 +19,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import Rerendering, rerender
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.technique import STM
 from pacinian.testing import ManualClock

@@ -7,12 +7,12 @@ import pytest
 from pacinian.rendering.recording_clock import RecordingClock
 
 
-def tape() -> RecordingClock:
+def recording_clock() -> RecordingClock:
     return RecordingClock(itertools.count(1.0).__next__)
 
 
 def test_it_tells_the_time_and_notes_what_it_told() -> None:
-    made = tape()
+    made = recording_clock()
     assert [made.now() for _ in range(3)] == [1.0, 2.0, 3.0]
     assert made.take() == [1.0, 2.0, 3.0]
     assert made.take() == []
@@ -21,7 +21,7 @@ def test_it_tells_the_time_and_notes_what_it_told() -> None:
 
 
 def test_it_tells_what_was_noted_instead_and_no_more() -> None:
-    made = tape()
+    made = recording_clock()
     made.tell([7.0, 5.0])
     assert [made.now(), made.now()] == [7.0, 5.0]
     with pytest.raises(LookupError, match="read more often"):
@@ -31,7 +31,7 @@ def test_it_tells_what_was_noted_instead_and_no_more() -> None:
 
 
 def test_what_is_left_untold_is_forgotten() -> None:
-    made = tape()
+    made = recording_clock()
     made.tell([7.0, 5.0])
     made.now()
     made.tell([1.5])

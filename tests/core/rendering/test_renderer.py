@@ -16,14 +16,14 @@ import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
 from pacinian.rendering.background_schedule import MIN_FITTING, SOLVE_TICKS, BackgroundSchedule
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
 from ...waiting import eventually
-from .by_hand import ByHand, solve_beside
+from .manual_background import ManualBackground, solve_beside
 
 ARRAY = pc.autd()
 POINT = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
@@ -117,12 +117,12 @@ def test_a_loop_that_makes_up_for_nothing_leaves_out_what_is_over() -> None:
     renderer, device, _ = make(clock=clock, backend=Simulated(wait=clock.advance))
     renderer.open()
     device.delay(0.0035)
-    report = renderer.run(0.01, behind=0.0)
+    report = renderer.run(0.01, max_lag=0.0)
     assert report.skipped["missed ticks"] == 2
     assert report.ticks == 8
     assert report.late_ticks == 1
-    with pytest.raises(pc.ArgumentError, match="behind"):
-        renderer.run(0.01, behind=-1.0)
+    with pytest.raises(pc.ArgumentError, match="max_lag"):
+        renderer.run(0.01, max_lag=-1.0)
     renderer.close()
 
 
@@ -430,12 +430,12 @@ def test_a_busy_moment_is_over_after_some_seconds_of_silence_though_a_hand_moves
     renderer, _, clock = make()
     hands = [pc.Hand.open("right", pc.Pose((0.001 * k, 0.0, 0.4))) for k in range(2)]
     with renderer:
-        renderer._pipeline.background = ByHand()
+        renderer._pipeline.background = ManualBackground()
         renderer._pipeline.schedule = BackgroundSchedule(renderer.period, beside=True)
         renderer.tick()
         renderer._pipeline._allowed = 32
-        assert renderer.governor is not None
-        renderer.governor.allowed = 32
+        assert renderer.budget_controller is not None
+        renderer.budget_controller.allowed = 32
         for k in range(9 * MIN_FITTING):
             renderer.scene = pc.Scene(hands=(hands[k // 4 % 2],))
             renderer.tick()
@@ -558,7 +558,7 @@ def test_times_of_the_stages_add_up_to_that_of_the_tick(tmp_path: Path) -> None:
 
     device = Simulated(wait=clock.advance)
     recorder = Writes(tmp_path / "run.pac")
-    options: dict[str, Any] = {"governed": False, "recorder": recorder}
+    options: dict[str, Any] = {"adaptive": False, "recorder": recorder}
     renderer, _, _ = make(scene, clock=clock, backend=device, solver=Slowly(), **options)
     with renderer:
         device.delay(0.0016, 10)
@@ -582,7 +582,7 @@ class Busy(ManualClock):
 
 def test_all_of_a_tick_but_its_first_and_last_look_at_the_clock_is_in_a_stage() -> None:
     clock = Busy()
-    renderer, _, _ = make(moving, clock=clock, governed=False)
+    renderer, _, _ = make(moving, clock=clock, adaptive=False)
     with renderer:
         for _ in range(100):
             renderer.tick()
@@ -599,7 +599,7 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
     )
     for rows in (1, 2, 4):
         renderer, _, _ = make(
-            pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows), governed=False
+            pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows), adaptive=False
         )
         report = renderer.run(0.1)
         assert len(report.errors) == 2  # in tick FIRST_LOOK, and TICKS_PER_LOOK later
@@ -619,11 +619,11 @@ def test_exact_samples_may_be_asked_for_while_sound_comes_up() -> None:
 
 
 @pytest.mark.parametrize(
-    ("governed", "technique"),
+    ("adaptive", "technique"),
     [(True, Simultaneous()), (False, Simultaneous()), (True, LM(90.0, 0.003))],
 )
 def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
-    governed: bool, technique: Any
+    adaptive: bool, technique: Any
 ) -> None:
     clock = ManualClock()
     side = (0.0085 * np.arange(-5.5, 6.0)).tolist()
@@ -652,11 +652,11 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         lambda t: pc.Scene((plates[next(calls) % 3],)),
         clock=clock,
         solver=Slowly(),
-        governed=governed,
+        adaptive=adaptive,
         backend=Simulated(rate=2000.0),
     )
     with renderer:
-        renderer._pipeline.background = ByHand()
+        renderer._pipeline.background = ManualBackground()
         assert renderer.samples is None
         renderer.tick()
         assert renderer.samples is not None
@@ -665,12 +665,12 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         for _ in range(200):
             renderer.tick()
         few = len(renderer.samples)
-        assert (few < whole) is governed
+        assert (few < whole) is adaptive
         beside = SOLVE_TICKS if technique.still else 1  # ticks that a solve may take
-        assert not governed or (few >= 16 and few * cost * solves <= beside * renderer.period)
+        assert not adaptive or (few >= 16 and few * cost * solves <= beside * renderer.period)
         # includes solves beside the ticks, which this test runs in them
         late = renderer.report.late_ticks
-        assert governed is (late < 60) or (governed and technique.still)
+        assert adaptive is (late < 60) or (adaptive and technique.still)
         cost = 1e-7
         for _ in range(2000):
             renderer.tick()
@@ -726,7 +726,7 @@ def test_what_was_read_from_the_clock_is_not_heaped_up() -> None:
         for _ in range(200):
             renderer.tick()
             renderer.reset()
-        assert len(renderer.tape.take()) < 20
+        assert len(renderer.recording_clock.take()) < 20
 
 
 STATES = {
@@ -825,7 +825,7 @@ class Halves(pc.Solver):
 def test_ticks_without_time_to_solve_do_not_end_it_for_those_that_have(busy: range) -> None:
     clock = Busy()
     point = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
-    renderer, _, _ = make(pc.Scene((point,)), clock=clock, solver=Halves(), governed=False)
+    renderer, _, _ = make(pc.Scene((point,)), clock=clock, solver=Halves(), adaptive=False)
     errors = []
     with renderer:
         for k in range(1000):

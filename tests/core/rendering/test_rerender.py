@@ -21,7 +21,7 @@ from pacinian.gallery import HAND, SCENES
 from pacinian.native import VARIANT
 from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import rerender
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.technique import LM, STM
 from pacinian.scene.motion import Motion
@@ -29,7 +29,7 @@ from pacinian.scene.shapes.curves import Circle
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
-from .by_hand import ByHand
+from .manual_background import ManualBackground
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -84,7 +84,7 @@ def test_it_comes_out_the_same_where_time_decides(tmp_path: Path, name: str) -> 
     clock = Slow(4e-4 if name == "grid" else 2e-5)
     renderer = make(tmp_path / "run.pac", SCENES.get(name, grid), clock)
     with renderer:
-        renderer._pipeline.background = ByHand()
+        renderer._pipeline.background = ManualBackground()
         for k in range(60):
             renderer.tick(3.0 + k * TICK)
         assert not renderer.report.faults
@@ -242,7 +242,7 @@ def test_it_comes_out_the_same_with_other_solvers_limits_and_settings(tmp_path: 
         SCENES["palm"],
         Slow(),
         rate=700.0,
-        governed=False,
+        adaptive=False,
         smoothing=Smoothing(rate=100.0, align=False),
         sampler=pc.Sampler(40, 0.012, ramp=0.01, perception=False),
         medium=pc.Air(temperature=31.0, attenuation="absorbing"),

@@ -30,11 +30,11 @@ ticks = st.lists(
 
 
 def told(
-    governor: SampleBudgetController, seconds: float, count: int, samples: int | None = None
+    controller: SampleBudgetController, seconds: float, count: int, samples: int | None = None
 ) -> list[int]:
     """Return what is allowed after each of `count` such ticks. By default, all allowed samples are used."""
     return [
-        governor.tick(seconds, governor.allowed if samples is None else samples)
+        controller.tick(seconds, controller.allowed if samples is None else samples)
         for _ in range(count)
     ]
 
@@ -44,25 +44,25 @@ def told(
 def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
     most: int, seen: Any
 ) -> None:
-    governor, other = SampleBudgetController(PERIOD, most), SampleBudgetController(PERIOD, most)
+    controller, other = SampleBudgetController(PERIOD, most), SampleBudgetController(PERIOD, most)
     for seconds, samples in seen:
-        before = governor.allowed
-        allowed = governor.tick(seconds, samples)
+        before = controller.allowed
+        allowed = controller.tick(seconds, samples)
         assert min(MIN_BUDGET, most) <= allowed <= most
         assert (
-            allowed == governor.allowed == other.tick(seconds, samples)
+            allowed == controller.allowed == other.tick(seconds, samples)
         )  # depends on nothing else
         if seconds > MIN_LOAD * PERIOD:
             assert allowed <= before
 
 
 def test_a_few_long_ticks_change_nothing() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
+    controller = SampleBudgetController(PERIOD, 256)
     for _ in range(20):
-        told(governor, SLOW, MAX_LONG_TICKS - 1)
-        assert told(governor, WELL, 1) == [256]
-        assert told(governor, 5.0 * VERY, 1) == [256]
-        assert told(governor, WELL, 1) == [256]
+        told(controller, SLOW, MAX_LONG_TICKS - 1)
+        assert told(controller, WELL, 1) == [256]
+        assert told(controller, 5.0 * VERY, 1) == [256]
+        assert told(controller, WELL, 1) == [256]
 
 
 def test_long_ticks_in_a_row_leave_fewer_samples() -> None:
@@ -92,60 +92,60 @@ def test_however_long_it_takes_some_samples_are_left(seconds: float) -> None:
 
 
 def test_where_it_is_not_the_samples_that_take_the_time_they_stay() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
-    assert set(told(governor, VERY, 100, samples=MIN_BUDGET)) == {256}
-    assert set(told(governor, SLOW, 100, samples=0)) == {256}
+    controller = SampleBudgetController(PERIOD, 256)
+    assert set(told(controller, VERY, 100, samples=MIN_BUDGET)) == {256}
+    assert set(told(controller, SLOW, 100, samples=0)) == {256}
 
 
 def test_in_time_it_stays_as_it_is_and_with_time_to_spare_it_grows_back() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
-    small = told(governor, VERY, 10)[-1]
-    assert set(told(governor, WELL, 2000)) == {small}
-    grown = told(governor, SHORT, 3000)
+    controller = SampleBudgetController(PERIOD, 256)
+    small = told(controller, VERY, 10)[-1]
+    assert set(told(controller, WELL, 2000)) == {small}
+    grown = told(controller, SHORT, 3000)
     assert grown == sorted(grown)
     assert grown[-1] == 256
     assert max(b - a for a, b in itertools.pairwise(grown)) <= 1 + 256 // 8
 
 
 def test_it_grows_slower_after_each_relapse() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
+    controller = SampleBudgetController(PERIOD, 256)
     waits = []
     for _ in range(8):
-        while governor.allowed > MIN_BUDGET:
-            told(governor, VERY, 1)
-        small, wait = governor.allowed, 0
-        while governor.allowed == small:
-            told(governor, SHORT, 1)
+        while controller.allowed > MIN_BUDGET:
+            told(controller, VERY, 1)
+        small, wait = controller.allowed, 0
+        while controller.allowed == small:
+            told(controller, SHORT, 1)
             wait += 1
         waits.append(wait)
     assert waits == [min(WAIT << k, MAX_WAIT) for k in range(8)]
 
 
 def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None:
-    governor = SampleBudgetController(PERIOD, 40)
+    controller = SampleBudgetController(PERIOD, 40)
     for _ in range(5):
-        told(governor, VERY, 4)
-        told(governor, SHORT, MAX_WAIT)
-        assert governor.allowed > MIN_BUDGET
-    told(governor, SHORT, 40 * MAX_WAIT)
-    assert governor.allowed == 40
-    told(governor, VERY, 4)
-    small = governor.allowed
-    assert told(governor, SHORT, 2 * WAIT)[-1] > small
+        told(controller, VERY, 4)
+        told(controller, SHORT, MAX_WAIT)
+        assert controller.allowed > MIN_BUDGET
+    told(controller, SHORT, 40 * MAX_WAIT)
+    assert controller.allowed == 40
+    told(controller, VERY, 4)
+    small = controller.allowed
+    assert told(controller, SHORT, 2 * WAIT)[-1] > small
 
 
 def test_one_long_spell_is_no_relapse_however_long() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
-    told(governor, VERY, 1000)
-    assert told(governor, SHORT, WAIT) == [MIN_BUDGET] * (WAIT - 1) + [
+    controller = SampleBudgetController(PERIOD, 256)
+    told(controller, VERY, 1000)
+    assert told(controller, SHORT, WAIT) == [MIN_BUDGET] * (WAIT - 1) + [
         MIN_BUDGET + 1 + MIN_BUDGET // 8
     ]
 
 
 def test_one_tick_without_time_to_spare_begins_the_wait_anew() -> None:
-    governor = SampleBudgetController(PERIOD, 256)
-    small = told(governor, VERY, 10)[-1]
+    controller = SampleBudgetController(PERIOD, 256)
+    small = told(controller, VERY, 10)[-1]
     for _ in range(50):
-        told(governor, SHORT, WAIT - 1)
-        told(governor, WELL, 1)
-    assert governor.allowed == small
+        told(controller, SHORT, WAIT - 1)
+        told(controller, WELL, 1)
+    assert controller.allowed == small

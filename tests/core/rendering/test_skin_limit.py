@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.gallery import HAND
-from pacinian.rendering.deviations import SKIN_LIMITED
+from pacinian.rendering.deviation_log import SKIN_LIMITED
 from pacinian.rendering.envelope_groups import EnvelopeGroups
 from pacinian.rendering.skin_limit import SkinLimit, spread, sum_up
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.sampling.posed_skin import PosedSkin
 from pacinian.scene.sampling.samples import no_samples
-from pacinian.solving.status import Status
+from pacinian.solving.solution_status import Status
 from pacinian.testing import ManualClock
 
 ONE = pc.autd()
@@ -83,7 +83,7 @@ def highest(gains: Array, hand: pc.Hand, seed: int, others: tuple[pc.Hand, ...] 
 
 def render(scene: pc.Scene, ticks: int = 4, array: pc.Array = ONE, **settings: Any) -> pc.Renderer:
     renderer = pc.Renderer(
-        array, scene, clock=ManualClock(), medium=AIR, governed=False, **settings
+        array, scene, clock=ManualClock(), medium=AIR, adaptive=False, **settings
     )
     with renderer:
         for k in range(ticks):
@@ -251,7 +251,7 @@ def test_a_second_hand_without_velocities_is_limited_where_it_was_seen(speed: fl
 
     clock = ManualClock()
     renderer = pc.Renderer(
-        ONE, scene, clock=clock, medium=AIR, governed=False, peak=10.0, rate=1000.0
+        ONE, scene, clock=clock, medium=AIR, adaptive=False, peak=10.0, rate=1000.0
     )
     reached = 0.0
     with renderer:
@@ -288,7 +288,7 @@ def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
         pc.Scene(items, hands=(hand,)),
         clock=ManualClock(),
         medium=AIR,
-        governed=False,
+        adaptive=False,
         peak=5.0,
     )
     reached = 0.0
@@ -377,7 +377,7 @@ def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPa
         lambda t: scenes[min(round(1000.0 * t), 5)],
         clock=ManualClock(),
         medium=AIR,
-        governed=False,
+        adaptive=False,
         cycle=cycle,
         peak=1000.0,
         rate=1000.0,

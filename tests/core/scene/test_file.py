@@ -17,12 +17,12 @@ from scipy.io import wavfile
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
+from pacinian.scene.config_sections import Units
 from pacinian.scene.file import SceneFile, make_schema
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.material import Material
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
-from pacinian.scene.setup import Units
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
 

@@ -83,7 +83,9 @@ class Pretender:
             with self.latest("frame") as file:
                 levels = bytes(range(8)) * 2
                 file.write(FrameHead(1, now, permit.epoch, 1, 2, 2).pack() + levels)
-        with self.latest({"guard": "device", "bus": "traffic", "render": "report"}[self.name]) as f:
+        with self.latest(
+            {"guard": "device", "bus": "bus_status", "render": "renderer_status"}[self.name]
+        ) as f:
             f.write(pack(value))
 
     def call(self) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pacinian.acoustics.array import lattice
-from pacinian.scene.setup import Lattice, PluginConfig
+from pacinian.scene.config_sections import Lattice, PluginConfig
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
@@ -104,7 +104,7 @@ class Server:
         self.stack = ExitStack()
         self.folder = self.stack.enter_context(folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(N)}
-        names = "permit", "frame", "orders", "device"
+        names = "permit", "frame", "requested_settings", "device"
         self.memory = {
             path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
             for path in map(self.folder.joinpath, names)

@@ -15,7 +15,7 @@ SOLVES = {"pacinian.session", "pacinian.solving", "pacinian_plugins.native"}
 RENDERS = {"pacinian.rendering.renderer", "pacinian.scene.sampling.sampler"}
 SCENES = {"pacinian.scene.hands", "pacinian.scene.objects", "pacinian.scene.scene"}
 GUARD = """
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard import process
 from pacinian.serving.guard.device_manager import import_backend
 from pacinian.serving.ipc.plugin_list import list_offers

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from pacinian.errors import ArgumentError, ServerError
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.ipc import logs, shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import MIN_FILES, serve

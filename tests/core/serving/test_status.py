@@ -100,7 +100,15 @@ class Status(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         self.clock, self.broken = ManualClock(1.0), set[str]()
-        names = "permit", "sessions", "orders", "report", "device", "traffic", "frame"
+        names = (
+            "permit",
+            "sessions",
+            "requested_settings",
+            "renderer_status",
+            "device",
+            "bus_status",
+            "frame",
+        )
         self.memory = {name: Memory() for name in names}
         self.threads: list[Callable[[], None]] = []
         self.deaths: list[str] = []
@@ -147,7 +155,8 @@ class Status(RuleBasedStateMachine):
     @property
     def orders(self) -> RequestedSettings:
         return msgspec.msgpack.decode(
-            self.memory["orders"].data or pack(RequestedSettings()), type=RequestedSettings
+            self.memory["requested_settings"].data or pack(RequestedSettings()),
+            type=RequestedSettings,
         )
 
     @rule()
@@ -225,8 +234,8 @@ class Status(RuleBasedStateMachine):
         report = RendererStatus(
             1, self.clock.now(), {}, self.results, self.halted, {}, (Plugin(name="auto"),)
         )
-        self.memory["report"].write(pack(report))
-        self.memory["traffic"].write(pack(BusStatus(1, self.clock.now())))
+        self.memory["renderer_status"].write(pack(report))
+        self.memory["bus_status"].write(pack(BusStatus(1, self.clock.now())))
         self.told_halted = self.halted
 
     # clients
@@ -296,7 +305,7 @@ class Status(RuleBasedStateMachine):
     @invariant()
     def what_a_reset_has_not_mended_holds_the_output(self) -> None:
         """After a reset is answered, a remaining fault is a fault of the lease, so that `arm` is refused."""
-        view, reset = self.control.view, f"reset {self.control.selection.orders.reset}"
+        view, reset = self.control.view, f"reset {self.control.selection.requested.reset}"
         failed = [
             part
             for part, fault in ((view.device, view.device.fault), (view.report, view.report.halted))

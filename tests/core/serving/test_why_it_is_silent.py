@@ -9,11 +9,11 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.testing import run_server
 
 from ...waiting import eventually
-from ..client.patience import wait_long
+from ..client.long_timeouts import wait_long
 from .processes import PATIENT
 
 if TYPE_CHECKING:

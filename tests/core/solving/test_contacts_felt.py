@@ -50,7 +50,7 @@ def test_a_ball_is_felt_as_asked_all_over_the_touched_skin(seed: int, tip: bool)
     joint = int(chance.choice(TIPS)) if tip else PALM
     scene = press(chance, joint, chance.uniform(0.012, 0.03))
     clock = ManualClock()
-    with pc.Renderer(ARRAY, scene, medium=AIR, clock=clock, governed=False) as renderer:
+    with pc.Renderer(ARRAY, scene, medium=AIR, clock=clock, adaptive=False) as renderer:
         for k in range(12):
             renderer.tick(k * TICK)
             clock.time = (k + 1) * TICK

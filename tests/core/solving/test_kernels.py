@@ -63,7 +63,7 @@ def test_restrained_gains_are_scaled_and_shortened(
     rng = np.random.default_rng(seed)
     g = (rng.normal(size=64) + 1j * rng.normal(size=64)).astype(np.complex64)
     made = g.copy()
-    kernels.restrain(made, factor, highest)
+    kernels.limit_gains(made, factor, highest)
     plain = factor * g.astype(np.complex128)
     plain *= np.minimum(1.0, highest / np.abs(plain))
     np.testing.assert_allclose(made, plain, rtol=1e-6, atol=1e-30)

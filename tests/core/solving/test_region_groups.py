@@ -9,7 +9,8 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.native import solving as kernels
 from pacinian.solving.problem import Targets, number_regions
 from pacinian.solving.propagator import Propagator, gram_matrix
-from pacinian.solving.regions import carry_solution, settle_phases
+from pacinian.solving.regions import settle_phases
+from pacinian.solving.warm_start import carry_regions
 
 ARRAY = pc.autd()
 SEEDS = st.integers(0, 10**6)
@@ -119,7 +120,9 @@ def test_a_point_takes_over_from_the_same_or_the_nearest_of_its_kind(seed, M, K)
     asked, made = rng.uniform(-9, 9, K), rng.standard_normal(M) + 1j * rng.standard_normal(M)
     last = rng.standard_normal(K) + 1j * rng.standard_normal(K)
     phases, y = np.empty(M), np.empty(M, complex)
-    found = kernels.carry(q, now, before, were, asked, last, made, 3e-3, 5e-4, phases, y)
+    found = kernels.carry_multipliers(
+        q, now, before, were, asked, last, made, 3e-3, 5e-4, phases, y
+    )
 
     expected, multipliers = np.angle(made), np.zeros(M, complex)
     for region in set(now.tolist()):
@@ -147,7 +150,7 @@ def test_a_solution_is_carried_as_it_is_if_nothing_moved_and_else_point_by_point
 
     def carry(points):
         session.propagator.set_points(points)
-        return carry_solution(session.propagator, solution.targets, solution, q)
+        return carry_regions(session.propagator, solution.targets, solution, q)
 
     assert carry(q + 1e-4) is solution
     moved = carry(q + np.array([0.001, 0.0, 0.0]))
@@ -188,5 +191,5 @@ def test_rows_that_change_are_found_as_skin_facing_says(seed, M, C, D):
 def test_gains_at_a_limit_are_counted(seed, dtype):
     rng = np.random.default_rng(seed)
     g = (rng.uniform(0, 1.2, 300) * np.exp(1j * rng.uniform(-9, 9, 300))).astype(dtype)
-    assert kernels.held(g, 0.7) == (np.abs(g) >= 0.7).sum()
-    assert kernels.held(g, np.inf) == 0
+    assert kernels.count_at_limit(g, 0.7) == (np.abs(g) >= 0.7).sum()
+    assert kernels.count_at_limit(g, np.inf) == 0

@@ -12,7 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics.propagation import field
-from pacinian.scene.setup import FINEST
+from pacinian.scene.config_sections import FINEST
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import _fine as fine_skin
 

@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.errors import ServerError
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Network, Settings
 from pacinian.testing import run_server
 

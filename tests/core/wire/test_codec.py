@@ -11,7 +11,17 @@ import numpy as np
 import pytest
 
 from pacinian.errors import WireError
-from pacinian.wire import codec, commands, control, objects, protocol, replies, shapes, state
+from pacinian.wire import (
+    codec,
+    commands,
+    control,
+    decode_errors,
+    objects,
+    protocol,
+    replies,
+    shapes,
+    state,
+)
 from pacinian.wire.codec import (
     check_part,
     decode_command,
@@ -335,4 +345,4 @@ def test_a_misspelt_type_is_answered_with_those_that_there_are(
     error = refused(decode_command, msgspec.msgpack.encode(message), f"$.objects[...].{field}.type")
     for name in known:
         assert name in error.problem
-    assert len(error.problem) <= codec.PROBLEM
+    assert len(error.problem) <= decode_errors.PROBLEM

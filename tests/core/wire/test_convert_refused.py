@@ -22,7 +22,7 @@ from pacinian.wire.convert import (
     to_scene,
     to_wire,
 )
-from pacinian.wire.error_path import locate_errors
+from pacinian.wire.decode_errors import locate_errors
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 SIDES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))

@@ -9,7 +9,7 @@ import pytest
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.replies import Abilities, Plugin, Pressures, Shown
 from pacinian.wire.state import ClientState, FrameState, State
-from pacinian.wire.wording import share
+from pacinian.wire.state_wording import share
 
 GIVEN: dict[str, Any] = {
     "sequence": 7, "time": 1.0, "output": "sounding", "armed": True, "owner": "game", "scene": "hall",
@@ -88,6 +88,6 @@ def test_states_are_decoded_without_loading_scenes() -> None:
     """A light client does not need scenes, and prints a state only for a person."""
     import subprocess
 
-    code = "import sys, pacinian.wire.codec; print('pacinian.wire.wording' in sys.modules)"
+    code = "import sys, pacinian.wire.codec; print('pacinian.wire.state_wording' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

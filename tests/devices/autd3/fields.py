@@ -10,7 +10,7 @@ import numpy as np
 import pacinian as pc
 from pacinian.rendering.quantiser import Quantiser
 
-from .playing import SOURCE, Emulated, field
+from .emulated_backend import SOURCE, Emulated, field
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian_plugins.backends.autd3.levels import INTENSITY, LEVELS, SIZES, WIDTHS
 
-from .playing import Emulated
+from .emulated_backend import Emulated
 
 
 def test_amplitudes_are_those_of_the_pulses_that_differ() -> None:

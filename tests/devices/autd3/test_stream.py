@@ -10,11 +10,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.slew_limiter import Smoothing
+from pacinian.rendering.smoothing import Smoothing
 from pacinian_plugins.backends.autd3.levels import INTENSITY, LEVELS, WIDTHS
 from pacinian_plugins.backends.autd3.repeat_detector import RepeatDetector
 
-from .playing import Emulated
+from .emulated_backend import Emulated
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -149,7 +149,7 @@ def test_what_the_loop_renders_again_and_again_is_soon_not_sent_any_more(name: s
     shown, smoothing, most = SCENES[name]
     it = Emulated()
     renderer = pc.Renderer(
-        it.array, shown, backend=it.backend, clock=it.clock, smoothing=smoothing, governed=False
+        it.array, shown, backend=it.backend, clock=it.clock, smoothing=smoothing, adaptive=False
     )
     with renderer:
         for _ in range(150):

@@ -43,7 +43,7 @@ def test_a_loop_feeds_a_slow_line_and_the_last_frame_is_what_sounds(terminal: Te
         return pc.Scene((pc.Point(position=(x, 0.0, 0.12), radiation_pressure=5.0),))
 
     backend = SonicSurface(port=terminal.name, timeout=1.0)
-    with pc.Renderer(ARRAY, scene, backend=backend, governed=False) as renderer:
+    with pc.Renderer(ARRAY, scene, backend=backend, adaptive=False) as renderer:
         for _ in range(120):
             renderer.tick()
             terminal.pump()

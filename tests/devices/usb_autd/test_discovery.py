@@ -11,7 +11,7 @@ import pacinian as pc
 from pacinian.testing import UsbBus
 from pacinian_plugins.backends.usb_autd import UsbAutd
 
-from .playing import ARRAY, UDEV, Setup
+from .device_setup import ARRAY, UDEV, Setup
 from .units import Units
 
 

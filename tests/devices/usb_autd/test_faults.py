@@ -9,7 +9,7 @@ import pytest
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd.protocol import State
 
-from .playing import AGAIN, GONE, Setup, frame
+from .device_setup import AGAIN, GONE, Setup, frame
 
 
 def test_it_is_silent_when_it_is_open_sounds_with_frames_and_is_disarmed_when_it_is_closed() -> (

@@ -13,7 +13,7 @@ import zmq
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server import latency, load, soak, soak_game

@@ -1,4 +1,4 @@
-"""A contestant that misbehaves as its first argument says; speaks the protocol of `bench/worker.py`."""
+"""A worker whose solver misbehaves as its first argument says; speaks the protocol of `solvers/worker.py`."""
 
 import json
 import sys

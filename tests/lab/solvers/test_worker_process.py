@@ -1,4 +1,4 @@
-"""Contestants' processes, and all the ways in which they can fail."""
+"""Workers, and all the ways in which they can fail."""
 
 import json
 import sys
@@ -101,7 +101,7 @@ def test_a_warm_up_goes_on_after_a_fault(made: list[Worker]) -> None:
     assert run.run_one(entries[1], PROBLEM, 0.0, LIMIT).ok
 
 
-CONTESTANT = """
+PROJECT = """
 import os, sys
 import numpy as np
 print("libraries talk")
@@ -124,7 +124,7 @@ def offers(threads):
 
 def test_the_worker_measures_and_keeps_its_lines_clean(made: list[Worker], tmp_path: Path) -> None:
     file = tmp_path / "numpy.py"  # a name that must hide nothing
-    file.write_text(CONTESTANT)
+    file.write_text(PROJECT)
     command = [sys.executable, "-P", str(process.HERE / "worker.py"), str(file)]
     made.append(Worker("constant", command, 2))
     entry = run.Entry(made[0], "constant", "cold")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.native import solving as passes
-from pacinian.native.solving import choose
+from pacinian.native.solving import choose_phases
 from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange import reference
@@ -46,8 +46,8 @@ def test_products_with_b(size: tuple[int, int], seed: int) -> None:
     g = np.random.default_rng(seed).normal(size=N) + 0.5j
     tile = np.zeros((2, M + -M % 4, passes.TILE), f4)
     x, p, q, z = np.empty((2, N), f4), np.empty((2, M)), np.empty(M, complex), np.empty(N, "c8")
-    passes.spread(B, planes(y, M + -M % 4), x, tile)
-    passes.gather(B, planes(g), p, tile)
+    passes.adjoint_planar(B, planes(y, M + -M % 4), x, tile)
+    passes.apply_planar(B, planes(g), p, tile)
     passes.apply(B, g.astype(np.complex64), q)
     passes.adjoint(B, y, z)
     back, forth = B.conj().T.astype(complex) @ y, B.astype(complex) @ g
@@ -142,7 +142,7 @@ def test_the_start_in_one_kernel_is_that_of_lapack(M: int, seed: int) -> None:
     first, steps = initial_phases(M, None)
     share = kernels.start(G, t, phi, first, steps, mu, 1e-6, 0.5, w)
     plain, flags = np.empty(M, complex), np.empty(M, bool)
-    norm = choose(G, t, phi, first, steps, plain, flags)
+    norm = choose_phases(G, t, phi, first, steps, plain, flags)
     assert share == kernels.scale_for_single(norm / 0.5, 1e-6, mu, 40)
     np.testing.assert_array_equal(w.free, flags)
     np.testing.assert_allclose(w.p, plain * share / 0.5)

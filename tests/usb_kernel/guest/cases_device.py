@@ -12,7 +12,7 @@ from pacinian_plugins.backends.usb_autd import UsbAutd
 from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import State
 
-from .playing import GONE, ROW, TIMEOUT, Playing, until
+from .device_setup import GONE, ROW, TIMEOUT, Playing, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from . import users
-from .playing import Playing, until
+from .device_setup import Playing, until
 from .plugged import Plugged
 
 UDEV = (

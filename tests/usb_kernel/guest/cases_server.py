@@ -12,7 +12,7 @@ from pacinian_plugins.backends.usb_autd import UsbAutd
 from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import Request, State
 
-from .playing import GONE, TIMEOUT, until
+from .device_setup import GONE, TIMEOUT, until
 from .plugged import Plugged
 from .server import Server
 

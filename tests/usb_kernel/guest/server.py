@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from pacinian.scene.setup import PluginConfig, Units
+from pacinian.scene.config_sections import PluginConfig, Units
 from pacinian.serving.ipc import child_process, shared_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
@@ -25,7 +25,7 @@ from pacinian.serving.ipc.messages import (
 from pacinian.serving.settings import Safety, Settings
 from pacinian.wire.replies import Plugin
 
-from .playing import LONG, TIMEOUT, until
+from .device_setup import LONG, TIMEOUT, until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +52,7 @@ class Server:
         self._stack = ExitStack()
         self.folder = self._stack.enter_context(shared_memory.folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(UNIT)}
-        names = "permit", "frame", "orders", "device"
+        names = "permit", "frame", "requested_settings", "device"
         self.files = {
             n: shared_memory.SharedRegister.create(self.folder / n, sizes[n]) for n in names
         }
@@ -117,7 +117,7 @@ class Server:
 
     def _order_reset(self) -> None:
         self._resets += 1
-        self.files["orders"].write(pack(RequestedSettings(reset=self._resets)))
+        self.files["requested_settings"].write(pack(RequestedSettings(reset=self._resets)))
 
     def until(self, so: Callable[[DeviceStatus], object], *, playing: bool = False) -> DeviceStatus:
         """What the guard tells once it is so; meanwhile, frames go on or not."""

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .playing import until
+from .device_setup import until
 
 if TYPE_CHECKING:
     from collections.abc import Generator

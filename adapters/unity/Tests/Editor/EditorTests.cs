@@ -14,28 +14,28 @@ namespace Pacinian.Haptics.Tests
         [TearDown]
         public void NoServerIsLeft()
         {
-            LocalServer.Stop();
+            EditorServer.Stop();
         }
 
         [Test]
         public void TheMenuMakesWhatASceneNeeds()
         {
-            Creating.Array(new MenuCommand(null));
+            GameObjectMenu.Array(new MenuCommand(null));
             GameObject rig = Made();
             Assert.IsNotNull(rig.GetComponent<HapticServer>());
             Assert.IsNotNull(rig.GetComponent<ArrayOrigin>());
             Assert.IsNotNull(rig.GetComponent<EmissionView>());
-            Creating.Hand(new MenuCommand(rig));
+            GameObjectMenu.Hand(new MenuCommand(rig));
             Assert.IsTrue(Made().GetComponent<HapticHand>().Source == HapticHandSource.Open);
             Assert.IsTrue(Made().transform.parent == rig.transform);
-            Creating.Ball(new MenuCommand(rig));
+            GameObjectMenu.Ball(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<HapticVolume>());
             Assert.AreEqual(0.03, Made().GetComponent<SphereCollider>().radius, 1e-6);
             Vector3 above = Made().transform.position - rig.transform.position;
             Assert.AreEqual(0.0, (above - new Vector3(0f, 0.175f, 0f)).magnitude, 1e-6);
-            Creating.Point(new MenuCommand(rig));
+            GameObjectMenu.Point(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<HapticPoint>());
-            Creating.Quiet(new MenuCommand(rig));
+            GameObjectMenu.Quiet(new MenuCommand(rig));
             Assert.IsNotNull(Made().GetComponent<QuietZone>());
             UnityEngine.Object.DestroyImmediate(rig);
         }
@@ -47,7 +47,7 @@ namespace Pacinian.Haptics.Tests
             GameObject camera = new GameObject("camera", typeof(Camera));
             camera.tag = "MainCamera";
             camera.transform.SetParent(offset.transform, false);
-            Creating.Hands(new MenuCommand(null), typeof(Follower));
+            GameObjectMenu.Hands(new MenuCommand(null), typeof(Follower));
             HapticHand[] hands = Made().GetComponentsInChildren<HapticHand>();
             Assert.AreEqual(3, hands.Length);
             Assert.IsTrue(hands[2].Source == HapticHandSource.Mouse);
@@ -63,7 +63,7 @@ namespace Pacinian.Haptics.Tests
             array.transform.position = new Vector3(1f, 2f, 3f);
             foreach (GameObject context in new[] { null, array }) // the main menu, and that of the array
             {
-                Creating.Hands(new MenuCommand(context), null);
+                GameObjectMenu.Hands(new MenuCommand(context), null);
                 hands = Made().GetComponentsInChildren<HapticHand>();
                 Assert.AreEqual(1, hands.Length);
                 Assert.IsTrue(hands[0].Source == HapticHandSource.Mouse);
@@ -98,22 +98,22 @@ namespace Pacinian.Haptics.Tests
         {
             Wire.Abilities told = new Wire.Abilities();
             told.Solvers.Add(new Wire.Plugin { Name = "gs" });
-            string[] names = Choices.Of(told.Solvers, "mine");
+            string[] names = PluginDropDown.Of(told.Solvers, "mine");
             Assert.AreEqual("(the server's),gs,mine", string.Join(",", names));
-            Assert.AreEqual(0, Choices.Index(names, ""));
-            Assert.AreEqual(1, Choices.Index(names, "gs"));
+            Assert.AreEqual(0, PluginDropDown.Index(names, ""));
+            Assert.AreEqual(1, PluginDropDown.Index(names, "gs"));
         }
 
         [Test]
         public void TheProgramIsTheChosenOneOrThatInThePath()
         {
-            string before = Executable.Chosen;
+            string before = ServerExecutable.Chosen;
             string file = Path.GetTempFileName();
-            Executable.Chosen = file;
-            Assert.AreEqual(file, Executable.Find());
+            ServerExecutable.Chosen = file;
+            Assert.AreEqual(file, ServerExecutable.Find());
             File.Delete(file);
-            Assert.IsTrue(Executable.Find() != file);
-            Executable.Chosen = before;
+            Assert.IsTrue(ServerExecutable.Find() != file);
+            ServerExecutable.Chosen = before;
         }
 
         [Test]
@@ -141,19 +141,19 @@ namespace Pacinian.Haptics.Tests
         public void AServerIsStartedAndStopped()
         {
             string file = Path.Combine(Path.GetTempPath(), "pacinian-test-" + Guid.NewGuid().ToString("N") + ".json");
-            string program = Executable.Find();
+            string program = ServerExecutable.Find();
             if (program.Length == 0 || file.Contains(" "))
             {
                 return;
             }
-            Assert.AreEqual("", LocalServer.Start(program, "--control 0 --command 0 --state 0 --connection " + file));
-            Assert.IsTrue(LocalServer.Running);
-            Until(() => File.Exists(file) || !LocalServer.Running, 60.0);
-            Assert.IsTrue(File.Exists(file), LocalServer.Log());
+            Assert.AreEqual("", EditorServer.Start(program, "--control 0 --command 0 --state 0 --connection " + file));
+            Assert.IsTrue(EditorServer.Running);
+            Until(() => File.Exists(file) || !EditorServer.Running, 60.0);
+            Assert.IsTrue(File.Exists(file), EditorServer.Log());
             Forget();
-            Assert.IsTrue(LocalServer.Running, "also after scripts were loaded anew");
-            LocalServer.Stop();
-            Until(() => !LocalServer.Running, 20.0);
+            Assert.IsTrue(EditorServer.Running, "also after scripts were loaded anew");
+            EditorServer.Stop();
+            Until(() => !EditorServer.Running, 20.0);
             Assert.IsFalse(File.Exists(file), "the server takes its connection file with it");
         }
 
@@ -161,15 +161,15 @@ namespace Pacinian.Haptics.Tests
         public void AProgramThatIsMissingIsToldInTheLog()
         {
             string missing = Path.Combine(Path.GetTempPath(), "no such pacinian");
-            Assert.AreEqual("", LocalServer.Start(missing, ""));
-            Until(() => !LocalServer.Running, 10.0);
-            Assert.IsTrue(LocalServer.Log().Length > 0);
+            Assert.AreEqual("", EditorServer.Start(missing, ""));
+            Until(() => !EditorServer.Running, 10.0);
+            Assert.IsTrue(EditorServer.Log().Length > 0);
         }
 
         private static void Forget()
         {
             const BindingFlags Own = BindingFlags.Static | BindingFlags.NonPublic;
-            typeof(LocalServer).GetField("s_process", Own).SetValue(null, null);
+            typeof(EditorServer).GetField("s_process", Own).SetValue(null, null);
         }
 
         private static GameObject Made()
@@ -182,7 +182,7 @@ namespace Pacinian.Haptics.Tests
             DateTime end = DateTime.UtcNow.AddSeconds(limit);
             while (!done())
             {
-                Assert.IsTrue(DateTime.UtcNow < end, LocalServer.Log());
+                Assert.IsTrue(DateTime.UtcNow < end, EditorServer.Log());
                 System.Threading.Thread.Sleep(10);
             }
         }

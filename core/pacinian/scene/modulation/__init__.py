@@ -1,7 +1,15 @@
 """Envelopes, which set an object's amplitude over time, and techniques, which present its samples in time.
 
-envelope.py, waves.py          what an envelope is; those of a formula
-noise.py, recorded_wave.py, wav.py, presets.py   noise; recorded waves and WAV files; preset textures
-technique.py, presentation.py  techniques and their options; the samples that they present at a time
-stm_paths.py, visit_order.py, tangent_plane.py   paths of a focus; its order of points; directions along skin
+envelope.py       `Envelope`: any amplitude over time; names of presets; STEADY
+waves.py          `Constant`, `Sine`, `Square`, `Pulse`, `Function`; edges of 1.5 ms
+noise.py          `Noise`: band-limited, from a seed
+recorded_wave.py  `Wave`: recorded samples or a WAV file; resampled to a table
+wav.py            reads WAV files
+presets.py        "impulsive", "rapturous", "trembling", "buzzing": textures of Hasegawa and Shinoda
+technique.py      `Simultaneous`, `AM`, `STM` (moving focus), `LM` (lateral movement): frequency, path, places
+presentation.py   the samples that a technique shows at a time
+stm_paths.py      the path of an STM focus through samples
+visit_order.py    order in which a focus visits points: a tour to the nearest one left, or the convex hull
+visit_order.hpp   the tour: called by visit_order.py
+tangent_plane.py  plane fitted to a contact; directions along skin, for LM
 """

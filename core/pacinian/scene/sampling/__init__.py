@@ -1,16 +1,30 @@
 """Sampling: turn a scene into samples, given what the hands touch, the array resolves and people feel.
 
-sampler.py, samples.py            the API: one tick, from a scene to samples; what they are
+sampler.py                    `Sampler`: one tick, from scene to samples; merges those that the array cannot resolve
+samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
-    broad_phase.py, contact.py        objects near a hand; skin that touches them, and how strongly it is pressed
-    posed_skin.py                     the skin of a hand where it is now
-    sources.py, refine.py             samples of whole objects, points and paths; closer ones for small regions
-    spacing.py, array_resolution.py   how far apart samples lie; what the array resolves and sees
-    surround.py, bands.py             silent samples beside a region; parts of a large region in turn
+    broad_phase.py            which objects are near which hand
+    broad_phase.hpp           merges close samples of different objects: called by sampler.py
+    contact.py                `find_contact`: skin inside a surface or volume, and its forces by the material's law
+    contact.hpp               skin near an object, forces: called by posed_skin.py and distance_cache.py
+    nodes.hpp                 forces on nodes of skin: called by contact.py and posed_skin.py
+    posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
+    texture_factor.py         `apply_texture`: factor of a texture on pressures; why a sweeping finger vibrates
+    sources.py                objects without a hand; points, paths, particles that touch one; samples' keys
+    spacing.py                distance between samples: a wavelength, or the array's resolution; closer in contacts
+    array_resolution.py       resolution of the array by place; how well it sees skin (incidence)
+    refine.py                 closer samples for small regions
+    surround.py               silent samples beside touched regions, against spill of pressure
+    bands.py                  parts of a large region that sound in turn
 How many, how strong
-    sample_budget.py, sample_counts.py   samples divided among objects; what becomes of them
-    ramps.py, perception_thresholds.py   pressures without jumps; what nobody feels
+    sample_budget.py          divides the budget among objects by priority; coarsens spacing
+    sample_counts.py          what became of samples: coarsened, over budget, merged, too faint, out of reach
+    ramps.py                  `PressureRamps`: rise and fall in 5 ms; matches samples of two ticks by key and place
+    ramps.hpp                 one tick of ramps: called by ramps.py
+    perception_thresholds.py  pressure below which a vibration is not felt, by frequency (40 to 500 Hz)
 In time
-    hand_tracking.py, pose_prediction.py   hands and objects between their updates
-    sample_cache.py, distance_cache.py     what has hardly moved
+    hand_tracking.py          `HandTrack`: predicts hands, blends updates, holds and fades lost hands
+    pose_prediction.py        `PosePredictor`: predicts poses of objects, blends updates
+    sample_cache.py           samples of each object in its own frame, for objects that only moved
+    distance_cache.py         distances of skin to an object, for skin that has hardly moved
 """

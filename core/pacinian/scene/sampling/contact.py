@@ -11,6 +11,7 @@ from pacinian.native.scene import press_on
 from pacinian.scene.hands.skin_lod import FINEST as FINEST_OF_SKIN
 from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.sampling.sources import number_region
+from pacinian.scene.sampling.texture_factor import apply_texture
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -106,14 +107,8 @@ def find_contact(
     if not len(inside):
         return None
 
-    def change(local: Floats, force: Floats) -> None:
-        """Change forces as the texture, and the share that sounds, demand."""
-        if item.texture is not None:
-            force *= item.texture.at(local)
-        if share < 1.0:
-            force *= share
-
-    change(local[inside], force)
+    apply_texture(item.texture, local[inside], force)
+    force *= share
     if item.texture is not None and not force.any():
         return None
 
@@ -124,7 +119,8 @@ def find_contact(
         nodes, force = hand.press_finely(
             fine, apart, reach, material.per_metre(most), most, viewpoints
         )
-        change(at[nodes], force)
+        apply_texture(item.texture, at[nodes], force)
+        force *= share
         return fine, nodes, force
 
     return Contact(item, index, name, hand, items, which[inside], force, least, finely)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
+from pacinian.scene.config_sections import FINEST
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
@@ -56,7 +57,6 @@ from pacinian.scene.sampling.spacing import (
     space_contacts,
 )
 from pacinian.scene.sampling.surround import add_surround
-from pacinian.scene.setup import FINEST
 from pacinian.skip_reasons import (
     AWAY_FROM_HANDS,
     COARSENED_SAMPLES,

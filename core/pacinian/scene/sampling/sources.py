@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
+from pacinian.scene.config_sections import FINEST
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
-from pacinian.scene.setup import FINEST
+from pacinian.scene.sampling.texture_factor import apply_texture
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
@@ -80,8 +81,7 @@ class WholeObject:
         K = len(local.points)
         normals = local.normals @ R if local.normals.any() else local.normals
         P = np.full(K, item.pressure)
-        if (texture := getattr(item, "texture", None)) is not None:
-            P *= texture.at(local.points)
+        apply_texture(getattr(item, "texture", None), local.points, P)
         return Samples(
             local.points @ R + self.pose.position, P, normals, local.area,
             np.full(K, self.index), make_keys(self.name, _apart(item, spacing), np.arange(K)),

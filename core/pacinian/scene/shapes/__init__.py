@@ -1,4 +1,30 @@
-"""Primitive shapes, and the samples of a shape's surface."""
+"""Primitive shapes, and the samples of a shape's surface.
+
+box_disc_rectangle.py  `Box`, `Disc`, `Rectangle`
+sphere_capsule.py      `Sphere`, `Capsule`
+curves.py              `Line`, `Circle`, `Lissajous`, `Polyline`: paths, felt or followed by a focus
+polyline.py            arc length along a polyline, and distance to it
+height_map.py          `HeightMap`: surface z = h(x, y) from numbers or a picture
+voxels.py              `Voxels`: solid from a grid of values; distance field
+function_solid.py      `SDF`: solid from a signed-distance function; samples of any solid's shell and interior
+csg.py                 `Placed`, `Union`, `Intersection`, `Difference` of solids
+csg_shell.py           samples and area of the shell of such a combination
+mesh.py                `Mesh`: triangle mesh, open or closed; its samples
+triangles.py           vertices and faces from a file (OBJ, STL, PLY, ...), limits, normals
+mesh_repair.py         merges equal vertices, drops unused ones, turns faces outward
+mesh_distance.py       signed distance to a mesh, sign by pseudo-normals
+mesh_bounds.py         rough distances to a mesh from a grid of cells, for points far away
+triangle_tree.py       tree of boxes: nearest triangle
+winding.py             winding number: is a point inside?
+triangle_points.py     random points on triangles, barycentric coordinates
+closest.hpp            nearest triangle, bodies: called by triangle_tree.py and mesh_repair.py
+cells.hpp              distances between cells: called by mesh_bounds.py
+poisson_disk.py        thins points out to even spacing
+texture.py             `Texture`, `grating`: data, period; the factor on pressure: sampling/texture_factor.py
+local_samples.py       `LocalSamples`: samples in a shape's own frame; grids
+arrays.py              arrays in scenes: numbers or a .npy file or picture, kept as bytes
+shape_types.py         which shapes a surface or volume may have; distance to any of them
+"""
 
 from __future__ import annotations
 

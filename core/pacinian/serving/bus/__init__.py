@@ -1,8 +1,16 @@
 """The bus process: it takes clients' commands, stores their objects, and sends the changes to the renderer.
 
-process.py, warmup.py          begins here; loads what the first commands need
-dispatcher.py, admission.py, coalescing.py   carries out each message; lets it in; drops what is out of date
-shared_scene.py, stored_object.py, client_hands.py   objects, zones and hands that clients have put
-change_batcher.py, pending_changes.py   what goes to the renderer
-conversion_queue.py, field_queries.py, scene_snapshot.py   slow conversions; field queries; what observers get
+process.py            begins here: receives, and reports
+dispatcher.py         authorises, decodes and carries out each message, and answers it
+admission.py          which messages are let in: session, sequence number, age, rate
+coalescing.py         of messages received together, only the newest hands and moves
+shared_scene.py       objects, hands and quiet zones of all clients; limits of their number and size
+stored_object.py      one object: its encoding for the renderer; too strong or too large ones are refused
+client_hands.py       hands as a client sends them
+change_batcher.py     batches of changes for the renderer
+pending_changes.py    names of what the renderer lacks
+conversion_queue.py   slow conversions (meshes, sounds), in a thread
+field_queries.py      sound-field queries, in slices
+scene_snapshot.py     what an observer gets of the scene
+warmup.py             loads what the first commands need
 """

@@ -159,7 +159,7 @@ class CommandDispatcher:
             if answer is not None:
                 self._answer(*answer, now)
 
-    def traffic(self, now: float, port: int) -> BusStatus:
+    def bus_status(self, now: float, port: int) -> BusStatus:
         """Return the status of the bus."""
         return BusStatus(
             run=self._run,

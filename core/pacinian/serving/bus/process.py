@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-FILES = "sessions", "changes", "taken", "frame", "device", "traffic"
+FILES = "sessions", "changes", "changes_ack", "frame", "device", "bus_status"
 MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # maximum messages and bytes received in one round
 MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
 # Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
@@ -133,7 +133,7 @@ class Bus:
         now = self._clock()
         with self.dispatcher.catch_faults("device"):
             self._new("device", DeviceStatus, self._emitted.device)
-        self._memory["traffic"].write(pack(self.dispatcher.traffic(now, self.port)))
+        self._memory["bus_status"].write(pack(self.dispatcher.bus_status(now, self.port)))
         self._reported_at = now
 
     def _take(self) -> None:
@@ -151,7 +151,7 @@ class Bus:
 
     def _publish(self) -> None:
         outbox = self.dispatcher.batcher
-        self._new("taken", ChangesAck, outbox.acknowledge)
+        self._new("changes_ack", ChangesAck, outbox.acknowledge)
         if (changes := outbox.next()) is not None:
             try:
                 self._memory["changes"].write(pack(changes))

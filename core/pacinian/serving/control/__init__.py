@@ -1,8 +1,13 @@
 """The control process: connections, sessions, output lease, settings and status. It supervises the other processes.
 
-process.py                     begins here: the loop that answers requests
-sockets.py, sessions.py        requests and replies; clients, from hello to goodbye
-output_lease.py, selection.py  who may sound and until when; another solver, backend or intensity
-supervisor.py                  starts, restarts and ends the other processes
-server_status.py, explain_silence.py, metrics.py   the published state; why the output is silent; figures for Prometheus
+process.py            begins here: the loop that answers requests, and the emergency stop
+sockets.py            requests, replies, published state, refused connections
+sessions.py           clients from hello to goodbye
+output_lease.py       who may sound and until when: arming, takeover, stop
+pending_stops.py      emergency stops that wait until the guard reports silence
+selection.py          another solver, backend, technique or intensity while it runs
+supervisor.py         starts the other processes, restarts those that end or hang, ends them in order
+server_status.py      the published state, from the statuses of all processes
+explain_silence.py    why the output is silent
+metrics.py            figures for Prometheus
 """

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from pacinian.errors import WireError, describe_error
+from pacinian.serving.control.pending_stops import PendingStops
 from pacinian.serving.control.selection import Selection
 from pacinian.serving.control.server_status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.sessions import ClientSessions
@@ -87,6 +88,7 @@ class ControlLoop:
         self._supervisor, self._clock = supervisor, clock
         self._log = RateLimitedLog(clock)
         self._written: dict[str, object] = {}
+        self._stops = PendingStops()
         self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
         self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0, "frame": 0.0}
         self._offset = 0.0  # of the newest published frame in its period
@@ -106,14 +108,16 @@ class ControlLoop:
         view = self.view
         return {
             "guard": view.device.beat,
-            "bus": view.traffic.beat,
+            "bus": view.bus_status.beat,
             "render": view.report.beat,
         }
 
     def round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
         watchers, armed = self._doors.watchers, self.sessions.lease.permit.armed
-        if self._supervisor.trusted and not (armed or watchers):
+        if self._stops:
+            self._doors.wait(MIN_WAIT)
+        elif self._supervisor.trusted and not (armed or watchers):
             self._doors.wait(REST_WAIT)
         else:
             due = min(self._due.values()) - self._clock()
@@ -126,6 +130,8 @@ class ControlLoop:
         now = self._clock()
         self.sessions.pass_time(now)
         self._settle()
+        if self._stops:
+            self._confirm_stops(now)
         if self._is_due("look", CHECK_INTERVAL, now) or self._supervisor.ended:
             self._look(now)
         if self._is_due("owner", OWNER, now):
@@ -168,10 +174,27 @@ class ControlLoop:
     def _stop(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
         if requests := self._doors.stop.receive():
+            self._note_stop("without a connection")
             self.sessions.lease.stop()
             self._settle()
-            self._doors.stop.confirm(requests)
-            self._log.warning("emergency stop", user="without a connection")
+            self._stops.add_datagrams(requests)
+
+    def _note_stop(self, user: str) -> None:
+        if not self.sessions.lease.permit.stopped:  # a status from before the stop proves nothing
+            self._stops.sounding_until = self._clock()
+        self._log.warning("emergency stop", user=user)
+
+    def _confirm_stops(self, now: float) -> None:
+        """Confirm stops once a guard that lives has reported silence since."""
+        self.view.look()
+        device = self.view.device
+        guarded = self._supervisor.alive("guard", device.beat)
+        silent = guarded and not device.sounding and device.beat > self._stops.sounding_until
+        for peer, reply in self._stops.answer(silent, now, self._doors.stop.confirm):
+            try:
+                self._send(peer, reply)
+            except Exception:
+                self._tell_failure(peer, reply.id)
 
     def _request(self, peer: bytes, user: str, data: bytes) -> None:
         now = self._clock()
@@ -209,15 +232,21 @@ class ControlLoop:
             self._do(peer, user, message, now)
             self._settle()
         except Exception:  # a bug here must not end the server
-            self.counts["failed"] += 1
-            self._log.exception("request failed", user=user)
-            self._send(
-                peer, Error(id=message.id, code="fault", message="the server failed to handle this")
-            )
+            self._tell_failure(peer, message.id)
+
+    def _tell_failure(self, peer: bytes, number: int) -> None:
+        self.counts["failed"] += 1
+        self._log.exception("request failed")
+        problem = "the server failed to handle this"
+        self._send(peer, Error(id=number, code="fault", message=problem))
 
     def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
         sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
         match message:
+            case Stop():
+                self._note_stop(user)
+                sessions.handle(peer, user, message, now)
+                self._stops.add_message(peer, message.id, now)
             case Capabilities() | Status() | Select():
                 sessions.pass_time(now)
                 session = sessions.of(peer, message.session, message.id)
@@ -233,7 +262,7 @@ class ControlLoop:
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
                 elif reply := self.selection.ask(session, message, self.publisher.known(), now):
                     self._send(peer, reply)
-            case Arm() if not self._supervisor.alive("bus", self.view.traffic.beat):
+            case Arm() if not self._supervisor.alive("bus", self.view.bus_status.beat):
                 sessions.pass_time(now)
                 if sessions.of(peer, message.session, message.id):
                     problem = "the bus process is restarting"
@@ -245,8 +274,6 @@ class ControlLoop:
             self._log.warning("a session's key was used on another connection", user=user)
         if sessions.resets > resets:
             self._note_reset(now)
-        if isinstance(message, Stop):
-            self._log.warning("emergency stop", user=user)
 
     def _note_reset(self, now: float) -> None:
         faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
@@ -261,7 +288,11 @@ class ControlLoop:
             self._write("permit", ownership.permit, ownership.permit.pack)
             stamp = (self.sessions.changes, ownership.owner)
             self._write("sessions", stamp, lambda: pack(self.sessions.list_sessions()))
-            self._write("orders", self.selection.orders, lambda: pack(self.selection.orders))
+            self._write(
+                "requested_settings",
+                self.selection.requested,
+                lambda: pack(self.selection.requested),
+            )
             replies = self.sessions.take_replies()
             if not replies:
                 return
@@ -300,7 +331,7 @@ class ControlLoop:
             ("device", device.fault, device.results),
         ):
             old, until = self._reset.get(name, ("", 0.0))
-            answered = f"reset {self.selection.orders.reset}" in results
+            answered = f"reset {self.selection.requested.reset}" in results
             if not fault or fault != old or answered or now >= until:
                 self._reset.pop(name, None)
                 if fault and not ownership.fault:

@@ -43,7 +43,7 @@ class Selection:
     """Keeps the newest selections. orders: for the renderer and the guard."""
 
     def __init__(self, settings: Settings) -> None:
-        self.orders = RequestedSettings()
+        self.requested = RequestedSettings()
         solver = settings.solver  # its options stay with the process that makes it
         self._configured = Choice(name=solver if isinstance(solver, str) else solver.name)
         self._waiting: list[PendingSelection] = []
@@ -84,7 +84,9 @@ class Selection:
                     message=error.problem[:1000],
                     path=error.path[:200],
                 )
-        replaced = {f"{kind} {getattr(self.orders, kind)[0]}" for kind in SETTINGS if kind in given}
+        replaced = {
+            f"{kind} {getattr(self.requested, kind)[0]}" for kind in SETTINGS if kind in given
+        }
         if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MAX_PENDING:
             return Error(
                 id=message.id, code="busy", message=f"{MAX_PENDING} selections are already pending"
@@ -101,7 +103,7 @@ class Selection:
 
     def reset(self, count: int) -> None:
         """Set the number of resets ordered so far."""
-        self.orders = replace(self.orders, reset=count)
+        self.requested = replace(self.requested, reset=count)
 
     def answers(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
         """Return the replies that are due, given all `results` by "kind number".
@@ -147,6 +149,6 @@ class Selection:
 
     def _order(self, kind: str, value: object) -> str:
         """Order a value; return the key of its result."""
-        number = getattr(self.orders, kind)[0] + 1
-        self.orders = replace(self.orders, **{kind: (number, value)})
+        number = getattr(self.requested, kind)[0] + 1
+        self.requested = replace(self.requested, **{kind: (number, value)})
         return f"{kind} {number}"

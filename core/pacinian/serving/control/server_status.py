@@ -38,7 +38,7 @@ INPUT = 32  # size of one hand update in `State.inputs` [bytes]
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
 NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
 NO_REPORT = RendererStatus(0, -float("inf"), {})
-NO_TRAFFIC = BusStatus(0, -float("inf"))
+NO_BUS_STATUS = BusStatus(0, -float("inf"))
 EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
@@ -49,7 +49,7 @@ class ProcessStatuses:
     """
 
     def __init__(self, memory: Mapping[str, SharedRegister]) -> None:
-        self.report, self.device, self.traffic = NO_REPORT, NO_DEVICE, NO_TRAFFIC
+        self.report, self.device, self.bus_status = NO_REPORT, NO_DEVICE, NO_BUS_STATUS
         self.frame, self.levels = EMPTY, b""
         self.unreadable, self.guarded = 0, True
         self._memory = memory
@@ -57,10 +57,10 @@ class ProcessStatuses:
 
     def look(self) -> None:
         """Read the new statuses, except the frame. The known plug-ins are kept while a process restarts."""
-        report = self._read("report", self.report)
+        report = self._read("renderer_status", self.report)
         self.report = report if report.solvers else replace(report, solvers=self.report.solvers)
         self.device = self._read("device", self.device)
-        self.traffic = self._read("traffic", self.traffic)
+        self.bus_status = self._read("bus_status", self.bus_status)
 
     def look_at_frame(self) -> None:
         """Read the newest frame."""
@@ -174,7 +174,7 @@ class StatusPublisher:
         return device.inputs[len(device.inputs) - INPUT * new :]
 
     def _clients(self, now: float) -> tuple[ClientState, ...]:
-        known, made = self._view.traffic.clients, list[ClientState]()
+        known, made = self._view.bus_status.clients, list[ClientState]()
         for session in self._sessions.all:
             objects, commands, errors, dropped, age = known.get(
                 session.key.hex(), (0, 0, 0, 0, 0.0)

@@ -79,8 +79,7 @@ class ClientSessions:
                 self._hello(peer, user, message, now)
                 return
             case Stop():
-                self.lease.stop()
-                self._tell(peer, Ok(id=message.id))
+                self.lease.stop()  # confirmed once the guard is silent
                 return
             case _:
                 session = self.of(peer, message.session, message.id)

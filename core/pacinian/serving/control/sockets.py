@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import zmq
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.auth import receive
 from pacinian.wire.protocol import MAX_CONTROL_BYTES
@@ -41,7 +41,7 @@ EVENTS = 1024
 EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
 
 
-class ControlSockets(Closing):
+class ControlSockets(Closeable):
     """The bound sockets. A context manager. control, state: ports. counts: connections, and refused ones by reason.
 
     stop: socket for connectionless emergency stops. Raises ServerError if a port is taken.

@@ -1,7 +1,7 @@
 """The guard process: the only one that opens the device. It lets frames through while they are permitted and fresh.
 
-process.py          begins here: the rounds
+process.py          begins here: the rounds, and the last resort if one hangs
 output_gate.py      each round's decision: send the frame, or silence the device
-device_manager.py  opens, retries, resets and closes devices, while another may sound
-spare.py            the guard that waits to replace this one
+device_manager.py   opens, retries, resets and closes devices, while another may sound
+spare_guard.py      the guard that waits to replace one that ended or hangs
 """

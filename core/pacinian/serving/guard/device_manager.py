@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import BackendError, describe_error
 from pacinian.rendering.clock import SystemClock
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc import plugin_list
 from pacinian.serving.ipc.messages import SUPERSEDED, check_rate
 from pacinian.serving.ipc.scheduling import raise_priority, start_background_thread

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend
-    from pacinian.scene.setup import PluginConfig
+    from pacinian.scene.config_sections import PluginConfig
     from pacinian.wire.replies import Plugin
 
 # Number of hand updates kept for the status.

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 
 from msgspec.msgpack import Decoder
 
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.device_manager import DeviceManager, import_backend
 from pacinian.serving.guard.output_gate import OutputGate
-from pacinian.serving.guard.spare import stand_by
+from pacinian.serving.guard.spare_guard import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.logs import configure
 from pacinian.serving.ipc.memory import settle_memory
@@ -71,7 +71,7 @@ class GuardLoop:
         with contextlib.ExitStack() as stack:
             permit, frame, orders = (
                 stack.enter_context(SharedRegister.attach(folder / name))
-                for name in ("permit", "frame", "orders")
+                for name in ("permit", "frame", "requested_settings")
             )
             path = folder / "device"
             device = stack.enter_context(SharedRegister.attach(path, open_wakes(path)))

@@ -1,8 +1,18 @@
 """Inter-process basics: how the server's processes start, share memory, keep time, log and authenticate each other.
 
-child_process.py, child_pipe.py, spawned_process.py   how control starts a process, tells it its settings and ends it
-scheduling.py, memory.py, logs.py, log_lines.py   priority, memory and log of a process
-shared_memory.py, messages.py, wake_pipe.py   memory with one writer; what it holds; what ends a wait
-auth.py, zap.py, file_lock.py  who may connect; one server for each connection file
-clocks.py, plugin_list.py      clients' clocks and rates; what can be selected
+messages.py           what the processes tell each other: permit, frame, changes, settings, statuses
+shared_memory.py      memory with one writer, where the newest value wins
+wake_pipe.py          ends the wait of another process
+child_process.py      a child of control: its start, configuration, heartbeat and end
+child_pipe.py         the pipes that hold a child's configuration, and end it when they close
+spawned_process.py    starts a process although no file descriptor is left
+scheduling.py         priority, real-time class and processor affinity
+memory.py             memory of a process that has just started
+logs.py               logging to standard error
+log_lines.py          a line of the log, as text or JSON
+auth.py               keys, tokens and CURVE: who may connect
+zap.py                the thread that answers ZeroMQ's questions about new connections
+file_lock.py          one server for each connection file
+clocks.py             a client's clock offset; rate limits
+plugin_list.py        which plug-ins can be selected, and how they are made
 """

@@ -8,7 +8,7 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class LockHeld(ServerError):
         self.pid = pid
 
 
-class FileLock(Closing):
+class FileLock(Closeable):
     """An exclusive lock on a file, held until `close` or the end of this process. A context manager.
 
     The file is readable by this user only, holds the process id if the disk has room, and is removed at the end. Raises

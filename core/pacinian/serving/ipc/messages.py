@@ -1,18 +1,17 @@
 """Messages between the server's processes, each in its own `SharedRegister` in the server's private folder.
 
-    file      writer    readers            value
-    permit    control   guard, render      Permit
-    sessions  control   bus                SessionTable
-    orders    control   render, guard      RequestedSettings
-    changes   bus       render             Changes, each only after the last was taken
-    taken     render    bus                ChangesAck
-    frame     render    guard, control     FrameHead, then the levels
-    report    render    control, bus       RendererStatus
-    device    guard     control, render    DeviceStatus
-    traffic   bus       control            BusStatus
+    file                 writer    readers            value
+    permit               control   guard, render      Permit
+    sessions             control   bus                SessionTable
+    requested_settings   control   render, guard      RequestedSettings
+    changes              bus       render             Changes, each only after the last was acknowledged
+    changes_ack          render    bus                ChangesAck
+    frame                render    guard, control     FrameHead, then the levels
+    renderer_status      render    control, bus       RendererStatus
+    device               guard     control, render    DeviceStatus
+    bus_status           bus       control            BusStatus
 
-A new value in `permit`, `frame`, `orders`, `changes`, `device`, `taken` or `sessions` also wakes those that wait for
-it: `open_wakes`.
+A new value in any but `renderer_status` and `bus_status` also wakes those that wait for it: `open_wakes`.
 
 All are MessagePack arrays, except for `permit` and `frame`, which are read each tick and packed by `struct`. All times
 are of `time.perf_counter`, which all processes of one machine share.
@@ -29,7 +28,7 @@ from msgspec import Struct
 
 from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc.scheduling import ANY
 from pacinian.serving.ipc.wake_pipe import WakePipe
 from pacinian.wire.control import Choice
@@ -44,21 +43,21 @@ if TYPE_CHECKING:
 CAPACITIES = {
     "permit": 64,
     "sessions": 1 << 20,
-    "orders": 1 << 18,
+    "requested_settings": 1 << 18,
     "changes": 4 << 20,
-    "taken": 64,
-    "report": 2 << 20,
+    "changes_ack": 64,
+    "renderer_status": 2 << 20,
     "device": 1 << 19,
-    "traffic": 1 << 20,
+    "bus_status": 1 << 20,
 }
 # The processes that wait for a new value of a file. The other readers look at it now and then.
 WAITS = {
     "permit": ("guard", "render"),
     "frame": ("guard",),
-    "orders": ("guard", "render"),
+    "requested_settings": ("guard", "render"),
     "changes": ("render",),
     "device": ("render",),
-    "taken": ("bus",),
+    "changes_ack": ("bus",),
     "sessions": ("bus",),
 }
 MAX_ROWS = 64  # maximum number of rows of a frame

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
     from pacinian.plugins.registry import Kind, Offer
     from pacinian.plugins.solver import Solver
-    from pacinian.scene.setup import PluginConfig
+    from pacinian.scene.config_sections import PluginConfig
 
 LOADING = threading.Lock()  # only one thread at a time loads plug-ins
 # Time after which no process waits for a plug-in that is still being imported [s].

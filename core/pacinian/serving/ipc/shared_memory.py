@@ -18,7 +18,7 @@ import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.file_lock import FileLock
 
@@ -88,7 +88,7 @@ def _is_ours(path: Path) -> bool:
     return os.name != "posix" or (status.st_uid == os.getuid() and not stat.S_ISLNK(status.st_mode))
 
 
-class SharedRegister(Closing):
+class SharedRegister(Closeable):
     """A value of at most `capacity` [bytes]. A context manager. One process calls `create`, the others `attach`.
 
     If a writer is killed in the middle of a value, readers keep the value before. A new writer that attaches continues

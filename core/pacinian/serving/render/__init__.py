@@ -1,9 +1,14 @@
 """The render process: the loop, its copy of the owner's scene, and solver plug-ins.
 
-process.py, warmup.py          begins here; loads what the first ticks need
-render_loop.py                 a tick: changes, orders, frame, report
-scene_replica.py, change_decoding.py, background_loader.py   the copy of the scene; slow objects
-solver_switcher.py, quiet_zones.py   another solver while the loop runs; zones, prepared beside it
-frame_output.py                frames to the guard
-renderer_status.py, touch_report.py   what is reported; what a hand touches, and if nothing, why
+process.py             begins here
+render_loop.py         a tick: changes, settings, frame, report; fewer ticks while nothing changes
+scene_replica.py       the copy of the scene, to which changes are applied
+change_decoding.py     changes from the bus as scene values
+background_loader.py   meshes and sounds that take long to prepare
+quiet_zones.py         where quiet zones are, prepared beside the loop
+solver_switcher.py     another solver while the loop runs
+frame_output.py        frames to the guard
+renderer_status.py     what is reported of the loop
+touch_report.py        what a hand touches, and if nothing, why
+warmup.py              loads what the first ticks need
 """

@@ -44,7 +44,9 @@ def _render(config: child_process.LaunchConfig) -> None:
     with ExitStack() as stack:
         files = {
             name: stack.enter_context(
-                SharedRegister.attach(path, open_wakes(path) if name in ("taken", "frame") else ())
+                SharedRegister.attach(
+                    path, open_wakes(path) if name in ("changes_ack", "frame") else ()
+                )
             )
             for name in FILES
             for path in (config.path / name,)

@@ -1,4 +1,4 @@
-"""The render loop of the server: takes changes at each tick, and orders between ticks; reports its status."""
+"""The render loop of the server: takes changes at each tick, and settings between ticks; reports its status."""
 
 from __future__ import annotations
 
@@ -47,7 +47,15 @@ if TYPE_CHECKING:
     from pacinian.wire.modulation import Technique as WireTechnique
     from pacinian.wire.replies import Plugin
 
-FILES = "permit", "orders", "changes", "taken", "frame", "report", "device"
+FILES = (
+    "permit",
+    "requested_settings",
+    "changes",
+    "changes_ack",
+    "frame",
+    "renderer_status",
+    "device",
+)
 EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 REST = 0.05  # longest time between two reports while the loop rests [s]
@@ -61,7 +69,7 @@ NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
 class RenderLoop:
-    """Does the server's work between ticks of the renderer: takes changes and orders, reports, dims and silences.
+    """Does the server's work between ticks of the renderer: takes changes and settings, reports, dims, silences.
 
     files: those of `FILES`, by name. array, medium: from the settings. solvers, loader: do the slow work. Call `open`,
     then `run_ticks` or single ticks of the renderer, then `close`. Raises ArgumentError.
@@ -84,8 +92,8 @@ class RenderLoop:
         self._files, self._settings, self._choosing = files, settings, solvers
         self.clock = clock or SystemClock()
         self._permit = RegisterReader(files["permit"], messages.Permit.unpack, messages.Permit())
-        self._orders = RegisterReader(
-            files["orders"],
+        self._requested = RegisterReader(
+            files["requested_settings"],
             Decoder(messages.RequestedSettings).decode,
             messages.RequestedSettings(),
         )
@@ -137,10 +145,10 @@ class RenderLoop:
         self.renderer.open()
         self.replica.start = self.renderer.start
         self._changes.skip()
-        self._files["taken"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
-        self._try(self._orders.look)
-        self._reset = self._orders.value.reset
-        self._apply_settings(self._orders.value)
+        self._files["changes_ack"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
+        self._try(self._requested.look)
+        self._reset = self._requested.value.reset
+        self._apply_settings(self._requested.value)
         self.renderer.scene = self._scene
         self._report(self.clock.now())
 
@@ -153,7 +161,7 @@ class RenderLoop:
         with realtime_section():
             due = -math.inf
             while True:
-                for due, lost in pace(self.clock, renderer.period, behind=0.0):
+                for due, lost in pace(self.clock, renderer.period, max_lag=0.0):
                     renderer.tick(due, lost)
                     self.run_between()
                     if self.rests or (renderer.still and wake.works):
@@ -194,14 +202,14 @@ class RenderLoop:
     @property
     def _has_news(self) -> bool:
         """Whether another process has written a value that ends the rest, or that `run_between` reads."""
-        return self._orders.waiting or self._device.waiting or not self.rests
+        return self._requested.waiting or self._device.waiting or not self.rests
 
     def close(self) -> None:
         """Silence the output."""
         self.renderer.close()
 
     def run_between(self, report: object = None) -> None:
-        """Do the work between two ticks: orders, a new device, a new solver, a report. Never raises an Exception."""
+        """Do the work between two ticks: settings, a new device, a new solver, a report. Never raises an Exception."""
         for step in (
             self._follow_device,
             self._poll_settings,
@@ -231,8 +239,8 @@ class RenderLoop:
             self._switched = self._switched or self.renderer.backend is not before
 
     def _poll_settings(self) -> None:
-        if self._orders.look():
-            self._apply_settings(self._orders.value)
+        if self._requested.look():
+            self._apply_settings(self._requested.value)
 
     def _scene(self, t: float) -> Scene:
         """Return the scene of a tick."""
@@ -259,7 +267,7 @@ class RenderLoop:
         self.replica.apply((*again, *new.changes))
         if damaged:
             self.replica.refuse("", f"{damaged} changes were damaged")
-        self._files["taken"].write(
+        self._files["changes_ack"].write(
             messages.pack(messages.ChangesAck(new.number, self.run, new.run))
         )
 
@@ -309,7 +317,7 @@ class RenderLoop:
 
     def _restart_after_reset(self) -> None:
         """After a reset, restart the renderer once the device has no fault."""
-        reset = self._orders.value.reset
+        reset = self._requested.value.reset
         if reset == self._reset or self._device.value.fault:
             return
         self._reset = reset
@@ -346,7 +354,7 @@ class RenderLoop:
             self._publish(report)
 
     def _publish(self, report: messages.RendererStatus) -> None:
-        self._files["report"].write(messages.pack(report))
+        self._files["renderer_status"].write(messages.pack(report))
 
     def _state(self, now: float) -> dict[str, Any]:
         renderer = self.renderer

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from pacinian.errors import describe_error
 from pacinian.rendering.warmup import try_out
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc import plugin_list
 from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.scheduling import start_background_thread

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,7 +28,7 @@ MAX_EVENTS = 1 << 20  # capacity in events; the newest are kept
 HEAD = 8  # [bytes] number of events
 
 
-class Log(Closing):
+class Log(Closeable):
     """Log of when a device sounded: each frame that sounds, and each end of sound. A context manager."""
 
     def __init__(self, path: Path) -> None:

@@ -10,7 +10,7 @@ import msgspec
 import zmq
 from msgspec.structs import asdict
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.protocol import MAJOR, MINOR
 
@@ -27,7 +27,7 @@ class Silent(TimeoutError):
     """No answer arrived in time."""
 
 
-class Peer(Closing):
+class Peer(Closeable):
     """A client connected to the server of a connection file; a context manager.
 
     hide: replaces fields of the file, such as the token or an address. clock: the client's clock [s]. beats: use

@@ -6,12 +6,12 @@ import contextlib
 import socket
 import threading
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 
 CHUNK = 1 << 16  # [bytes]
 
 
-class Proxy(Closing):
+class Proxy(Closeable):
     """Forwards bytes to a `tcp://host:port`; a context manager. address: where the proxy listens."""
 
     def __init__(self, to: str) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from pacinian.closing import Closing
+from pacinian.closeable import Closeable
 from pacinian_lab.server.faults.hanging_solver import STUCK
 from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
 from pacinian_lab.server.faults.misbehaving_client import Peer, Silent
@@ -46,7 +46,7 @@ class Times(NamedTuple):
     note: str = ""
 
 
-class Rig(Closing):
+class Rig(Closeable):
     """Runs a game and an onlooker on a running server; a context manager."""
 
     def __init__(self, server: Server) -> None:

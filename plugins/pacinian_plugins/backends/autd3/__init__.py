@@ -1,10 +1,17 @@
 """AUTD3 arrays, through the AUTD3 project's own packages: docs/autd3.md.
 
-backend.py                     the backend: units, levels, rows
-units.py, levels.py            poses and channels of units; their levels
-stream.py, repeat_detector.py, commands.py   rows as commands; rows that repeat, which units play by themselves
-transport_interface.py, open_transport.py, udp_transport.py, emulated.py   ways to units, and to their emulator
-packages.py, error_advice.py   the AUTD3 project's packages; what their errors mean
+backend.py              the backend: options, units, levels, rows
+units.py                poses of units; transducers to channels
+levels.py               Pacinian's levels as phases and pulse widths
+stream.py               rows as commands; STM in the units' memory
+repeat_detector.py      rows that repeat, which units play by themselves
+commands.py             commands: levels without ramps (silencer off), silence
+transport_interface.py  interface of the ways to units
+open_transport.py       chooses one by `link`: udp, simulator, server, loopback, emulator
+udp_transport.py        units on a network, or a stand-in; in a thread
+emulated.py             the AUTD3 project's emulator
+packages.py             imports its packages, which are optional
+error_advice.py         what their errors mean
 """
 
 from __future__ import annotations

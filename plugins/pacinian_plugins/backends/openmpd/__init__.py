@@ -1,9 +1,9 @@
 """OpenMPD boards, each of 256 transducers behind an FT232H: docs/openmpd.md.
 
-backend.py    the backend: which boards, and a frame for each
-board.py      one board: its frames
-link.py       its claimed USB chip
-protocol.py   bytes
+backend.py   the backend: which boards, a frame for each
+board.py     one board: frames, resynchronising after a cut one
+link.py      its FT232H: FIFO, requests
+protocol.py  bytes: phases, amplitudes, divider of the frame rate
 """
 
 from __future__ import annotations

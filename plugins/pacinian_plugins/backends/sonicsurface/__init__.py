@@ -1,8 +1,10 @@
 """SonicSurface, an open array on a serial port: docs/sonicsurface.md.
 
-backend.py                     the backend
-ports.py, serial_writer.py, write_scheduler.py   serial ports; writes in a thread; what is written next
-protocol.py                    bytes
+backend.py          the backend: as many frames as the line takes
+ports.py            serial ports: list, open, errors
+serial_writer.py    writes in a thread
+write_scheduler.py  what is written next: always the newest pattern
+protocol.py         bytes: 230,400 baud, phases
 """
 
 from __future__ import annotations

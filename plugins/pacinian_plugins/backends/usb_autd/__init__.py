@@ -1,9 +1,14 @@
 """Arrays of AUTD units on USB, by Pacinian's own format: docs/usb-autd.md.
 
-backend.py, board.py           the backend: which devices, and a part of each frame for each; one device
-link.py, simulated_link.py     its claimed USB interface; one to the reference device instead
-model.py, decoder.py           the reference device; how it reads bytes
-protocol.py, frames.py, reports.py   constants, frames and reports of the format
+backend.py         the backend: which devices, a part of each frame for each
+board.py           one device: packs frames, checks its status
+link.py            its claimed USB interface: queries, requests
+simulated_link.py  a link to the reference device
+model.py           the reference device: what the firmware must do
+decoder.py         how it reads bytes and resynchronises
+protocol.py        constants: sizes, requests, states, verdicts
+frames.py          frames: header, body, CRC
+reports.py         reports of capability and status, 64 bytes
 """
 
 from __future__ import annotations

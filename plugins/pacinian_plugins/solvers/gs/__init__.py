@@ -1,7 +1,8 @@
 """Gerchberg-Saxton between points and transducers, plain (`gs`) and weighted (`weighted-gs`).
 
-solver.py        both solvers, their options and defaults
-alternation.py   one run of steps
+solver.py        both solvers: options, defaults
+alternation.py   one run of steps, until it converges
+alternation.hpp  these steps: called by alternation.py
 """
 
 from __future__ import annotations

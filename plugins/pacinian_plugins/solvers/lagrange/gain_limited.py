@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.native.solving import gather
+from pacinian.native.solving import apply_planar
 from pacinian.solving.linalg import lapack
 from pacinian_plugins.native.lagrange import (
     certify,
@@ -347,7 +347,7 @@ class PhaseFreeSolve:
         """Take Newton steps on the gains, from the current ones; return the error."""
         w = self.workspace
         w.restart_primal()
-        gather(self.B, w.h, w.made, w.tile)
+        apply_planar(self.B, w.h, w.made, w.tile)
         most = LAST if self._affords() else 0
         chunk = LAST if self.budget.endless else max(1, QUICK // (8 * self._work))
         for _ in range(0, max(1, most), chunk):
@@ -360,7 +360,7 @@ class PhaseFreeSolve:
     def _set_residual(self) -> None:
         """Set the multipliers to the residual of the gains, which proves optimality at the nearest pressures."""
         w = self.workspace
-        gather(self.B, w.h, w.made, w.tile)
+        apply_planar(self.B, w.h, w.made, w.tile)
         q = w.made[0] + 1j * w.made[1]
         t = np.where(w.free, np.abs(w.p) * np.exp(1j * np.angle(q)), w.p)
         w.y[:] = t - q

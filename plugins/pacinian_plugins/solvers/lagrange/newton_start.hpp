@@ -16,7 +16,7 @@ inline f8 start(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi
     require(M <= MAX_START, "start: too many samples");
     const View<c16, 1> p = w.p.view, y = w.y.view;
     const View<c16, 2> L = w.factor();
-    const f8 norm = solving::choose(G, t, phi, first, steps, p, w.free.view), share = scale_for_single(norm / unit, relative, mu, w.N);
+    const f8 norm = solving::choose_phases(G, t, phi, first, steps, p, w.free.view), share = scale_for_single(norm / unit, relative, mu, w.N);
     for (Index m = 0; m < M; ++m) {
         p[m] *= share / unit;
         y[m] = mu * p[m];
@@ -43,7 +43,7 @@ inline f8 start(View<const c16, 2> G, View<const f8, 1> t, View<const f8, 1> phi
 inline void define_start(nb::module_& m) {
     m.attr("MAX_START") = MAX_START;
     kernel(m, "start", &start,
-           "Write targets p [Pa per unit limit], with phases chosen as by `choose`, and y = mu (G + mu I)^-1 p.\n\n"
+           "Write targets p [Pa per unit limit], with phases chosen as by `choose_phases`, and y = mu (G + mu I)^-1 p.\n\n"
            "G: (M, M), for at most MAX_START samples, for which this is quicker than LAPACK. t, phi, first: (M,). Returns the\n"
            "factor on the targets, as by `scale_for_single`.",
            "G", "t", "phi", "first", "steps", "mu", "relative", "unit", "workspace");

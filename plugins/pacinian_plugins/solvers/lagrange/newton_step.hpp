@@ -125,7 +125,7 @@ inline void newton_step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend
         dr[n] = vr[n] / D[n];
         di[n] = vi[n] / D[n];
     }
-    solving::gather(B, d, p, tile);
+    solving::apply_planar(B, d, p, tile);
     for (Index k = 0; k < K; ++k) {
         const Phasor w = phasor(u, order[k], M, share[k]);
         q[k] = w.re * p(0, order[k] % M) + w.im * p(1, order[k] % M);
@@ -137,7 +137,7 @@ inline void newton_step(View<const c8, 2> B, View<const f4, 2> u, const f8* bend
         y(0, order[k] % M) += w.re;
         y(1, order[k] % M) += w.im;
     }
-    solving::spread(B, y, d, tile);
+    solving::adjoint_planar(B, y, d, tile);
     for (Index n = 0; n < N; ++n) {
         f4 re = dr[n], im = di[n];
         if (held[n]) {

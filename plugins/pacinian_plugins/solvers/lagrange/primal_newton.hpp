@@ -83,14 +83,14 @@ inline i8 solve_primal(View<const c8, 2> B, f8 mu, i8 steps, f8 enough, f8 finis
             break;
         }
         ++taken;
-        solving::spread(B, y, x, tile);
+        solving::adjoint_planar(B, y, x, tile);
         project_gradient(h, static_cast<f4>(mu), damping, x, held, D);
         newton_step(B, u, bend, h, held, D, x, d, q, w.system(), tile, w.columns(), spare);
         f4 length = 1.0f;
         f8 now = NONE_YET;
         while (!(now < best) && length > SHORTEST) {
             total = shortened(h, d, length, next);
-            solving::gather(B, next, q, tile);
+            solving::apply_planar(B, next, q, tile);
             cost = misfit(p, free, q, u, y, bend);
             now = cost + mu / 2.0 * total;
             length *= 0.5f;

@@ -26,7 +26,7 @@ constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
 constexpr f8 MAX_GAP = 0.25;           // largest duality gap of the given multipliers, relative to that of none, to start from them
-constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_values.AT_LIMIT`
+constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_metrics.AT_LIMIT`
 
 struct Sum {
     f4 re, im;

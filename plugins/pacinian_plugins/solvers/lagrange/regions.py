@@ -22,7 +22,7 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.solution_values import AT_LIMIT
+from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import (
     RegionWorkspace,
     deliver,

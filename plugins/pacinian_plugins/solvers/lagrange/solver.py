@@ -15,7 +15,7 @@ from pacinian.native import solving as kernels
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
-from pacinian.solving.solution_values import AT_LIMIT
+from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.gain_limited import PhaseFreeSolve

@@ -80,7 +80,7 @@ class Plain(pc.Solver):
 
 def played(scene: pc.Scene, **how: Any) -> pc.Renderer:
     clock = ManualClock()
-    renderer = pc.Renderer(ARRAY, scene, clock=clock, governed=False, **how)
+    renderer = pc.Renderer(ARRAY, scene, clock=clock, adaptive=False, **how)
     with renderer:
         for k in range(12):
             renderer.tick(k * 1e-3)

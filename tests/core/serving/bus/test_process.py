@@ -78,10 +78,10 @@ class Server:
         if read is not None:
             self._seen = read[0]
             taken = self.renderer.take(msgspec.msgpack.decode(read[1], type=Changes))
-            self.memory["taken"].write(pack(taken))
+            self.memory["changes_ack"].write(pack(taken))
 
-    def traffic(self) -> BusStatus:
-        read = self.memory["traffic"].read()
+    def bus_status(self) -> BusStatus:
+        read = self.memory["bus_status"].read()
         assert read is not None
         return msgspec.msgpack.decode(read[1], type=BusStatus)
 
@@ -139,9 +139,9 @@ def test_what_clients_put_is_what_the_renderer_has(server: Server) -> None:
     assert server.renderer.hands is not None
     assert server.renderer.hands.hands == ()
     assert server.renderer.begins == 1
-    traffic = server.until(lambda: (t := server.traffic()).clients.keys() == {A.hex()} and t)
-    assert traffic.clients[A.hex()][:4] == (2, 2, 0, 0)
-    assert traffic.port == server.port
+    bus_status = server.until(lambda: (t := server.bus_status()).clients.keys() == {A.hex()} and t)
+    assert bus_status.clients[A.hex()][:4] == (2, 2, 0, 0)
+    assert bus_status.port == server.port
 
 
 def test_a_session_that_was_welcomed_just_now_is_known(server: Server) -> None:
@@ -195,7 +195,7 @@ def test_who_has_not_the_token_is_not_heard(server: Server) -> None:
     send(right, put({"b": point()}, session=A, id=1))
     assert server.reply(right) == Ok(id=1)
     assert not wrong.poll(0)
-    assert server.until(lambda: (t := server.traffic()).received and t).received == 1
+    assert server.until(lambda: (t := server.bus_status()).received and t).received == 1
 
 
 def test_nonsense_is_refused_with_its_path_and_not_too_often(server: Server) -> None:
@@ -215,7 +215,7 @@ def test_nonsense_is_refused_with_its_path_and_not_too_often(server: Server) -> 
     while Ok(id=9) not in replies:
         replies.append(server.reply(socket))
     assert len(replies) < 200
-    assert server.until(lambda: (t := server.traffic()).refused >= 205 and t)
+    assert server.until(lambda: (t := server.bus_status()).refused >= 205 and t)
 
 
 def test_overload_takes_no_memory_and_the_newest_is_what_is_felt(server: Server) -> None:
@@ -230,16 +230,17 @@ def test_overload_takes_no_memory_and_the_newest_is_what_is_felt(server: Server)
         socket.send(data)
         if k % 200 == 0:
             server.until(
-                lambda k=k: server.traffic().received and _commands(server) >= 1 + k, taking=False
+                lambda k=k: server.bus_status().received and _commands(server) >= 1 + k,
+                taking=False,
             )
-            waiting.append(server.traffic().waiting)
+            waiting.append(server.bus_status().waiting)
     assert max(waiting) <= 2 * len(names) + 3
     server.until(lambda: all(p[1] == 1000 / 1024 for p in server.renderer.scene.values()))
     assert list(server.renderer.scene) == list(names)
 
 
 def _commands(server: Server) -> int:
-    return server.traffic().clients.get(A.hex(), (0, 0))[1]
+    return server.bus_status().clients.get(A.hex(), (0, 0))[1]
 
 
 def test_a_client_that_does_not_read_holds_up_nobody(server: Server) -> None:
@@ -300,15 +301,15 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
             "bus", child_process.LaunchConfig(str(tmp_path), PLAIN, {"token": TOKEN})
         )
         stack.callback(child_process.end, process)
-        server.until(lambda: server.memory["traffic"].number)
-        server.port = server.traffic().port
+        server.until(lambda: server.memory["bus_status"].number)
+        server.port = server.bus_status().port
         server.sessions(A)
         socket = server.connect()
         send(socket, put({"a": point()}, session=A, id=1))
         assert server.reply(socket) == Ok(id=1)
         server.until(lambda: "a" in server.renderer.scene)
-        beat = server.traffic().beat
-        server.until(lambda: server.traffic().beat > beat)
+        beat = server.bus_status().beat
+        server.until(lambda: server.bus_status().beat > beat)
         assert child_process.end(process, PATIENCE) == 0
 
 
@@ -341,7 +342,7 @@ def test_a_round_takes_only_so_many_messages(
         bus_round()
 
     server.round = counted
-    server.until(lambda: server.traffic().received == 101)
+    server.until(lambda: server.bus_status().received == 101)
     assert rounds >= 10
 
 
@@ -354,7 +355,7 @@ def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path
             assert read is not None
             told = msgspec.msgpack.decode(read[1], type=Changes)
             assert (told.number, told.changes) == (0, ())
-            assert told.run == server.traffic().run
+            assert told.run == server.bus_status().run
 
 
 @pytest.mark.parametrize(
@@ -389,7 +390,7 @@ def test_whatever_is_raised_it_goes_on(
     server.until(lambda: decode_reply(one.recv()) == Ok(id=3) if one.poll(0) else None)
     server.until(lambda: "c" in server.renderer.scene)
     if where == "_do":
-        server.until(lambda: server.traffic().refused)
+        server.until(lambda: server.bus_status().refused)
     del other
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.control.output_lease import ClientSession
 from pacinian.serving.control.selection import MAX_PENDING, MAX_SELECTION_TIME, SUSPECT, Selection
 from pacinian.serving.settings import Settings
@@ -30,18 +30,18 @@ def test_names_that_nothing_has_are_refused_with_those_there_are(kind: str) -> N
     assert isinstance(reply, Error)
     assert (reply.code, reply.path) == ("unknown", f"$.{kind}.name")
     assert KNOWN[kind][0] in reply.message
-    assert getattr(selection.orders, kind) == (0, None), "and nothing is ordered"
+    assert getattr(selection.requested, kind) == (0, None), "and nothing is ordered"
 
 
 def test_what_is_not_given_stays() -> None:
     selection = Selection(Settings())
     assert ask(selection) == Ok(id=3)
     assert ask(selection, solver=Choice(name="gs"), intensity=0.0) is None
-    assert selection.orders.solver == (1, Choice(name="gs"))
-    assert selection.orders.intensity == (1, 0.0)
-    assert selection.orders.backend == (0, None)
+    assert selection.requested.solver == (1, Choice(name="gs"))
+    assert selection.requested.intensity == (1, 0.0)
+    assert selection.requested.backend == (0, None)
     assert ask(selection, solver=Choice(name="auto")) is None
-    assert selection.orders.solver == (2, Choice(name="auto"))
+    assert selection.requested.solver == (2, Choice(name="auto"))
 
 
 def test_it_is_answered_once_when_all_is_done() -> None:
@@ -72,7 +72,7 @@ def test_a_solver_that_ends_the_renderer_twice_is_given_up_for_the_configured_on
     ask(selection, now=1.0, solver=Choice(name="gs"))
     assert not selection.renderer_ended(2.0)
     assert selection.renderer_ended(1.0 + SUSPECT - 0.1)
-    assert selection.orders.solver == (2, Choice(name="lagrange")), (
+    assert selection.requested.solver == (2, Choice(name="lagrange")), (
         "its options are with who makes it"
     )
     assert not selection.renderer_ended(3.0)
@@ -88,7 +88,7 @@ def test_a_slider_is_answered_at_each_of_its_steps() -> None:
         assert ask(selection, now=1.0, intensity=step / 100) is None
     assert selection.answers({}, 1.1) == [(b"game", Ok(id=3))] * 99
     assert selection.answers({"intensity 100": ""}, 1.2) == [(b"game", Ok(id=3))]
-    assert selection.orders.intensity == (100, 0.99)
+    assert selection.requested.intensity == (100, 0.99)
 
 
 def test_what_a_newer_one_replaced_does_not_stand_for_the_rest() -> None:
@@ -105,14 +105,14 @@ def test_only_so_many_wait() -> None:
     assert ask(selection, intensity=0.1) is None
     for _ in range(MAX_PENDING - 1):
         assert ask(selection, solver=Choice(name="gs")) is None
-    before = selection.orders
+    before = selection.requested
     for what in (
         {"solver": Choice(name="gs")},
         {"technique": AM()},
         {"backend": Choice(name="simulated")},
     ):
         assert ask(selection, **what).code == "busy"
-    assert selection.orders == before, "and nothing is ordered"
+    assert selection.requested == before, "and nothing is ordered"
     assert ask(selection, intensity=0.2) is None, "in place of one that waits"
     selection.answers({"solver 1": ""}, 0.1)
     assert ask(selection, solver=Choice(name="gs")) is None
@@ -125,14 +125,14 @@ def test_a_technique_that_cannot_be_meant_is_refused_with_where() -> None:
     assert isinstance(reply, Error)
     assert reply.code == "argument"
     assert reply.path.startswith("$.technique.along")
-    assert selection.orders.technique == (0, None)
-    assert selection.orders.intensity == (0, 1.0)
+    assert selection.requested.technique == (0, None)
+    assert selection.requested.intensity == (0, 1.0)
 
 
 def test_resets_are_counted() -> None:
     selection = Selection(Settings())
     selection.reset(4)
-    assert selection.orders.reset == 4
+    assert selection.requested.reset == 4
 
 
 def test_a_selection_that_was_overwritten_before_it_was_read_is_answered_with_the_newer_one() -> (

@@ -142,7 +142,7 @@ def test_a_game_that_goes_on_sounds_again_unless_something_else_ended_it() -> No
     assert game.renew().armed
     assert desk.permit[:3] == (1, pytest.approx(desk.clock.time + LEASE), 2)
     desk.wait(2 * LEASE)
-    assert [code(told) for told in desk.all(b"game", Stop())[:-1]] == ["stopped"]
+    assert [code(told) for told in desk.all(b"game", Stop())] == ["stopped"]
     game.ask(Reset)
     assert not game.renew().armed
     game.arm(resume=True)

@@ -51,7 +51,8 @@ told = parent.config
 if told.spare:
     parent.wait()
 parent.watch(ended.set)
-with SharedRegister.attach(told.path / {"guard": "device", "bus": "traffic", "render": "report"}[name]) as file:
+files = {"guard": "device", "bus": "bus_status", "render": "renderer_status"}
+with SharedRegister.attach(told.path / files[name]) as file:
     while not ended.is_set():
         now = time.perf_counter()
         file.write(pack({

@@ -7,7 +7,7 @@ from typing import ClassVar
 import pytest
 
 import pacinian as pc
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.device_manager import (
     MAX_HANGING,
     MAX_RESULTS,

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
 from pacinian.serving.guard.process import REPORT_INTERVAL, REST_REPORT_INTERVAL, GuardLoop
 from pacinian.serving.ipc.messages import (
@@ -610,7 +610,7 @@ def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
     sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(SIMULATED.array.make()))}
     files = {
         name: SharedRegister.create(tmp_path / name, sizes[name], open_wakes(tmp_path / name))
-        for name in ("permit", "frame", "orders", "device")
+        for name in ("permit", "frame", "requested_settings", "device")
     }
     yield files
     for file in files.values():
@@ -694,7 +694,7 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
         assert rounds.run_round() == REST_REPORT_INTERVAL
         rounds.wait(1e4)
         orders = pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
-        threading.Timer(0.01, memory["orders"].write, [orders]).start()
+        threading.Timer(0.01, memory["requested_settings"].write, [orders]).start()
         rounds.wait(1e4)
 
         def follow() -> None:

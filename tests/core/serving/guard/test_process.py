@@ -61,7 +61,9 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
 
     # another device, while the old one continues
     server.sound()
-    server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="logged")))))
+    server.memory["requested_settings"].write(
+        pack(RequestedSettings(backend=(1, Selected(name="logged"))))
+    )
     after = server.until(lambda device: "backend 1" in device.results, server.frame)
     assert after.results["backend 1"] == ""
     assert (after.name, after.amplitudes) == ("logged", 64)
@@ -69,7 +71,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
     server.sound()
 
     # an unknown device
-    server.memory["orders"].write(
+    server.memory["requested_settings"].write(
         pack(RequestedSettings(backend=(2, Selected(name="no such one"))))
     )
     after = server.until(lambda device: "backend 2" in device.results, server.frame)
@@ -139,6 +141,6 @@ def test_a_device_that_may_sound_and_does_not_close_takes_the_guard_with_it(
     server.until(lambda device: device.generation > 0)
     server.permit()
     server.until(lambda device: device.fault, server.frame)
-    server.memory["orders"].write(pack(RequestedSettings(reset=1)))
+    server.memory["requested_settings"].write(pack(RequestedSettings(reset=1)))
     assert ended(process) == -signal.SIGALRM
     assert log.read_text().split()[-2:] == ["silence", "close"]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from pacinian.scene.setup import PluginConfig
-from pacinian.serving.guard.spare import CHECK_INTERVAL, HangDetector
+from pacinian.scene.config_sections import PluginConfig
+from pacinian.serving.guard.spare_guard import CHECK_INTERVAL, HangDetector
 from pacinian.serving.ipc.child_process import MAX_LOOK_GAP
 from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
 from pacinian.wire.control import Choice as Selected
@@ -129,7 +129,9 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
     guard, _, before = begin(server, told)
     assert before.choice == PluginConfig("logged", {"log": str(log), "does": ""})
     os.kill(guard.pid, signal.SIGSTOP)  # so that it does not see the selection
-    server.memory["orders"].write(pack(RequestedSettings(backend=(1, Selected(name="simulated")))))
+    server.memory["requested_settings"].write(
+        pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
+    )
     os.kill(guard.pid, signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)
     assert after.name == "simulated"

@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.plugins.backend import Capability
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.rerender import CaptureBackend, FixedClock
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.render import warmup
 from pacinian.serving.render.background_loader import load_object
 from pacinian.serving.render.solver_switcher import make_solver

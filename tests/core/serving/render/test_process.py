@@ -13,7 +13,7 @@ import pytest
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.ipc import child_process, messages
 from pacinian.serving.ipc.messages import (
     AnyChange,
@@ -42,7 +42,7 @@ from pacinian.wire.modulation import AM, STM
 from pacinian.wire.shapes import Polyline
 
 from ....waiting import PATIENCE, eventually
-from ...rendering.by_hand import solve_beside
+from ...rendering.manual_background import solve_beside
 
 ARRAY, AIR = pc.autd(), pc.Air()
 N = len(ARRAY)
@@ -117,13 +117,13 @@ class Server:
     def report(self) -> RendererStatus:
         self.clock.advance(0.1)  # the next one is due
         self.loop.run_between()
-        found = self.files["report"].read()
+        found = self.files["renderer_status"].read()
         assert found is not None
         return msgspec.msgpack.decode(found[1], type=RendererStatus)
 
     @property
     def taken(self) -> ChangesAck:
-        found = self.files["taken"].read()
+        found = self.files["changes_ack"].read()
         assert found is not None
         return msgspec.msgpack.decode(found[1], type=ChangesAck)
 
@@ -222,7 +222,7 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
         "a change": server.put,
         "a permit": server.arm,
         "a slow object": lambda: server.put(slow),
-        "a solver": lambda: server.tell("orders", orders),
+        "a solver": lambda: server.tell("requested_settings", orders),
         "a device": lambda: server.tell("device", msgspec.structs.replace(server.device, next=2)),
         "a zone": lambda: server.change(zones(ZONE)),
     }
@@ -331,7 +331,7 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
     assert server.taken.number == 1
     assert server.report.refused == {"": "2 changes were damaged"}
     server.files["changes"].write(b"\xc1")
-    server.files["orders"].write(b"\xc1")
+    server.files["requested_settings"].write(b"\xc1")
     server.tick(2)
     assert "Malformed" in server.report.refused[""] or "malformed" in server.report.refused[""]
     assert server.loop.renderer.halted is None
@@ -339,7 +339,10 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
 
 def test_technique_and_intensity_are_ordered(server: Server) -> None:
     server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
-    server.tell("orders", RequestedSettings(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)))
+    server.tell(
+        "requested_settings",
+        RequestedSettings(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)),
+    )
     server.tick(2)
     (item,) = server.loop.replica.scene.objects
     assert item.technique == pc.AM(frequency=50.0)
@@ -351,7 +354,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     server.put()
     server.arm()
     server.tick(10)
-    server.tell("orders", RequestedSettings(solver=(1, Choice(name="moody"))))
+    server.tell("requested_settings", RequestedSettings(solver=(1, Choice(name="moody"))))
     server.tick(5)
     assert server.loop.renderer.session.solver.name == "auto"  # while the new one is made
     before = server.files["frame"].number
@@ -361,7 +364,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     assert server.report.results == {"solver 1": ""}
     assert server.report.state["solver"] == "moody"
     assert server.sounds
-    server.tell("orders", RequestedSettings(solver=(2, Choice(name="nobody"))))
+    server.tell("requested_settings", RequestedSettings(solver=(2, Choice(name="nobody"))))
     server.tick()
     server.threads.pop()()
     assert "nobody" in server.report.results["solver 2"]
@@ -386,7 +389,7 @@ def test_a_solver_that_raises_halts_until_reset(make: Callable[..., Server]) -> 
     Moody.mood = staticmethod(lambda: None)
     server.tick(5)
     assert server.frame[0].rows == 0
-    server.tell("orders", RequestedSettings(reset=1))
+    server.tell("requested_settings", RequestedSettings(reset=1))
     server.tick(10)
     assert server.sounds
     assert server.report.halted == ""
@@ -400,7 +403,7 @@ def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Serv
     server.tell("device", msgspec.structs.replace(server.device, fault="gone"))
     server.tick(2)
     assert "gone" in server.report.halted
-    server.tell("orders", RequestedSettings(reset=1))
+    server.tell("requested_settings", RequestedSettings(reset=1))
     server.tick(3)
     assert server.report.results == {}
     server.tell("device", server.device)
@@ -495,9 +498,9 @@ def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept
 
 
 def test_reports_come_at_their_rate_and_go_on_in_a_halt(server: Server) -> None:
-    before = server.files["report"].number
+    before = server.files["renderer_status"].number
     server.tick(1000)
-    assert 55 <= server.files["report"].number - before <= 62
+    assert 55 <= server.files["renderer_status"].number - before <= 62
     assert server.report.run == server.loop.run
 
 
@@ -577,7 +580,7 @@ def test_what_changes_with_time_is_sent_at_the_full_rate(
     if why == "an envelope":
         server.put(msgspec.structs.replace(POINT, envelope=pc.Sine(frequency=200.0)))
     if why == "a technique":
-        server.tell("orders", RequestedSettings(technique=(1, AM(frequency=200.0))))
+        server.tell("requested_settings", RequestedSettings(technique=(1, AM(frequency=200.0))))
         server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
     server.tick(50)
     wake = Wake(server, server.clock.now() + 0.2, works=why != "no named pipes")
@@ -653,12 +656,12 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
     try:
         device = DeviceStatus(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         files["device"].write(messages.pack(device))
-        eventually(lambda: files["taken"].number > 0)
+        eventually(lambda: files["changes_ack"].number > 0)
 
         def rests() -> bool:
             """Return whether reports continue without a new frame."""
-            frames, reports = files["frame"].number, files["report"].number
-            eventually(lambda: files["report"].number > reports + 1)
+            frames, reports = files["frame"].number, files["renderer_status"].number
+            eventually(lambda: files["renderer_status"].number > reports + 1)
             return files["frame"].number == frames
 
         eventually(rests)
@@ -691,7 +694,7 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
     orders = RequestedSettings(
         technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody"))
     )
-    server.tell("orders", orders)
+    server.tell("requested_settings", orders)
     server.tick()
     report = server.report
     assert "points" in report.results["technique 1"]
@@ -699,7 +702,9 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
     assert report.state["intensity"] == 0.5
     assert report.state["technique"] == ""  # as before
     assert len(server.threads) == 1
-    server.tell("orders", msgspec.structs.replace(orders, technique=(2, AM(frequency=100.0))))
+    server.tell(
+        "requested_settings", msgspec.structs.replace(orders, technique=(2, AM(frequency=100.0)))
+    )
     server.tick()
     assert server.report.results["technique 2"] == ""
     assert server.report.state["technique"] == "am"
@@ -713,7 +718,7 @@ def test_it_begins_whatever_the_orders_are(
 
     def open_after_orders(loop: RenderLoop) -> None:
         data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
-        loop._files["orders"].write(data)
+        loop._files["requested_settings"].write(data)
         before(loop)
 
     monkeypatch.setattr(RenderLoop, "open", open_after_orders)
@@ -732,7 +737,9 @@ def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
     def state(*_: object) -> dict[str, Any]:
         if how == "raises":
             raise RuntimeError("of ours")
-        return {"points": bytes(messages.CAPACITIES["report"]) if how == "long" else "\ud800"}
+        return {
+            "points": bytes(messages.CAPACITIES["renderer_status"]) if how == "long" else "\ud800"
+        }
 
     server.tick()
     monkeypatch.setattr("pacinian.serving.render.renderer_status.make_status", state)

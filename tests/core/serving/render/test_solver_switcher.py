@@ -11,7 +11,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer, Plugins
-from pacinian.scene.setup import PluginConfig
+from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.render.solver_switcher import (

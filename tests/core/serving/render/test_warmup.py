@@ -10,7 +10,7 @@ import pytest
 ONCE_MORE = """
 import sys
 from pacinian.plugins.backend import Capability
-from pacinian.scene.setup import Units
+from pacinian.scene.config_sections import Units
 from pacinian.serving.render import warmup
 from pacinian.serving.render.solver_switcher import make_solver
 from pacinian.serving.settings import Settings

@@ -21,7 +21,7 @@ namespace Pacinian
         }
 
         /// <summary>Writes one command. Replaces the writer's content.</summary>
-        public void Write(Writer writer, Batch batch, Bulk session, long sequence)
+        public void Write(Writer writer, CommandBatch batch, Bulk session, long sequence)
         {
             writer.Clear();
             Kind kind = batch.Kind;
@@ -50,13 +50,13 @@ namespace Pacinian
             }
         }
 
-        private static void Part(Writer writer, string name, Batch batch)
+        private static void Part(Writer writer, string name, CommandBatch batch)
         {
             writer.Text(name);
             writer.Append(batch.Parts[0]);
         }
 
-        private static void Names(Writer writer, Batch batch)
+        private static void Names(Writer writer, CommandBatch batch)
         {
             writer.Text("names");
             writer.Array(batch.Names.Count);
@@ -66,7 +66,7 @@ namespace Pacinian
             }
         }
 
-        private static void Objects(Writer writer, Batch batch)
+        private static void Objects(Writer writer, CommandBatch batch)
         {
             writer.Text("objects");
             writer.Map(batch.Names.Count);
@@ -77,7 +77,7 @@ namespace Pacinian
             }
         }
 
-        private void Poses(Writer writer, Batch batch)
+        private void Poses(Writer writer, CommandBatch batch)
         {
             bool moving = false;
             _poses.Clear();

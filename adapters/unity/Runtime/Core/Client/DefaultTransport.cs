@@ -28,9 +28,9 @@ namespace Pacinian
                 {
                     _curve = _curve ?? Transports.MakeCurve();
                 }
-                catch (Exception error) when (Problems.IsMissingLibrary(error))
+                catch (Exception error) when (ErrorMessages.IsMissingLibrary(error))
                 {
-                    return Problems.Of(error);
+                    return ErrorMessages.Of(error);
                 }
                 _current = _curve;
             }

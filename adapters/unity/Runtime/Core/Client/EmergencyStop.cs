@@ -66,7 +66,7 @@ namespace Pacinian
             }
             catch (Exception error)
             {
-                problem = Problems.Of(error);
+                problem = ErrorMessages.Of(error);
             }
             _done(problem);
         }
@@ -101,11 +101,11 @@ namespace Pacinian
                 Ending ending = transport.Ended();
                 if (ending != Ending.None)
                 {
-                    return Problems.Of(ending, file.Control, transport.Problem);
+                    return ErrorMessages.Of(ending, file.Control, transport.Problem);
                 }
                 transport.Wait(end - _options.Clock());
             }
-            return Problems.Hangs("stop", _options.Timeout);
+            return ErrorMessages.Hangs("stop", _options.Timeout);
         }
 
         private bool Confirmed(int count)

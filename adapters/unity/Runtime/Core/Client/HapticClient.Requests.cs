@@ -76,7 +76,7 @@ namespace Pacinian
         {
             if (problem.Length > 0)
             {
-                _shared.Inbox.AddRefusal(Problems.Unstopped(problem));
+                _shared.Inbox.AddRefusal(ErrorMessages.Unstopped(problem));
             }
             _shared.PendingStops.End();
             _worker.Wake();

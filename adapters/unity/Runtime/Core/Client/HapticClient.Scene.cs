@@ -120,7 +120,7 @@ namespace Pacinian
             if (!done && !_reportedNoSession)
             {
                 _reportedNoSession = true;
-                _shared.Inbox.AddRefusal(Problems.NoSession(what, _started));
+                _shared.Inbox.AddRefusal(ErrorMessages.NoSession(what, _started));
             }
             return done;
         }
@@ -139,7 +139,7 @@ namespace Pacinian
             if (!_reportedThread)
             {
                 _reportedThread = true;
-                _shared.Inbox.AddRefusal(Problems.WrongThread(call));
+                _shared.Inbox.AddRefusal(ErrorMessages.WrongThread(call));
             }
             return false;
         }

@@ -20,7 +20,7 @@ namespace Pacinian
         private readonly SharedState _shared;
         private readonly Worker _worker;
         private readonly List<Thread> _stops = new List<Thread>();
-        private readonly Touches _touches = new Touches();
+        private readonly TouchTracker _touches = new TouchTracker();
         private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
         private Trips _trips;
         private double _offset;

@@ -7,7 +7,7 @@ namespace Pacinian
     {
         public readonly Writer Writer = new Writer(1 << 16);
         public readonly Reader Reader = new Reader();
-        public readonly Batch Batch = new Batch();
+        public readonly CommandBatch Batch = new CommandBatch();
         public readonly Renew Renew = new Renew();
         public IReply Reply;
         public readonly Commands Commands;

@@ -11,7 +11,7 @@ namespace Pacinian
     {
         private readonly object _lock = new object();
         private readonly WriterPool _writers;
-        private readonly PendingByObject _pending;
+        private readonly CommandsByObject _byObject;
         private readonly double _life;
         private Writer _hands, _quiet;
         private double _handsTime, _quietTime, _clearTime;
@@ -23,7 +23,7 @@ namespace Pacinian
         {
             _writers = writers;
             _life = life;
-            _pending = new PendingByObject(writers, life);
+            _byObject = new CommandsByObject(writers, life);
         }
 
         /// <summary>Starts a session without waiting commands. session: 0 for none.</summary>
@@ -47,7 +47,7 @@ namespace Pacinian
                 bool current = Current(session, part);
                 if (current)
                 {
-                    _pending.Write(kind, name, part, ref movement, now);
+                    _byObject.Write(kind, name, part, ref movement, now);
                 }
                 return current;
             }
@@ -95,7 +95,7 @@ namespace Pacinian
         }
 
         /// <summary>Takes the next command, whose parts the caller returns. Returns false if none waits.</summary>
-        public bool Take(Batch batch, double now)
+        public bool Take(CommandBatch batch, double now)
         {
             batch.Clear();
             lock (_lock)
@@ -106,13 +106,13 @@ namespace Pacinian
                 }
                 _clear = false;
                 Take(batch, Kind.Quiet, ref _quiet, _quietTime, now);
-                _pending.Take(batch, now);
+                _byObject.Take(batch, now);
                 Take(batch, Kind.Hands, ref _hands, _handsTime, now);
             }
             return batch.Kind != Kind.None;
         }
 
-        private void Take(Batch batch, Kind kind, ref Writer part, double time, double now)
+        private void Take(CommandBatch batch, Kind kind, ref Writer part, double time, double now)
         {
             if (batch.Kind != Kind.None || part == null)
             {
@@ -142,7 +142,7 @@ namespace Pacinian
 
         private void Forget()
         {
-            _pending.Forget();
+            _byObject.Forget();
             _writers.Return(_hands);
             _writers.Return(_quiet);
             _hands = _quiet = null;

@@ -97,7 +97,7 @@ namespace Pacinian
             _sessionState.Owner = renewed.Owner;
             if (renewed.Id != 0)
             {
-                double sent = _table.TakeRenewal(renewed.Id);
+                double sent = _unanswered.TakeRenewal(renewed.Id);
                 if (!double.IsNaN(sent))
                 {
                     _serverClock.AddTrip(sent, now);
@@ -110,7 +110,7 @@ namespace Pacinian
 
         private void Handle(Ok ok)
         {
-            PendingRequest request = _table.Take(ok.Id);
+            PendingRequest request = _unanswered.Take(ok.Id);
             GoodbyeAnswered |= _leaving && request == null;
             if (request != null && (request.Arms || request.LetsGo))
             {
@@ -123,7 +123,7 @@ namespace Pacinian
         {
             if (welcome.Protocol.X != Protocol.Major)
             {
-                SetLost(Problems.Version(welcome.Protocol.X), true);
+                SetLost(ErrorMessages.Version(welcome.Protocol.X), true);
                 return;
             }
             _session.Set(welcome.Session.Data, 0, welcome.Session.Count);
@@ -132,7 +132,7 @@ namespace Pacinian
             _sessionState.Server = welcome.Server;
             _serverClock.AddMark(_greetedAt, now, welcome.Time);
             _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
-            Send(new Capabilities { Session = _session, Id = _table.NextId() });
+            Send(new Capabilities { Session = _session, Id = _unanswered.NextId() });
         }
 
         private void Handle(Abilities abilities)
@@ -146,7 +146,7 @@ namespace Pacinian
         private void Handle(Pressures pressures)
         {
             _buffers.Reply = null;
-            PendingRequest request = _table.Take(pressures.Id);
+            PendingRequest request = _unanswered.Take(pressures.Id);
             if (request != null)
             {
                 _shared.Inbox.AddAnswer(request, pressures);
@@ -155,7 +155,7 @@ namespace Pacinian
 
         private void Handle(Error error)
         {
-            Refusal why = Problems.Of(error);
+            Refusal why = ErrorMessages.Of(error);
             if (!Begun)
             {
                 SetLost(why.ToString(), true);
@@ -164,7 +164,7 @@ namespace Pacinian
             {
                 SetLost(why.Message, false);
             }
-            else if (error.Id == 0 && Problems.Ends(error.Code))
+            else if (error.Id == 0 && ErrorMessages.Ends(error.Code))
             {
                 _sessionState.Armed = false;
                 PublishStatus();
@@ -172,7 +172,7 @@ namespace Pacinian
             }
             else
             {
-                PendingRequest request = _table.Take(error.Id);
+                PendingRequest request = _unanswered.Take(error.Id);
                 if (request != null)
                 {
                     _shared.Inbox.AddAnswer(request, null);
@@ -186,7 +186,7 @@ namespace Pacinian
             if (!_unreadable)
             {
                 _unreadable = true;
-                _shared.Inbox.AddRefusal(Problems.Unreadable(_buffers.Reader.Problem, _buffers.Reader.Path));
+                _shared.Inbox.AddRefusal(ErrorMessages.Unreadable(_buffers.Reader.Problem, _buffers.Reader.Path));
             }
         }
 

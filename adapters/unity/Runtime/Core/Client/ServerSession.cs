@@ -3,8 +3,9 @@ using Pacinian.Wire;
 namespace Pacinian
 {
     /// <summary>
-    /// One session with the server, from hello to bye; nothing of a lost session continues. This part sends messages,
-    /// the other one receives them. Never blocks, and does not read a clock: times are arguments [s].
+    /// One session with the server, from hello to bye; nothing of a lost session continues. This part sends messages; the
+    /// others receive them, and decide when the session is lost. Never blocks, and does not read a clock: times are
+    /// arguments [s].
     /// </summary>
     internal sealed partial class ServerSession
     {
@@ -14,7 +15,7 @@ namespace Pacinian
         private readonly SharedState _shared;
         private readonly ITransport _transport;
         private readonly MessageBuffers _buffers;
-        private readonly RequestTable _table = new RequestTable();
+        private readonly UnansweredRequests _unanswered = new UnansweredRequests();
         private readonly ServerClock _serverClock = new ServerClock();
         private readonly string _at;
         private readonly double _begun;
@@ -36,12 +37,6 @@ namespace Pacinian
             Over = "";
         }
 
-        /// <summary>Why the session is over; "" while it is not.</summary>
-        public string Over { get; private set; }
-
-        /// <summary>Whether the session is over because the server rejects the client.</summary>
-        public bool Refused { get; private set; }
-
         /// <summary>Whether the session has begun.</summary>
         public bool Begun { get; private set; }
 
@@ -53,17 +48,7 @@ namespace Pacinian
         {
             bool heard = ReceiveMessages(Channel.Control, now) | ReceiveMessages(Channel.Command, now);
             ReceiveState();
-            Ending ending = _transport.Ended();
-            string why = _transport.Problem;
-            if (Begun && (ending == Ending.Nobody || ending == Ending.Foreign))
-            {
-                ending = Ending.Gone; // during the handshake of another of its connections
-                why = "";
-            }
-            if (ending != Ending.None && !heard)
-            {
-                SetLost(Problems.Of(ending, _at, why), Problems.Refuses(ending));
-            }
+            CheckConnection(heard);
             if (Over.Length == 0)
             {
                 SendMessages(now, ticked);
@@ -79,7 +64,7 @@ namespace Pacinian
                 return false;
             }
             _leaving = true;
-            return Send(new Bye { Session = _session, Id = _table.NextId() });
+            return Send(new Bye { Session = _session, Id = _unanswered.NextId() });
         }
 
         private void SendMessages(double now, double ticked)
@@ -115,10 +100,10 @@ namespace Pacinian
         {
             Renew renew = _buffers.Renew;
             renew.Session = _session;
-            renew.Id = _table.NextId();
+            renew.Id = _unanswered.NextId();
             renew.Sequence = ++_sequence;
             renew.Time = _renewed = ticked;
-            _table.NoteRenewal(renew.Id, now);
+            _unanswered.NoteRenewal(renew.Id, now);
             Send(renew);
         }
 
@@ -132,25 +117,10 @@ namespace Pacinian
                     return;
                 }
                 _shared.Requests.RemoveNext();
-                long id = _table.NextId();
+                long id = _unanswered.NextId();
                 request.Write(_buffers.Writer, _session, id, ref _sequence, now);
-                _table.Add(id, request);
+                _unanswered.Add(id, request);
                 _transport.Send(request.Channel, _buffers.Writer.Data, _buffers.Writer.Count);
-            }
-        }
-
-        private void CheckTimeouts(double now)
-        {
-            double timeout = _shared.Options.Timeout;
-            if (!Begun && now - _begun > timeout)
-            {
-                SetLost(Problems.Hangs("hello", timeout), false);
-                return;
-            }
-            string late = _table.FindLate(now, timeout);
-            if (late.Length > 0)
-            {
-                SetLost(Problems.Hangs(late, timeout), false);
             }
         }
 
@@ -159,7 +129,7 @@ namespace Pacinian
             Options options = _shared.Options;
             return new Hello
             {
-                Id = _table.NextId(),
+                Id = _unanswered.NextId(),
                 Protocol = new Int2(Protocol.Major, Protocol.Minor),
                 Client = options.Name,
                 Version = options.Version,
@@ -173,17 +143,6 @@ namespace Pacinian
             _buffers.Writer.Clear();
             message.Write(_buffers.Writer);
             return _transport.Send(Channel.Control, _buffers.Writer.Data, _buffers.Writer.Count);
-        }
-
-        private void SetLost(string why, bool refused)
-        {
-            if (Over.Length > 0)
-            {
-                return;
-            }
-            Over = why + (Begun ? Problems.Nothing : "");
-            Refused = refused;
-            _table.Forget(_shared.Inbox);
         }
     }
 }

@@ -5,7 +5,7 @@ namespace Pacinian
     {
         public readonly Options Options;
         public readonly WriterPool Writers = new WriterPool();
-        public readonly RequestQueue Requests = new RequestQueue();
+        public readonly UnsentRequests Requests = new UnsentRequests();
         public readonly Inbox Inbox = new Inbox();
         public readonly Outbox Outbox;
         public readonly Heartbeat Heartbeat = new Heartbeat();

@@ -63,7 +63,7 @@ namespace Pacinian
             }
             catch (Exception error)
             {
-                problem = Problems.Of(error);
+                problem = ErrorMessages.Of(error);
             }
             finally
             {

@@ -137,7 +137,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.</summary>
+    /// <summary>Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session. The answer is `ok` once the device is silent. If no guard has confirmed silence within 0.5 s, it is the error `fault`: switch the array off if it sounds.</summary>
     public sealed partial class Stop : IControl
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "id");

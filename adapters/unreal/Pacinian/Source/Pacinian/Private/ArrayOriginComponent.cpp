@@ -1,6 +1,6 @@
 #include "ArrayOriginComponent.h"
 
-#include "Array.h"
+#include "ArrayAlignment.h"
 #include "DrawDebugHelpers.h"
 #include "Engine/World.h"
 #include "HapticCalibration.h"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "HapticLink.h"
 #include "HapticTouch.h"
-#include "Link.h"
 
 class UObject;
 

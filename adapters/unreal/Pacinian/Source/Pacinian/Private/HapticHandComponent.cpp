@@ -5,11 +5,11 @@
 #include "Engine/World.h"
 #include "GameFramework/Actor.h"
 #include "GameFramework/PlayerController.h"
+#include "HapticLink.h"
 #include "HapticScene.h"
 #include "HeadMountedDisplayTypes.h"
 #include "IXRTrackingSystem.h"
 #include "InputCoreTypes.h"
-#include "Link.h"
 #include "OpenHand.h"
 
 namespace wire = pacinian::wire;

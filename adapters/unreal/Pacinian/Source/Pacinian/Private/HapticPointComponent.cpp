@@ -1,6 +1,6 @@
 #include "HapticPointComponent.h"
 
-#include "Link.h"
+#include "HapticLink.h"
 
 bool UHapticPointComponent::Describe(FHapticBody& Body, FString&) const {
   pacinian::wire::Point Point;

@@ -1,5 +1,5 @@
+#include "HapticLink.h"
 #include "HapticServerComponent.h"
-#include "Link.h"
 #include "Misc/App.h"
 #include "PacinianSettings.h"
 

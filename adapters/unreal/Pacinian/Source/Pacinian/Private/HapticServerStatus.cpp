@@ -1,7 +1,7 @@
 #include "GameFramework/Actor.h"
+#include "HapticLink.h"
 #include "HapticScene.h"
 #include "HapticServerComponent.h"
-#include "Link.h"
 #include "PacinianSettings.h"
 #include "StartedServer.h"
 

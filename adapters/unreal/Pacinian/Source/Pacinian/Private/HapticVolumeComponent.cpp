@@ -1,7 +1,7 @@
 #include "HapticVolumeComponent.h"
 
 #include "Components/StaticMeshComponent.h"
-#include "Link.h"
+#include "HapticLink.h"
 #include "Shapes.h"
 
 namespace wire = pacinian::wire;

@@ -1,6 +1,6 @@
 #include "OpenHand.h"
 
-#include "Core.h"
+#include "CoreIncludes.h"
 
 THIRD_PARTY_INCLUDES_START
 #include "pacinian/space/hands.h"

@@ -1,4 +1,4 @@
-#include "Core.h"
+#include "CoreIncludes.h"
 #include "HapticServerComponent.h"
 #include "Modules/ModuleManager.h"
 #include "StartedServer.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Link.h"
+#include "HapticLink.h"
 
 class UHapticScene;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Core.h"
+#include "CoreIncludes.h"
 
 class AActor;
 class UPrimitiveComponent;

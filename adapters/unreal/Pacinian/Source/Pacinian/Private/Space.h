@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Core.h"
+#include "CoreIncludes.h"
 
 /** Converts between the level (left-handed, centimetres) and the array's frame (right-handed, metres). */
 struct FHapticSpace {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "Core.h"
+#include "CoreIncludes.h"
 #include "HapticServerComponent.h"
 #include "Interfaces/IPluginManager.h"
 #include "Misc/Paths.h"

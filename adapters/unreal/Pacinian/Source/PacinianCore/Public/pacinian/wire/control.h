@@ -75,6 +75,8 @@ struct Disarm : Request {
 };
 
 /// Emergency stop: silence the output at once, whoever owns it, until `reset`. Needs no session.
+/// The answer is `ok` once the device is silent. If no guard has confirmed silence within 0.5 s, it
+/// is the error `fault`: switch the array off if it sounds.
 struct Stop {
   static constexpr std::string_view tag = "stop";
 

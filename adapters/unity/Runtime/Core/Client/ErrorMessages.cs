@@ -1,0 +1,136 @@
+using System;
+using System.Globalization;
+using System.Text;
+using Pacinian.Wire;
+
+namespace Pacinian
+{
+    /// <summary>Messages for people that say why there is no connection, and what to do.</summary>
+    internal static class ErrorMessages
+    {
+        private const string NoLibrary = "this server takes CURVE keys, for which the library libzmq (4.3 or newer) is needed, and it is not "
+            + "installed for this program: in Unity, Window > Pacinian > Server copies it; else install libzmq5 (Debian) or zeromq "
+            + "(Homebrew), or put libzmq.dll beside the program; a server on this machine needs none if it has no keys: ";
+
+        public const string Nothing = "; nothing of this session goes on";
+
+        /// <summary>Returns why the connection to an address has ended. why: the transport's reason, or "".</summary>
+        public static string Of(Ending ending, string at, string why)
+        {
+            return Of(ending, at) + (why.Length > 0 && ending != Ending.Denied ? ": " + why : "");
+        }
+
+        private static string Of(Ending ending, string at)
+        {
+            switch (ending)
+            {
+                case Ending.Nobody:
+                    return "the server at " + at + " does not answer: is `pacinian serve` running?";
+                case Ending.Denied:
+                    return "the server at " + at + " refuses the token or key: another server may have been started since";
+                case Ending.Foreign:
+                    return "the server at " + at + " is no Pacinian server, wants other security (CURVE keys or a token), or is too busy";
+                default:
+                    return "the server at " + at + " has gone";
+            }
+        }
+
+        /// <summary>Returns the refusal of an error reply.</summary>
+        public static Refusal Of(Error error)
+        {
+            string advice = error.Advice;
+            if (error.Code == Code.Version && advice.Length == 0)
+            {
+                advice = "update the older of the two: this client speaks " + Protocol.Major + "." + Protocol.Minor;
+            }
+            string code = Encoding.ASCII.GetString(Words.Code[(int)error.Code]);
+            return new Refusal { Code = code, Message = error.Message, Path = error.Path, Advice = advice };
+        }
+
+        /// <summary>Returns whether an error ends the sound of an owner unasked.</summary>
+        public static bool Ends(Code code)
+        {
+            return code == Code.Expired || code == Code.Owner || code == Code.Fault || code == Code.Stopped;
+        }
+
+        /// <summary>Returns whether the server rejects the client.</summary>
+        public static bool Refuses(Ending ending)
+        {
+            return ending == Ending.Denied || ending == Ending.Foreign;
+        }
+
+        /// <summary>Returns the message for an answer that did not arrive in time [s].</summary>
+        public static string Hangs(string what, double seconds)
+        {
+            string time = seconds.ToString(CultureInfo.InvariantCulture);
+            return "no answer to `" + what + "` within " + time + " s: the server hangs";
+        }
+
+        /// <summary>Returns why a thread of the client has ended.</summary>
+        public static string Of(Exception error)
+        {
+            return IsMissingLibrary(error) ? NoLibrary + error.Message : "the client has failed: " + error;
+        }
+
+        /// <summary>Returns whether a native library is missing, or cannot be used.</summary>
+        public static bool IsMissingLibrary(Exception error)
+        {
+            return error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException;
+        }
+
+        /// <summary>Returns the message for different major versions: it asks for an update of the older side.</summary>
+        public static string Version(long theirs)
+        {
+            string older = theirs < Protocol.Major ? "server" : "client";
+            return "the server speaks protocol " + theirs + ", this client " + Protocol.Major + ": update the " + older;
+        }
+
+        /// <summary>Returns the refusal for a reply that the client cannot decode.</summary>
+        public static Refusal Unreadable(string problem, string path)
+        {
+            return new Refusal
+            {
+                Code = "malformed",
+                Message = "the server's answer cannot be read: " + problem,
+                Path = path,
+                Advice = "update the older of client and server",
+            };
+        }
+
+        /// <summary>Returns the refusal for a command without a session.</summary>
+        public static Refusal NoSession(string what, bool started)
+        {
+            return new Refusal
+            {
+                Code = "session",
+                Message = "`" + what + "` was asked for, but there is no session",
+                Path = "",
+                Advice = started ? "do it when Connected is raised" : "call Start, and do it when Connected is raised",
+            };
+        }
+
+        /// <summary>Returns the refusal for a call from another thread than the game's.</summary>
+        public static Refusal WrongThread(string call)
+        {
+            return new Refusal
+            {
+                Code = "thread",
+                Message = "`" + call + "` was called from another thread than `Tick`, and did nothing",
+                Path = "",
+                Advice = "call it from the thread that calls Tick; only Stop may be called from any",
+            };
+        }
+
+        /// <summary>Returns the refusal for an emergency stop that was not confirmed.</summary>
+        public static Refusal Unstopped(string problem)
+        {
+            return new Refusal
+            {
+                Code = "stop",
+                Message = "the stop was not confirmed: " + problem,
+                Path = "",
+                Advice = "`pacinian stop`, or switch the array off",
+            };
+        }
+    }
+}

@@ -1,0 +1,53 @@
+"""A renderer's settings as plain values, for recordings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, fields
+from typing import TYPE_CHECKING, Any, Protocol
+
+from pacinian.acoustics import array_record
+from pacinian.acoustics.air import Air
+
+if TYPE_CHECKING:
+    from pacinian.rendering.smoothing import Smoothing
+    from pacinian.scene.sampling.sampler import Sampler
+    from pacinian.session import Session
+
+SAMPLER = "budget", "spacing", "ramp", "perception"
+
+
+class HasSettings(Protocol):
+    """A `Renderer`, as far as its settings go."""
+
+    session: Session
+    sampler: Sampler
+    smoothing: Smoothing
+    period: float
+    strict: bool
+    cycle: int
+    peak: float
+
+    @property
+    def budget_controller(self) -> object:
+        """None if the budget is fixed."""
+        ...
+
+
+def to_config(renderer: HasSettings) -> dict[str, Any]:
+    """Return all settings except scene, solver and limits, which may change from tick to tick.
+
+    `rerender.from_config` makes a renderer of them.
+    """
+    session, sampler = renderer.session, renderer.sampler
+    medium = {f.name: getattr(session.medium, f.name) for f in fields(Air) if f.init}
+    return {
+        "rate": 1.0 / renderer.period,
+        "adaptive": renderer.budget_controller is not None,
+        "strict": renderer.strict,
+        "cycle": renderer.cycle,
+        "peak": renderer.peak,
+        "smoothing": asdict(renderer.smoothing),
+        "sampler": {name: getattr(sampler, name) for name in SAMPLER},
+        "medium": medium,
+        **array_record.to_map(session.array),
+    }

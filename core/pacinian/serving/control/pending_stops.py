@@ -1,0 +1,62 @@
+"""Emergency stops that are carried out, but not confirmed yet: they wait until the guard has silenced the device."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pacinian.wire.replies import Error, Ok
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MAX_PENDING = 256  # stops of each kind that wait; more are carried out, but not confirmed
+MAX_SILENCING_TIME = (
+    0.5  # time after which a client is told that no guard has confirmed silence [s]
+)
+NOT_SILENCED = "all sound was ended, but no guard has confirmed that the device is silent"
+ADVICE = "if the array sounds, switch it off"
+
+
+class PendingStops:
+    """Holds stops until they are confirmed. Pure: callers pass the time and send the answers.
+
+    sounding_until: time of the first stop since the last permit [s]; only a later status proves silence.
+    """
+
+    def __init__(self) -> None:
+        self.sounding_until = -float("inf")
+        self._datagrams: dict[bytes, Any] = {}  # sender by nonce
+        self._messages: list[tuple[bytes, int, float]] = []  # peer, id and time [s]
+
+    def __bool__(self) -> bool:
+        return bool(self._datagrams or self._messages)
+
+    def add_datagrams(self, requests: list[tuple[bytes, Any]]) -> None:
+        """Add connectionless stops: nonce and sender of each. A stop that is sent again has the same nonce."""
+        for nonce, sender in requests:
+            if len(self._datagrams) < MAX_PENDING:
+                self._datagrams[nonce] = sender
+
+    def add_message(self, peer: bytes, number: int, now: float) -> None:
+        """Add a stop that came over a connection. number: its id."""
+        if len(self._messages) < MAX_PENDING:
+            self._messages.append((peer, number, now))
+
+    def answer(
+        self, silent: bool, now: float, confirm: Callable[[list[tuple[bytes, Any]]], None]
+    ) -> list[tuple[bytes, Ok | Error]]:
+        """Confirm all datagrams if the device is silent; return replies, also to peers that waited too long."""
+        replies: list[tuple[bytes, Ok | Error]] = []
+        if silent and self._datagrams:
+            confirm(list(self._datagrams.items()))
+            self._datagrams = {}
+        waiting, self._messages = self._messages, []
+        for peer, number, since in waiting:
+            if silent:
+                replies.append((peer, Ok(id=number)))
+            elif now - since > MAX_SILENCING_TIME:
+                problem = Error(id=number, code="fault", message=NOT_SILENCED, advice=ADVICE)
+                replies.append((peer, problem))
+            else:
+                self._messages.append((peer, number, since))
+        return replies
