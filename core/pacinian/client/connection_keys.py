@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -57,4 +58,6 @@ def _read(path: Path) -> tuple[str, str]:
         public, secret = load_certificate(path)
     except (OSError, ValueError) as error:
         raise ArgumentError("keys", f"{path} is not a key file: {error}; {MAKE_KEYS}") from error
+    if secret and os.name == "posix" and path.stat().st_mode & 0o077:
+        raise ArgumentError("keys", f"{path}: others can read or change it: run `chmod 600 {path}`")
     return public.decode(), (secret or b"").decode()

@@ -142,7 +142,7 @@ class Link:
         """Return why the connection was lost, after the monitor reported the loss."""
         event = recv_monitor_message(self.monitor)["event"]
         if event & DENIED:
-            why = "refuses the token or key: another server may have been started since"
+            why = "refuses the token or key: it does not know it, or was started again since"
         elif self.known:
             why = "has gone"  # even during a handshake
         elif event & FOREIGN:

@@ -24,7 +24,7 @@ class HasSettings(Protocol):
     smoothing: Smoothing
     period: float
     strict: bool
-    cycle: int
+    max_cycle_frames: int
     peak: float
 
     @property
@@ -44,7 +44,7 @@ def to_config(renderer: HasSettings) -> dict[str, Any]:
         "rate": 1.0 / renderer.period,
         "adaptive": renderer.budget_controller is not None,
         "strict": renderer.strict,
-        "cycle": renderer.cycle,
+        "max_cycle_frames": renderer.max_cycle_frames,
         "peak": renderer.peak,
         "smoothing": asdict(renderer.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},

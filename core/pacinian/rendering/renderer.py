@@ -81,13 +81,13 @@ class Renderer(Closeable):
     scene with more samples than the budget is refused: `open` raises ArgumentError, and in a later tick it is a fault.
     Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `adaptive`.
 
-    cycle: largest number of frames that render a region in turn, so that people feel their mean. The device must play
-    each of them 500 times a second. A region with more samples than the budget is split into bands, one for each frame.
-    If transducers are at their limit, two frames render the same samples with waves from two sides. While most solves
-    for moving samples are late, only one frame is used. 1 disables cycles. peak: highest radiation pressure on the skin
-    of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated. In a cycle,
-    single frames press more strongly than their mean. `peak` also limits the target of each of these frames, but never
-    to less than the target of the whole cycle.
+    max_cycle_frames: largest number of frames that render a region in turn, so that people feel their mean. The device
+    must play each of them 500 times a second. A region with more samples than the budget is split into bands, one for
+    each frame. If transducers are at their limit, two frames render the same samples with waves from two sides. While
+    most solves for moving samples are late, only one frame is used. 1 disables cycles. peak: highest radiation pressure
+    on the skin of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated.
+    In a cycle, single frames press more strongly than their mean. `peak` also limits the target of each of these
+    frames, but never to less than the target of the whole cycle.
 
     start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
 
@@ -110,7 +110,7 @@ class Renderer(Closeable):
         smoothing: Smoothing | None = None,
         adaptive: bool = True,
         strict: bool = False,
-        cycle: int = MAX_FRAMES,
+        max_cycle_frames: int = MAX_FRAMES,
         peak: float = math.inf,
         clock: Clock | None = None,
         recorder: Recorder | None = None,
@@ -134,7 +134,7 @@ class Renderer(Closeable):
         self.smoothing = Smoothing() if smoothing is None else smoothing
         check_kind("smoothing", self.smoothing, Smoothing)
         self.period = 1.0 / check_number("rate", rate, low=1.0, high=100_000.0)  # [s]
-        self.cycle = check_integer("cycle", cycle, low=1)
+        self.max_cycle_frames = check_integer("max_cycle_frames", max_cycle_frames, low=1)
         self.peak = math.inf if peak == math.inf else check_number("peak", peak, low=0.0)
         check_kind("strict", strict, bool)
         self.strict = strict
@@ -142,7 +142,7 @@ class Renderer(Closeable):
         self.recorder = recorder
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
-            self.session, self.sampler, self.smoothing, made.capability, self.period, adaptive, self.cycle,
+            self.session, self.sampler, self.smoothing, made.capability, self.period, adaptive, self.max_cycle_frames,
             self.peak, self._stages, self.recording_clock, self.job_recording_clock, self.strict,
             start_thread,
         )  # fmt: skip

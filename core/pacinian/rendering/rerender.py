@@ -199,7 +199,7 @@ def from_config(
         smoothing=Smoothing(**settings["smoothing"]),
         adaptive=settings["adaptive"],
         strict=settings["strict"],
-        cycle=settings["cycle"],
+        max_cycle_frames=settings["max_cycle_frames"],
         peak=settings["peak"],
         clock=clock,
     )

@@ -135,9 +135,9 @@ class Metrics(Struct, frozen=True, forbid_unknown_fields=True):
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     """A configuration file. Keys that a scene file also has mean the same here.
 
-    power: maximum sum of squared gains; None for no limit. cycle: maximum number of frames whose mean may form a
-    region; 1: each frame by itself. connection: path of the connection file for clients on this machine; "" for the
-    default. state_rate: of the published state [Hz]. Raises ArgumentError.
+    power: maximum sum of squared gains; None for no limit. max_cycle_frames: maximum number of frames whose mean may
+    form a region; 1: each frame by itself. connection: path of the connection file for clients on this machine; "" for
+    the default. state_rate: of the published state [Hz]. Raises ArgumentError.
     """
 
     array: Units | Lattice | Device = Units()
@@ -147,7 +147,7 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     rate: float = 1000.0
     gain: float = 1.0
     power: float | None = None
-    cycle: Annotated[int, Meta(ge=1, le=16)] = 4
+    max_cycle_frames: Annotated[int, Meta(ge=1, le=16)] = 4
     sampling: Sampling = Sampling()
     workspace: Workspace | None = None
     network: Network = Network()

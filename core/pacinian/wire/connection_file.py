@@ -147,8 +147,8 @@ def _read_connection(path: Path) -> Connection:
         raise ServerError(f"{path}: no connection file; {START_SERVER}") from None
     if os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise ServerError(
-            f"{path}: others can read or change it, so its keys are not secret: "
-            f"`chmod 600 {path}`, then start the server again"
+            f"{path}: others can read or change it, so its keys are not secret: run `chmod 600 {path}`. "
+            "If others may have read it, then start the server again, which makes new keys"
         )
     if os.name == "posix" and status.st_uid not in (os.getuid(), 0):
         raise ServerError(f"{path}: belongs to another user, whose server may not be yours")

@@ -85,7 +85,7 @@ class Side:
             sampler=sampler or Sampler(),
             smoothing=Smoothing(rate=None),
             adaptive=False,
-            cycle=1,
+            max_cycle_frames=1,
             clock=self.clock,
         )
 

@@ -1,5 +1,6 @@
 """Servers that are missing, end, hang or come back. Nothing resumes by itself, and no old message arrives."""
 
+import os
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -355,6 +356,11 @@ def test_curve_keys_from_a_folder_or_a_file(tmp_path: Path) -> None:
 
     create_certificates(tmp_path, "server")
     create_certificates(tmp_path, "game")
+    if os.name == "posix":
+        (tmp_path / "game.key_secret").chmod(0o644)
+        with pytest.raises(pc.ArgumentError, match="chmod 600"):
+            pc.Client(nobody(), keys=tmp_path)
+    (tmp_path / "game.key_secret").chmod(0o600)
     public, secret = load_certificate(tmp_path / "server.key_secret")
     assert secret
     with Fake(keys=(public, secret)) as server:

@@ -74,7 +74,7 @@ def test_frames_at_most_so_that_each_comes_again_500_times_a_second() -> None:
 def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) -> None:
     places = square(0.1)
     scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),))
-    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=most)
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=most)
     P = press(NINE, sent(renderer, 80, 4), places)
     mean = P.mean(axis=0)
     for solved in renderer.played.rows:
@@ -111,7 +111,7 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
     errors = {}
     for most in (1, 2):
         scene = pc.Scene((surface(array, pc.Rectangle(side, side), pressure),))
-        renderer = pc.Renderer(array, scene, clock=ManualClock(), cycle=most)
+        renderer = pc.Renderer(array, scene, clock=ManualClock(), max_cycle_frames=most)
         errors[most] = off(press(array, sent(renderer, 40, 4), places).mean(axis=0), pressure)
         assert len(renderer.sounding) == most
     assert errors[2] < 0.98 * errors[1]
@@ -120,7 +120,9 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
 def test_a_scene_that_stands_still_from_the_first_solve_on_gets_its_two_frames() -> None:
     """Without ramps, samples never change, so only the first solve shows that transducers are at their limit."""
     scene = pc.Scene((surface(ONE, pc.Disc(0.01), strongest(ONE, pc.Disc(0.01))),))
-    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), cycle=2, sampler=pc.Sampler())
+    renderer = pc.Renderer(
+        ONE, scene, clock=ManualClock(), max_cycle_frames=2, sampler=pc.Sampler()
+    )
     with renderer:
         for k in range(10):
             renderer.tick(k * PERIOD)
@@ -142,7 +144,7 @@ def test_what_is_weak_or_has_no_region_or_other_limits_stays_in_one_frame() -> N
 def test_a_cycle_that_stands_still_is_solved_no_more_and_goes_on_in_turn() -> None:
     pressure = strongest(ONE, pc.Disc(0.01))
     scene = pc.Scene((surface(ONE, pc.Disc(0.01), pressure),))
-    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), cycle=2)
+    renderer = pc.Renderer(ONE, scene, clock=ManualClock(), max_cycle_frames=2)
     rows = sent(renderer, 60, 6)
     assert renderer.report.solves < 20
     assert (rows[0] != rows[1]).any()
@@ -155,7 +157,7 @@ def test_a_new_strength_a_reset_and_another_device_begin_anew() -> None:
     pressure = strongest(ONE, pc.Disc(0.01))
     item = surface(ONE, pc.Disc(0.01), pressure, name="disc")
     scene = [pc.Scene((item,))]
-    renderer = pc.Renderer(ONE, lambda t: scene[0], clock=ManualClock(), cycle=2)
+    renderer = pc.Renderer(ONE, lambda t: scene[0], clock=ManualClock(), max_cycle_frames=2)
     with renderer:
         for k in range(20):
             renderer.tick(k * PERIOD)
@@ -188,7 +190,7 @@ def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
 
 def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     """The remaining frame had not been solved since a reset."""
-    renderer = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2)
+    renderer = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), max_cycle_frames=2)
     cycle = renderer.sample_solver.cycle
     cycle.reset()
     sampler = pc.Sampler()
@@ -205,7 +207,9 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
 
 
 def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None:
-    cycle = pc.Renderer(ONE, pc.Scene(), clock=ManualClock(), cycle=2).sample_solver.cycle
+    cycle = pc.Renderer(
+        ONE, pc.Scene(), clock=ManualClock(), max_cycle_frames=2
+    ).sample_solver.cycle
     sampler = pc.Sampler()
     sampler.prepare(ONE, AIR)
     samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
@@ -229,7 +233,9 @@ def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None
 
 def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
     """There are several again when solves are on time. Solves for samples that do not move do not count."""
-    cycle = pc.Renderer(NINE, pc.Scene(), clock=ManualClock(), cycle=4).sample_solver.cycle
+    cycle = pc.Renderer(
+        NINE, pc.Scene(), clock=ManualClock(), max_cycle_frames=4
+    ).sample_solver.cycle
     sampler = pc.Sampler(256)
     sampler.bands = 4
     sampler.prepare(NINE, AIR)
@@ -305,7 +311,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
 def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     """Bands press in turn, so each has a higher target, which this test reads."""
     scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.5),))
-    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), cycle=4, peak=peak)
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=4, peak=peak)
     sent(renderer, 40, 4)
     cycle = renderer.sample_solver.cycle
     assert cycle.count > 1
@@ -378,7 +384,7 @@ def test_a_region_that_comes_and_goes_does_not_step_though_its_frames_alternate(
     focus = pc.Point(position=(x, y + 0.05, 0.2), radiation_pressure=20.0, name="focus")
     both, alone = pc.Scene((focus, disc)), pc.Scene((focus,))
     clock, device = ManualClock(), Simulated(1 << 16, 1 << 16, rate=4000.0, keep=1000)
-    renderer = pc.Renderer(ONE, alone, clock=clock, backend=device, cycle=most)
+    renderer = pc.Renderer(ONE, alone, clock=clock, backend=device, max_cycle_frames=most)
     counts = set[int]()
     with renderer:
         background = solve_beside(renderer, 8)

@@ -378,7 +378,7 @@ def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPa
         clock=ManualClock(),
         medium=AIR,
         adaptive=False,
-        cycle=cycle,
+        max_cycle_frames=cycle,
         peak=1000.0,
         rate=1000.0,
     )

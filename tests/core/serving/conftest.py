@@ -88,7 +88,7 @@ class Pretender:
         ) as f:
             f.write(pack(value))
 
-    def call(self) -> None:
+    def activate(self) -> None:
         self.called()
 
     def close(self) -> None:

@@ -166,7 +166,7 @@ def test_children_are_told_the_same_settings() -> None:
 def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
     from pacinian.rendering.cycle import MAX_FRAMES
 
-    assert Settings().cycle == MAX_FRAMES
+    assert Settings().max_cycle_frames == MAX_FRAMES
 
 
 def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ class Process(Protocol):
         """Return the exit code; None while the process runs."""
         ...
 
-    def call(self) -> None:
+    def activate(self) -> None:
         """Let a spare begin; returns at once."""
         ...
 
@@ -153,7 +153,7 @@ class Supervisor:
             limit = compute_hang_limit(self._hang_timeout, sound=sound and name == GUARD)
             child.sounded = child.sounded or (sound and name == GUARD)
             if child.due is not None:
-                why = self._again(child, now)
+                why = self._restart_or_promote_spare(child, now)
             elif why := self._check_child(child, beats.get(name, 0.0), limit, now):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
@@ -166,7 +166,7 @@ class Supervisor:
                     child.due = now + child.wait
                     child.wait = min(MAX_RESTART_DELAY, 2.0 * child.wait)
                 ended.append((name, why))
-                self._again(child, now)  # the spare takes over at once
+                self._restart_or_promote_spare(child, now)  # the spare takes over at once
         if self.trusted and (why := self._look_after_spare(beats)):
             ended.append((SPARE, why))
         return ended
@@ -189,7 +189,7 @@ class Supervisor:
         guard.wait = min(MAX_RESTART_DELAY, 2.0 * guard.wait)
         return why
 
-    def _again(self, child: Child, now: float) -> str:
+    def _restart_or_promote_spare(self, child: Child, now: float) -> str:
         """Restart a process if it is due and the old one has ended; return why that failed, or ""."""
         if child.due is None or child.process.poll() is None:
             return ""
@@ -200,7 +200,7 @@ class Supervisor:
             # the device of the last guard may sound meanwhile
             young = max(self._hang_timeout, SOUNDING_START) if child.sounded else STARTING
             child.patience = self._hang_timeout if loaded else young
-            child.process.call()
+            child.process.activate()
         elif now < child.due:
             return ""
         else:
@@ -249,7 +249,7 @@ class Supervisor:
             return False  # the system does not let it end
         since, guard.due = self._clock(), -math.inf
         try:
-            if self._again(guard, since):
+            if self._restart_or_promote_spare(guard, since):
                 return False
             due = self._clock() + MAX_SILENCING_TIME
             while not (opened := has_device(since)) and guard.process.poll() is None:

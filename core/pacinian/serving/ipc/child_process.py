@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 MAX_CONFIG_BYTES = 1 << 20  # largest launch configuration [bytes]
 PDEATHSIG = 1  # option of Linux's prctl
-# Divisor of the guard's hang limit while there may be sound.
-HASTE = 8
+# The hang limit of a guard that may sound is that of other processes divided by this.
+SOUNDING_HANG_DIVISOR = 8
 MIN_HANG_LIMIT = 0.1  # lower bound of the divided limit [s]
 # Cap on the time counted between two checks [s]: a late process cannot tell whether another one is
 # late.
 MAX_LOOK_GAP = 0.05
 # Byte that tells a spare to begin.
-CALL = b"!"
+ACTIVATE = b"!"
 
 
 class LaunchConfig(Struct, frozen=True):
@@ -76,10 +76,10 @@ class Process:
         """Write to the child's standard input, after all earlier data. Raises RuntimeError as `ChildPipe.tell`."""
         self._pipe.tell(data)
 
-    def call(self) -> None:
+    def activate(self) -> None:
         """Let a spare begin. One that cannot receive this is a spare that hangs."""
         with contextlib.suppress(RuntimeError):
-            self.tell(CALL)
+            self.tell(ACTIVATE)
 
     def close(self) -> None:
         """Close the child's standard input, which ends the child. No other child can use that pipe then."""
@@ -167,7 +167,7 @@ class Parent:
 
     def wait(self) -> None:
         """Wait until a spare is called. Raises SystemExit when the parent has gone."""
-        if not os.read(self.pipe, len(CALL)):
+        if not os.read(self.pipe, len(ACTIVATE)):
             raise SystemExit(0)
 
     def watch(self, orphaned: Callable[[], object], *, kill: bool = True) -> None:
@@ -218,4 +218,8 @@ def _read(pipe: int, length: int) -> bytes:
 
 def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
     """Return the time without a heartbeat after which a process is killed [s]. sound: the guard's limit with sound."""
-    return min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / HASTE)) if sound else hang_timeout
+    return (
+        min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / SOUNDING_HANG_DIVISOR))
+        if sound
+        else hang_timeout
+    )

@@ -122,7 +122,7 @@ class RenderLoop:
             backend=self._outputs.first(),
             rate=settings.rate,
             sampler=Sampler(sampling.budget, sampling.spacing, ramp=RAMP_TIME),
-            cycle=settings.cycle,
+            max_cycle_frames=settings.max_cycle_frames,
             peak=settings.safety.pressure,
             clock=self.clock,
             start_thread=start_background_thread,

@@ -25,7 +25,11 @@ from pacinian.serving.control.supervisor import (
     TRUSTED_AFTER,
     Supervisor,
 )
-from pacinian.serving.ipc.child_process import HASTE, MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.child_process import (
+    MAX_LOOK_GAP,
+    SOUNDING_HANG_DIVISOR,
+    compute_hang_limit,
+)
 from pacinian.testing import ManualClock
 from pacinian.wire.connection_file import Connection
 
@@ -90,7 +94,7 @@ class Fake:
     def poll(self) -> int | None:
         return self.code
 
-    def call(self) -> None:
+    def activate(self) -> None:
         self.log.append(("call", self.name))
 
     def close(self) -> None:
@@ -365,7 +369,9 @@ def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
         watch.clock.advance(LOOK)
         ended = watch.check(sound, guard=beat)
     assert ended == [("guard", "hung, and was killed")]
-    assert watch.clock.time - since == pytest.approx(1.0 / HASTE if sound else 1.0, abs=2 * LOOK)
+    assert watch.clock.time - since == pytest.approx(
+        1.0 / SOUNDING_HANG_DIVISOR if sound else 1.0, abs=2 * LOOK
+    )
     assert guard.code == -9
     assert ("kill", "bus") not in watch.log
 

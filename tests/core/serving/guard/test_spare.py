@@ -151,6 +151,6 @@ def test_a_spare_whose_guard_nobody_knows_begins_when_it_is_called(
     server: Server, log: Path
 ) -> None:
     spare = server.start(replace(server.make_config(log), spare=1 << 30))
-    spare.call()
+    spare.activate()
     server.until(lambda device: device.generation == 1)
     assert log.read_text().split() == ["open"]

@@ -132,7 +132,7 @@ def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0), spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
     eventually((tmp_path / "ready").exists)
-    process.call()
+    process.activate()
     eventually((tmp_path / "told").exists)
     assert child_process.end(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
@@ -150,7 +150,7 @@ def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Pat
     """Send more than a pipe holds at once."""
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
     process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
-    process.call()
+    process.activate()
     eventually((tmp_path / "told").exists)
     assert child_process.end(process, PATIENCE) == 0
 
@@ -223,9 +223,9 @@ def test_where_no_more_threads_are_permitted_no_child_is_left(
     with pytest.raises(ServerError, match="cannot be told"):
         launched(WAITS, tmp_path)
     assert set(psutil.Process().children()) == before
-    spare.call()
+    spare.activate()
     monkeypatch.undo()
-    spare.call()
+    spare.activate()
     assert child_process.end(spare, PATIENCE) == 0
 
 

@@ -27,7 +27,7 @@ namespace Pacinian
                 case Ending.Nobody:
                     return "the server at " + at + " does not answer: is `pacinian serve` running?";
                 case Ending.Denied:
-                    return "the server at " + at + " refuses the token or key: another server may have been started since";
+                    return "the server at " + at + " refuses the token or key: it does not know it, or was started again since";
                 case Ending.Foreign:
                     return "the server at " + at + " is no Pacinian server, wants other security (CURVE keys or a token), or is too busy";
                 default:
