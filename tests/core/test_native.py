@@ -91,7 +91,7 @@ def test_an_array_of_another_type_or_order_is_refused_and_not_copied(variant: st
         with pytest.raises(TypeError):
             power(bad)
     with pytest.raises(TypeError):  # the kernel would write to it
-        kernels(variant).solving.restrain(sealed, 1.0, 1.0)
+        kernels(variant).solving.limit_gains(sealed, 1.0, 1.0)
     with pytest.raises(ValueError, match="shapes"):
         kernels(variant).solving.apply(
             np.ones((2, 8), np.complex64), good[:4].copy(), np.empty(2, complex)

@@ -10,8 +10,8 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
+from pacinian.client.reconnecting_client import ReconnectingClient
 from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log, Safety, Settings
 from pacinian.testing.server import Running, run_server
@@ -127,7 +127,7 @@ def patient() -> Iterator[None]:
         patch.setattr(slices, "CALM", 0)
         patch.setattr(states, "SILENT", LIMIT)
         patch.setattr(demonstration, "QUIET", LIMIT)
-        for call in (BaseClient.__init__, emergency_stop):
+        for call in (ReconnectingClient.__init__, emergency_stop):
             patch.setitem(call.__kwdefaults__, "timeout", LIMIT)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
             patch.setitem(link.HEARTBEAT, limit, int(1e3 * LIMIT))

@@ -23,6 +23,7 @@ from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.state import ClientState
 
+from ..core.client import fake_server
 from ..core.client.fake_server import Fake, state, usual
 from .watching import LIMIT, Page, viewer
 
@@ -301,11 +302,18 @@ def test_only_the_page_that_asked_is_told_that_it_is_refused(fake: Fake, url: st
             assert [(r["action"], r["message"]) for r in page.refusals] == [("select", name)]
 
 
+@pytest.fixture
+def long_lease(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lease outlasts a machine that stops for a second, and is still renewed soon: after a quarter of it."""
+    monkeypatch.setattr(fake_server, "LEASE", 6.0)
+
+
+@pytest.mark.usefixtures("long_lease")
 def test_the_page_that_armed_is_told_at_once_why_that_has_ended(fake: Fake, url: str) -> None:
     with Page(url) as one, Page(url) as other:
         one.next("state")
         armed(other)
-        fake.until(lambda: renewed(fake))
+        fake.until(lambda: other.say("alive") or renewed(fake))
         fake.say(replies.Error(id=0, code="owner", message="game has taken the output"))
         refused = other.next("refused")
         assert (refused["action"], refused["message"]) == ("arm", "game has taken the output")

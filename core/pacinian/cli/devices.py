@@ -42,7 +42,7 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
     """
     if context.invoked_subcommand:
         return
-    from pacinian.plugins.discovery import list_connected
+    from pacinian.plugins.device_discovery import list_connected
     from pacinian.plugins.registry import discover_plugins
 
     found = list_connected(discover_plugins(), backend)
@@ -113,10 +113,10 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 def _check_online(device: DeviceDescription) -> list[Finding]:
     """Check the description against its backend and the connected devices."""
     from pacinian.cli.device_findings import check_connected, levels
-    from pacinian.plugins import discovery, registry
+    from pacinian.plugins import device_discovery, registry
 
     found = check_connected(
-        device, discovery.list_connected(registry.discover_plugins(), device.backend)
+        device, device_discovery.list_connected(registry.discover_plugins(), device.backend)
     )
     if device.backend:
         found.insert(0, levels(device, registry.backend(device.backend).capability))

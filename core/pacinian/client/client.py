@@ -10,8 +10,8 @@ import numpy as np
 
 from pacinian.checks import check_number
 from pacinian.client import messages
-from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
+from pacinian.client.reconnecting_client import ReconnectingClient
 from pacinian.errors import ConnectionLost, ServerError, WireError
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
 
 
-class Client(BaseClient):
+class Client(ReconnectingClient):
     """A session with `pacinian serve`. A context manager. Belongs to the thread that makes it, except for `stop`.
 
     connection: a connection, or the path of its file; by default, the file that the server writes. name: shown to

@@ -7,7 +7,7 @@ The loop
     clock.py                  the clock, which tests replace
     warmup.py                 what is loaded and tried before the first tick
     realtime_section.py       garbage collection and thread switches, kept from delaying ticks
-    fail_safe_output.py       the backend, whose failures silence the output
+    fail_safe_output.py       an exception in a tick (scene, solver, backend) is reported, and silences until a reset
     scene_renderer.py         a renderer from a scene file
 Solve
     sample_solver.py          solves for samples; reuses solutions while nothing moves

@@ -97,8 +97,8 @@ class EnvelopeFade:
         self._step = 1.0  # fall of a share from row to row
 
     def __bool__(self) -> bool:
-        """Whether any past solution has a share."""
-        return any(share > 0.0 for _, share in self._past)
+        """Whether the share of a past solution still falls."""
+        return self._step > 0.0 and any(share > 0.0 for _, share in self._past)
 
     def begin(self, solved: Sequence[CachedSolution], step: float) -> None:
         """Fade to other solutions from the next row on, if these are others.
@@ -127,6 +127,8 @@ class EnvelopeFade:
 
         number: of the first row, which tells the frame of a cycle.
         """
+        if not self._past:
+            return []
         n = np.arange(rows.start, rows.stop, rows.step) + 1
         return [
             (past[number % len(past)], share)
@@ -135,6 +137,8 @@ class EnvelopeFade:
 
     def advance(self, rows: int) -> None:
         """Go on by so many rows."""
+        if not self._past:
+            return
         last = self._fall(np.array([rows]))
         self._past = [(past, float(s[0])) for (past, _), s in zip(self._past, last, strict=True)]
 

@@ -43,7 +43,7 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
     def pressure(self, depth: Floats, most: float) -> Floats:
         """Return the radiation pressure [Pa], 0 to `most`, at `depth` [m] below the level where it begins.
 
-        Points, paths and particles use it. `press` in scene/sampling/contact.hpp computes the same law for surfaces and
+        Points, paths and particles use it. `press` in scene/sampling/posed_skin.hpp is the same law for surfaces and
         volumes: change both.
         """
         return np.asarray(np.minimum(np.maximum(depth, 0.0) * self.per_metre(most), most))

@@ -24,7 +24,7 @@ from pacinian.serving.ipc.auth import Authenticator, make_secrets
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.logs import configure, flush, log
-from pacinian.serving.ipc.memory import settle_memory
+from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     DeviceStatus,
@@ -125,7 +125,7 @@ def serve(
                     log().info("ready", connection=str(path))
                     notify("READY=1")
                     ready(path)
-                    settle_memory()
+                    trim_memory()
         finally:
             notify("STOPPING=1")
             control.let_go()

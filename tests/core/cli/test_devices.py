@@ -21,7 +21,7 @@ from pacinian.cli import device_findings, devices
 from pacinian.cli.main import cli
 from pacinian.cli.udev import make_rules
 from pacinian.devices.layouts import Grid
-from pacinian.plugins import discovery, registry
+from pacinian.plugins import device_discovery, registry
 from pacinian.plugins.registry import Offer
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def test_the_list_is_json_for_programs(plugins: Any) -> None:
 
 def test_a_backend_that_fails_to_look_is_told_and_takes_nothing_down(plugins: Any) -> None:
     Mine.shelf[:] = [READY, OSError("no USB here")]
-    (one,) = discovery.list_connected(plugins)
+    (one,) = device_discovery.list_connected(plugins)
     assert "OSError: no USB here" in one.problem
 
 
@@ -119,7 +119,7 @@ def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:
         pc.FoundDevice("mine", "", "no serial"),
         pc.FoundDevice("mine", "", "nor this"),
     ]
-    found = discovery.list_connected(plugins)
+    found = device_discovery.list_connected(plugins)
     assert [bool(f.problem) for f in found] == [False, False, True, True]
 
 
@@ -173,7 +173,7 @@ def test_looking_imports_backends_alone() -> None:
 
 def test_a_backend_that_is_not_there_is_an_error(plugins: Any) -> None:
     with pytest.raises(pc.UnknownPlugin, match="mine"):
-        discovery.list_connected(plugins, "other")
+        device_discovery.list_connected(plugins, "other")
 
 
 # ------------------------------------------------------------------ check

@@ -172,13 +172,16 @@ class Fake:
                 self._sockets[i].send_multipart([peer, encode(reply)])
 
 
+LEASE = 0.25  # of clients that ask for none [s]
+
+
 def usual(message: Any) -> Any:
     """Return a normal reply."""
     number, now = message.id, time.perf_counter()
     if isinstance(message, control.Hello):
         return replies.Welcome(
             id=number, session=KEY, protocol=(1, 0), server="fake", time=now, scene=message.scene or "own",
-            lease=message.lease or 0.25, link=0.2, rate=1e3,
+            lease=message.lease or LEASE, link=0.2, rate=1e3,
         )  # fmt: skip
     if isinstance(message, control.Renew):
         return replies.Renewed(

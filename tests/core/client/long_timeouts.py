@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import zmq
 
 from pacinian.client import link, server_session
-from pacinian.client.base_client import BaseClient
 from pacinian.client.emergency import emergency_stop
+from pacinian.client.reconnecting_client import ReconnectingClient
 
 from ...waiting import PATIENCE
 
@@ -26,6 +26,6 @@ def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(link.OPTIONS, option, milliseconds)
     for option in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
         monkeypatch.setitem(link.HEARTBEAT, option, milliseconds)
-    for function in (BaseClient.__init__, emergency_stop):
+    for function in (ReconnectingClient.__init__, emergency_stop):
         monkeypatch.setitem(function.__kwdefaults__, "timeout", PATIENCE)
     monkeypatch.setattr(server_session, "FAREWELL", PATIENCE)

@@ -356,6 +356,7 @@ def test_what_is_silenced_by_its_envelope_stays_silent_while_it_goes() -> None:
         loop.scene = lambda t, scene=scene: scene
         _, rows = loop.run(20)
         assert pressures(rows, [LEFT]).max() < 0.5
+        assert loop.player.steady
 
 
 def test_groups_of_different_strengths_come_up_from_silence() -> None:

@@ -4,10 +4,10 @@ sampler.py                    `Sampler`: one tick, from scene to samples; merges
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
     broad_phase.py            which objects are near which hand
-    broad_phase.hpp           merges close samples of different objects: called by sampler.py
+    merge_samples.hpp         merges close samples of different objects: called by sampler.py
     contact.py                `find_contact`: skin inside a surface or volume, and its forces by the material's law
-    contact.hpp               skin near an object, forces: called by posed_skin.py and distance_cache.py
-    nodes.hpp                 forces on nodes of skin: called by contact.py and posed_skin.py
+    posed_skin.hpp            skin near an object, forces: called by posed_skin.py and distance_cache.py
+    contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
     texture_factor.py         `apply_texture`: factor of a texture on pressures; why a sweeping finger vibrates
     sources.py                objects without a hand; points, paths, particles that touch one; samples' keys

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.clocks import ClockOffsetEstimator, TokenBucket
+from pacinian.serving.ipc.clock_offset import ClockOffsetEstimator
+from pacinian.serving.ipc.rate_limit import TokenBucket
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from pacinian.serving.bus.warmup import warm_up
 from pacinian.serving.ipc import child_process, scheduling
 from pacinian.serving.ipc.auth import Authenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
-from pacinian.serving.ipc.memory import settle_memory
+from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     Changes,
     ChangesAck,
@@ -228,7 +228,7 @@ def main() -> None:
     # A priority above clients that flood the server, but below the renderer.
     scheduling.raise_priority(scheduling.EAGER - 1)
     with open_bus(config.settings, config.path, config.secrets) as bus:
-        settle_memory()
+        trim_memory()
         while not ended.is_set():
             bus.round()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.clocks import ClockOffsetEstimator
+from pacinian.serving.ipc.clock_offset import ClockOffsetEstimator
 from pacinian.serving.ipc.messages import Permit
 from pacinian.wire.replies import Error, Ok
 

@@ -19,9 +19,9 @@ from pacinian.serving.control.selection import Selection
 from pacinian.serving.control.server_status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.sessions import ClientSessions
 from pacinian.serving.control.supervisor import SPARE
-from pacinian.serving.ipc.clocks import TokenBucket
 from pacinian.serving.ipc.logs import RateLimitedLog, log
 from pacinian.serving.ipc.messages import pack
+from pacinian.serving.ipc.rate_limit import TokenBucket
 from pacinian.wire.codec import decode_control, encode, id_of
 from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
 from pacinian.wire.replies import Error
@@ -45,21 +45,24 @@ MAX_ROUND_REQUESTS = 64
 # watches the state either [s].
 MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.005, 0.02, 0.05
 REST_PUBLISH = 0.25  # least interval between two states that nobody watches [s]
-OWNER, OTHERS = 0.025, 0.5  # interval between probes of the owner's link, and of others [s]
+OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = (
+    0.025,
+    0.5,
+)  # interval between probes of the owner's link, and of others [s]
 MIN_WAIT = 0.001  # wait for requests if timed work is due sooner [s]
 # Step of the times at which frames are published, in periods.
 GOLDEN = (5.0**0.5 - 1.0) / 2.0
 CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]
 # Time after a reset during which a process may still report the fault that was reset, unless it has
 # answered the reset [s].
-MENDS = 10.0
+FAULT_CLEAR_TIMEOUT = 10.0
 # Maps a process to the component whose faults it reports.
 TELLS_OF = {"guard": "device", "render": "renderer"}
 # Longest request that is still decoded from a client over its rate limit, because it may be a stop
 # [bytes].
-STOP = 64
+MAX_STOP_BYTES = 64
 # Rate of error replies to one client over its limits [1/s].
-TELLS = 10.0
+ERROR_REPLY_RATE = 10.0
 PEERS = 4096  # maximum number of peers with a remembered rate
 
 
@@ -134,9 +137,9 @@ class ControlLoop:
             self._confirm_stops(now)
         if self._is_due("look", CHECK_INTERVAL, now) or self._supervisor.ended:
             self._look(now)
-        if self._is_due("owner", OWNER, now):
+        if self._is_due("owner", OWNER_PROBE_INTERVAL, now):
             self._probe(now, owner=True)
-        if self._is_due("others", OTHERS, now):
+        if self._is_due("others", OTHER_PROBE_INTERVAL, now):
             self._probe(now, owner=False)
         every = 1.0 / self._settings.state_rate
         if self._doors.watchers > watchers:
@@ -200,7 +203,7 @@ class ControlLoop:
         now = self._clock()
         self.counts["requests"] += 1
         rate, tells = self._rates.setdefault(
-            peer, (TokenBucket(self._settings.clients.max_rate), TokenBucket(TELLS))
+            peer, (TokenBucket(self._settings.clients.max_rate), TokenBucket(ERROR_REPLY_RATE))
         )
         self._rates.move_to_end(peer)
         while len(self._rates) > PEERS:
@@ -209,7 +212,7 @@ class ControlLoop:
         if busy:
             self.counts["busy"] += 1
             self._log.warning("too many requests", user=user)
-            if len(data) > STOP:
+            if len(data) > MAX_STOP_BYTES:
                 if tells.take(now):
                     self._slow_down(peer, id_of(data))
                 return
@@ -277,7 +280,9 @@ class ControlLoop:
 
     def _note_reset(self, now: float) -> None:
         faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
-        self._reset = {name: (fault, now + MENDS) for name, fault in faults.items() if fault}
+        self._reset = {
+            name: (fault, now + FAULT_CLEAR_TIMEOUT) for name, fault in faults.items() if fault
+        }
         self.selection.reset(self.sessions.resets)
         self._log.info("reset")
 

@@ -15,11 +15,11 @@ from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-CHILDREN = "guard", "bus", "render"  # in starting order
+START_ORDER = "guard", "bus", "render"  # in starting order
 # The guard has a spare, which waits to be called.
 GUARD, SPARE = "guard", "spare"
 # In ending order: the guard is last, because the device is silenced last.
-ENDED = "render", "bus", "guard"
+END_ORDER = "render", "bus", "guard"
 # Time limit to the first heartbeat [s]. It is long because other processes may occupy the CPUs.
 STARTING = 120.0
 # The same for a spare that takes over a device that may sound, and has not waited for long [s].
@@ -27,7 +27,7 @@ SOUNDING_START = 5.0
 # Delay from an end to the restart, doubled each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
-TRUSTED_AFTER = 10.0
+BACKOFF_RESET_TIME = 10.0
 MAX_END_TIME = 3.0  # time limit to end after a request [s]
 # Time limit for another guard to open the device, at the end of the server [s].
 MAX_SILENCING_TIME = 5.0
@@ -104,7 +104,7 @@ class Supervisor:
         start: Callable[[str, int], Process],
         hang_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
-        names: Iterable[str] = CHILDREN,
+        names: Iterable[str] = START_ORDER,
     ) -> None:
         self._start, self._hang_timeout, self._clock = start, hang_timeout, clock
         self.trusted = False
@@ -157,7 +157,7 @@ class Supervisor:
             elif why := self._check_child(child, beats.get(name, 0.0), limit, now):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
-                if now - child.started > TRUSTED_AFTER:
+                if now - child.started > BACKOFF_RESET_TIME:
                     child.wait = MIN_RESTART_DELAY
             if why:
                 if child.due is None and child.sounded:
@@ -196,7 +196,7 @@ class Supervisor:
         spare = self._spare if child.name == GUARD else None
         if spare is not None and spare.process.poll() is None:
             child.process, self._spare, self._spare_due = spare.process, None, child.due
-            loaded = now - spare.started > TRUSTED_AFTER
+            loaded = now - spare.started > BACKOFF_RESET_TIME
             # the device of the last guard may sound meanwhile
             young = max(self._hang_timeout, SOUNDING_START) if child.sounded else STARTING
             child.patience = self._hang_timeout if loaded else young
@@ -265,8 +265,8 @@ class Supervisor:
     def _end_children(self) -> list[str]:
         """End all processes but the spare, in order; return the names of those that had to be killed."""
         killed: list[str] = []
-        rest = [name for name in self.children if name not in ENDED]
-        for name in [*ENDED, *rest]:
+        rest = [name for name in self.children if name not in END_ORDER]
+        for name in [*END_ORDER, *rest]:
             child = self.children.get(name)
             if child is None or child.process.poll() is not None:
                 continue

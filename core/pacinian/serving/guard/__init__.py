@@ -2,6 +2,6 @@
 
 process.py          begins here: the rounds, and the last resort if one hangs
 output_gate.py      each round's decision: send the frame, or silence the device
-device_manager.py   opens, retries, resets and closes devices, while another may sound
+device_manager.py   opens, resets and closes devices, while another may sound; a lost one is a fault until a reset
 spare_guard.py      the guard that waits to replace one that ended or hangs
 """

@@ -25,7 +25,7 @@ from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare_guard import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.logs import configure
-from pacinian.serving.ipc.memory import settle_memory
+from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     DeviceStatus,
     Permit,
@@ -248,7 +248,7 @@ def main() -> None:
 
 def _settle(loop: GuardLoop) -> None:
     """Turn off garbage collection and use the real-time class, because from here on the process mostly sleeps."""
-    settle_memory()
+    trim_memory()
     gc.disable()
     loop.processor = scheduling.use_realtime_class()
 

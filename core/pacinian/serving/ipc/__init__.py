@@ -7,12 +7,13 @@ child_process.py      a child of control: its start, configuration, heartbeat an
 child_pipe.py         the pipes that hold a child's configuration, and end it when they close
 spawned_process.py    starts a process although no file descriptor is left
 scheduling.py         priority, real-time class and processor affinity
-memory.py             memory of a process that has just started
+memory_trim.py        returns memory that a start needed
 logs.py               logging to standard error
 log_lines.py          a line of the log, as text or JSON
 auth.py               keys, tokens and CURVE: who may connect
 zap.py                the thread that answers ZeroMQ's questions about new connections
 file_lock.py          one server for each connection file
-clocks.py             a client's clock offset; rate limits
+clock_offset.py       a client's clock offset
+rate_limit.py         token buckets: messages a second
 plugin_list.py        which plug-ins can be selected, and how they are made
 """

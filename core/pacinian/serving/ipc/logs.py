@@ -14,8 +14,8 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any
 
-from pacinian.serving.ipc.clocks import TokenBucket
 from pacinian.serving.ipc.log_lines import format_coloured_text, format_json, format_text
+from pacinian.serving.ipc.rate_limit import TokenBucket
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -2,7 +2,7 @@
 
 process.py             begins here
 render_loop.py         a tick: changes, settings, frame, report; fewer ticks while nothing changes
-scene_replica.py       the copy of the scene, to which changes are applied
+scene_replica.py       the copy of the scene: changes, the intensity and the default technique are applied to it
 change_decoding.py     changes from the bus as scene values
 background_loader.py   meshes and sounds that take long to prepare
 quiet_zones.py         where quiet zones are, prepared beside the loop

@@ -16,7 +16,7 @@ from msgspec.msgpack import Decoder
 from pacinian.plugins.backend import Capability
 from pacinian.serving.ipc import child_process, scheduling
 from pacinian.serving.ipc.logs import configure
-from pacinian.serving.ipc.memory import settle_memory
+from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
 from pacinian.serving.ipc.plugin_list import publish_offers
 from pacinian.serving.ipc.shared_memory import SharedRegister
@@ -71,7 +71,7 @@ def _render(config: child_process.LaunchConfig) -> None:
         scheduling.avoid_cores(device.processor)
         stack.callback(loop.close)
         loop.open()
-        settle_memory()
+        trim_memory()
         publish = functools.partial(setattr, loop, "solvers")
         scheduling.start_background_thread(lambda: publish_offers("solver", publish), "offers")
         loop.run_ticks(wake)

@@ -33,10 +33,13 @@ LED = "the same, plus the time that frames wait in the device"
 TICK, GUARD_ROUND = 1e-3, 2 * guard_process.POLL_INTERVAL
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
 LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.frame_timeout + 2 * GUARD_ROUND
-LINK, ENDED = control_process.OWNER + GUARD_ROUND, control_process.CHECK_INTERVAL + GUARD_ROUND
+LINK, ENDED = (
+    control_process.OWNER_PROBE_INTERVAL + GUARD_ROUND,
+    control_process.CHECK_INTERVAL + GUARD_ROUND,
+)
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
 # [s]; a hang is detected in steps of 20 ms
-HUNG = STATED.hang_timeout / child_process.HASTE + 0.05 + OPENED
+HUNG = STATED.hang_timeout / child_process.SOUNDING_HANG_DIVISOR + 0.05 + OPENED
 
 
 class Fault(NamedTuple):

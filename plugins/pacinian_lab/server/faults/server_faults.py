@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import psutil
 
-from pacinian.serving.control.supervisor import SPARE, TRUSTED_AFTER
+from pacinian.serving.control.supervisor import BACKOFF_RESET_TIME, SPARE
 from pacinian.serving.settings import Safety
 from pacinian_lab.server.faults.hanging_solver import SINCE, STUCK, Stuck
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
@@ -81,7 +81,7 @@ def _signal_part(rig: Rig, part: str, number: int) -> Times:
     if rig.onlooker.ask("status")["restarts"][part]:
         # Control delays the restart of a process that ends repeatedly, and this delay is not to be
         # measured.
-        until(lambda: time.time() - process.create_time() > TRUSTED_AFTER)
+        until(lambda: time.time() - process.create_time() > BACKOFF_RESET_TIME)
     return _inject_loss(rig, lambda: process.send_signal(number))
 
 

@@ -183,7 +183,7 @@ def test_a_process_that_hangs_is_killed(start_server: Any) -> None:
 def test_a_fault_of_the_device_holds_until_it_is_reset(
     server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(control_process, "MENDS", 3600.0)
+    monkeypatch.setattr(control_process, "FAULT_CLEAR_TIMEOUT", 3600.0)
     game = server.client().hello()
     game.ask(Arm)
     server.extra["guard"]["fault"] = "unplugged"
@@ -195,10 +195,10 @@ def test_a_fault_of_the_device_holds_until_it_is_reset(
     server.extra["guard"]["fault"] = "unplugged once more"
     eventually(lambda: game.ask(Status).fault_count == 2)
     assert game.ask(Arm).code == "stopped"
-    monkeypatch.setattr(control_process, "MENDS", 0.0)
+    monkeypatch.setattr(control_process, "FAULT_CLEAR_TIMEOUT", 0.0)
     assert isinstance(game.ask(Reset), Ok)
     eventually(lambda: game.ask(Status).fault_count == 3)
-    monkeypatch.setattr(control_process, "MENDS", 3600.0)
+    monkeypatch.setattr(control_process, "FAULT_CLEAR_TIMEOUT", 3600.0)
     server.extra["guard"].clear()
     game.ask(Reset)
     assert isinstance(game.ask(Arm), Ok)

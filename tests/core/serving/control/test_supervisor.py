@@ -18,11 +18,11 @@ import pytest
 
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import (
+    BACKOFF_RESET_TIME,
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
     SOUNDING_START,
     STARTING,
-    TRUSTED_AFTER,
     Supervisor,
 )
 from pacinian.serving.ipc.child_process import (
@@ -193,7 +193,7 @@ def test_the_waits_grow_and_are_forgotten_once_it_runs_well() -> None:
     waits = [waited() for _ in range(10)]
     for a, b in itertools.pairwise(waits):
         assert b == pytest.approx(min(MAX_RESTART_DELAY, 2.0 * a), abs=0.003)
-    watch.clock.advance(2.0 * TRUSTED_AFTER)
+    watch.clock.advance(2.0 * BACKOFF_RESET_TIME)
     assert waited() == pytest.approx(MIN_RESTART_DELAY, abs=0.003)
 
 
@@ -398,7 +398,7 @@ def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:
 
 def test_a_spare_that_does_not_begin_when_it_is_called_is_killed_and_another_started() -> None:
     """The spare may be stopped, too."""
-    watch, guard, spare = with_spare(TRUSTED_AFTER + 1.0)
+    watch, guard, spare = with_spare(BACKOFF_RESET_TIME + 1.0)
     guard.code = -9
     watch.check()
     beat = watch.clock.time - LOOK

@@ -8,7 +8,7 @@ import gc
 import sys
 
 
-def settle_memory() -> None:
+def trim_memory() -> None:
     """Return unused memory to the system, and leave what is loaded out of later garbage collections.
 
     Call this once a process is warm. The C library keeps what was freed: after a warm-up of the renderer, 30 MB.

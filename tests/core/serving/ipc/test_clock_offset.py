@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.ipc.clocks import BACK, MAX_DRIFT, WINDOW, ClockOffsetEstimator, TokenBucket
+from pacinian.serving.ipc.clock_offset import BACK, MAX_DRIFT, WINDOW, ClockOffsetEstimator
+from pacinian.serving.ipc.rate_limit import TokenBucket
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
 bounded = settings(max_examples=100)

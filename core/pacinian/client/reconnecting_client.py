@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pacinian.wire.connection_file import Connection
 
 
-class BaseClient(Closeable):
+class ReconnectingClient(Closeable):
     """Base of `Client`, with the same arguments. A context manager. Belongs to the thread that makes it."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Clock offset of a client, and rate limits. Pure: callers pass the time."""
+"""Clock offset of a client. Pure: callers pass the time."""
 
 from __future__ import annotations
 
@@ -47,23 +47,3 @@ class ClockOffsetEstimator:
             self._before, self._now, self._until = kept, math.inf, received + WINDOW
         self._now = min(self._now, received - time)
         return received - time - self.offset
-
-
-class TokenBucket:
-    """A token bucket. rate: tokens per second. burst: capacity; the rate by default."""
-
-    def __init__(self, rate: float, burst: float | None = None) -> None:
-        self.rate = rate
-        self.burst = rate if burst is None else burst
-        self._left = self.burst
-        self._seen = -math.inf
-
-    def take(self, now: float) -> bool:
-        """Take a token at `now` [s]; return whether there was one."""
-        if now > self._seen:
-            self._left = min(self.burst, self._left + (now - self._seen) * self.rate)
-            self._seen = now
-        if self._left < 1.0:
-            return False
-        self._left -= 1.0
-        return True
