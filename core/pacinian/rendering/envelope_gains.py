@@ -5,7 +5,7 @@ A group is all samples that share one envelope; see `EnvelopeGroups`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,6 +19,7 @@ MIN_POWER = 1e-30  # smallest power used as a divisor
 # regularisation, relative to total power; parts that differ by less are not separated
 MIN_DIFFERENCE = 1e-6
 MAX_COEFFICIENT = 4.0  # of a part; more is rounding
+MAX_PAST = 8  # past solutions; of more, the first two become one
 
 
 def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
@@ -46,8 +47,8 @@ def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
 class Source:
     """A solution that rows of gains s, (K, N), consist of in part.
 
-    parts: contributions of its groups, (V, N). a: amplitude of each in each row, (V, K). mean: their mean, (K,).
-    expected: coefficient of each in each row if all of s followed `share`, the solution's share of each row, (K,).
+    share: the solution's share of each row, (K,). parts: contributions of its groups, (V, N). a: amplitude of each in
+    each row, (V, K). mean: their mean, (K,). expected: coefficient of each in each row by its share, (V, K).
     """
 
     def __init__(
@@ -59,8 +60,9 @@ class Source:
             self.parts, self.a = solved.gains[None], a[:1]  # one group, or no sample
         else:
             self.parts, self.a = solved.parts, np.vstack([a, self.mean])
-        turn = s @ solved.gains.conj()  # the phase of a solution is free
-        turn = share * turn / np.maximum(np.abs(turn), MIN_POWER)
+        self.share = share
+        g = solved.gains
+        turn = share * (s @ g.conj()) / max(float(np.vdot(g, g).real), MIN_POWER)
         self.expected: Complexes = np.broadcast_to(turn, self.a.shape)
 
 
@@ -68,17 +70,23 @@ def mix(sources: Sequence[Source], s: Gains) -> Gains:
     """Return the gains s, (K, N), under the envelopes of the solutions that they consist of.
 
     sources: the present solution, then past ones. The coefficient of each part in s is found by least squares. Where s
-    cannot tell, because parts of two solutions are alike, it is the expected one. The rest follows the present one.
+    cannot tell, because parts of two solutions are alike, it is the expected one. The rest follows all by their shares.
     """
-    parts = np.concatenate([one.parts for one in sources]).astype(np.complex128)
-    c = np.concatenate([one.expected for one in sources])  # (V, K)
+    # parts that are alike need double precision, or rounding decides
+    exact = any(one.share.any() for one in sources[1:])
+    parts = np.concatenate([one.parts for one in sources])
+    parts = parts.astype(np.complex128 if exact else np.complex64, copy=False)
+    c = np.concatenate([one.expected for one in sources]).astype(parts.dtype)  # (V, K)
     power = parts.conj() @ parts.T
-    power += np.eye(len(parts)) * (MIN_DIFFERENCE * power.trace().real + MIN_POWER)
+    power += np.eye(len(parts), dtype=parts.dtype) * parts.dtype.type(
+        MIN_DIFFERENCE * power.trace().real + MIN_POWER
+    )
     c = c + np.linalg.solve(power, parts.conj() @ (s - c.T @ parts).T)
     c /= np.maximum(np.abs(c) / MAX_COEFFICIENT, 1.0)
     a = np.concatenate([one.a for one in sources])
     rest = s - c.T @ parts
-    return np.asarray((a * c).T @ parts + sources[0].mean[:, None] * rest, dtype=np.complex64)
+    mean = sum((one.share * one.mean for one in sources), np.zeros(len(s))).astype(np.float32)
+    return np.asarray((a * c).T @ parts + mean[:, None] * rest, dtype=np.complex64)
 
 
 class EnvelopeFade:
@@ -108,11 +116,22 @@ class EnvelopeFade:
         if solved == self._present:
             return
         self._past = [(past, share) for past, share in self._past if share > 0.0]
-        if _envelopes_differ(self._present, solved):
-            self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
+        match _compare_envelopes(self._present, solved):
+            case "differ":
+                self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
+            case "alike":  # the gains tell how much of it they still contain
+                self._past.append((self._present, 0.0))
+        if len(self._past) > MAX_PAST:
+            (_, first), (past, share), *later = self._past
+            self._past = [(past, first + share), *later]
         self._present = solved
         # silence has no envelope: what fades out keeps its own
         self._step = step if len(solved[0].samples) else 0.0
+
+    @property
+    def cycles(self) -> bool:
+        """Whether a past solution had several frames, so that each row has a frame of its own."""
+        return any(len(past) > 1 for past, _ in self._past)
 
     def end(self) -> None:
         """Let only the present solutions count."""
@@ -149,15 +168,24 @@ class EnvelopeFade:
         return list(np.clip(left, 0.0, shares[:, None]))
 
 
-def _envelopes_differ(last: Sequence[CachedSolution], now: Sequence[CachedSolution]) -> bool:
-    """Return whether the envelopes of the last solutions must fade out, because those of the present ones differ.
+def _compare_envelopes(
+    last: Sequence[CachedSolution], now: Sequence[CachedSolution]
+) -> Literal["differ", "alike", "same"]:
+    """Return how the envelopes of the last solutions count further.
 
-    Frames of a cycle with several groups jump anyway.
+    "differ": they fade out. "alike": each of several groups keeps its envelope, but its contribution to the gains has
+    changed. "same": there is nothing to tell apart, or frames of a cycle with several groups, which jump anyway.
     """
     if not last or not len(last[0].samples):
-        return False
+        return "same"
     before, then = last[0].groups, now[0].groups
-    if before is None or not len(before) or (then is not None and before.alike(then)):
-        return False
-    single = len(before) == 1 and then is not None and len(then) <= 1
-    return single or len(last) == len(now) == 1
+    single = len(last) == len(now) == 1
+    if before is None:  # these gains contain their envelopes
+        return "differ" if then and single else "same"
+    if not len(before):
+        return "same"
+    if then is not None and before.alike(then):
+        return "alike" if single and len(before) > 1 else "same"
+    return (
+        "differ" if single or (len(before) == 1 and then is not None and len(then) <= 1) else "same"
+    )

@@ -43,8 +43,8 @@ class EnvelopeGroups:
         return len(self.items) - 1
 
     def alike(self, other: EnvelopeGroups) -> bool:
-        """Return whether both consist of one group, and it is the same."""
-        return len(self) == len(other) == 1 and _alike(self.items[0], other.items[0])
+        """Return whether both consist of the same groups in the same order."""
+        return len(self) == len(other) and all(map(_alike, self.items, other.items))
 
     def __len__(self) -> int:
         return len(self.items)

@@ -110,8 +110,9 @@ class Modulator:
         at = t + self.times
         if flat:
             self._write_steady(solved[0], group_amplitudes(solved[0], at, self.switches))
-        for n, one in enumerate(() if flat else solved):
-            own = slice(n, len(at), len(solved))  # its rows
+        sounding = solved * (len(at) // len(solved)) if self._fade.cycles else solved
+        for n, one in enumerate(() if flat else sounding):
+            own = slice(n, len(at), len(sounding))  # its rows
             self._rows[own] = self._mix(one, own, at[own], self._smooth[own])
         self._fade.advance(len(at))
         self._row += len(at)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 FORMAT = "pacinian recording"
-VERSION = 3
+VERSION = 4
 MAX_MAP_BYTES = 1 << 28  # largest size of one map [bytes]
 MAX_TIME = 1e12  # largest plausible time of a tick [s]
 

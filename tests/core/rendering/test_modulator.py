@@ -16,6 +16,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.rendering import sample_solver as module
 from pacinian.rendering.cycle import Cycle
+from pacinian.rendering.envelope_gains import MAX_PAST
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.sample_solver import SampleSolver
 from pacinian.rendering.smoothing import Smoothing
@@ -347,6 +348,58 @@ def test_changed_envelopes_of_still_objects_change_no_faster_either(
     rows = np.concatenate(played)
     change = np.abs(np.diff(rows, axis=0)).max() / np.abs(rows).max()
     assert change <= rate * TICK / 2 * 1.5  # two objects may change at the same time
+
+
+def test_what_goes_while_its_envelope_changes_falls_steadily() -> None:
+    loop = Loop(pc.Scene((point(LEFT, 40.0, envelope=pc.Constant(0.01)),)), 4, 100.0)
+    loop.run(20)
+    loop.scene = lambda t: pc.Scene((point(LEFT, 40.0),))
+    first = loop.tick()
+    loop.scene = lambda t: NOTHING
+    rows = np.concatenate([first[-1:], loop.run(80)[1]])
+    P = pressures(rows, [LEFT])[:, 0]
+    assert (np.diff(P) <= 1e-3).all(), "no gain swells, or turns, on the way to silence"
+    assert P[0] > 0.0
+    assert P[-1] == 0.0
+    assert loop.player.steady
+
+
+@pytest.mark.parametrize("level", [0.02, 0.1])
+def test_a_cycle_that_goes_keeps_its_envelope(level: float) -> None:
+    x, y, _ = ARRAY.centre
+    disc = pc.Surface(
+        shape=pc.Disc(0.015), pose=pc.Pose((x, y, 0.2)), radiation_pressure=60.0, envelope=pc.Constant(level)
+    )  # fmt: skip
+    loop = Loop(pc.Scene((disc,)), 4, 250.0)
+    loop.solver.cycle.most = 2
+    loop.run(20)
+    assert len(loop.played.rows) == 2
+    before = loop.tick()
+    loop.scene = lambda t: NOTHING
+    _, rows = loop.run(20)
+    P = [pressures(some, [(x, y, 0.2), (x + 0.005, y, 0.2)]).max() for some in (before, rows)]
+    assert P[1] <= P[0] + 1e-3
+    assert loop.player.steady
+
+
+def test_what_stays_keeps_its_pressure_when_limits_no_longer_join_it_to_others() -> None:
+    stays = point(LEFT, 40.0, envelope=pc.Constant(0.1))
+    other = point(RIGHT, 40.0, envelope=pc.Constant(0.11))
+    limits = pc.Limits(power=100.0)
+    loop = Loop(pc.Scene((stays, other)), 4, 250.0)
+    loop.run(20, limits)
+    loop.scene = lambda t: pc.Scene((stays,))
+    _, rows = loop.run(20, limits)
+    np.testing.assert_allclose(pressures(rows, [LEFT]), 4.0, atol=0.2)
+
+
+def test_envelopes_that_change_in_every_tick_cost_no_more_and_more() -> None:
+    loop = Loop(NOTHING, 2, 1.0)  # a fade takes a second
+    for k in range(40):
+        now = pc.Scene((point(LEFT, 40.0, envelope=pc.Constant(0.5 + 0.01 * k)),))
+        loop.scene = lambda t, now=now: now
+        loop.tick()
+    assert len(loop.player._fade._past) <= MAX_PAST
 
 
 def test_what_is_silenced_by_its_envelope_stays_silent_while_it_goes() -> None:

@@ -9,10 +9,8 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MAX_PENDING = 256  # stops of each kind that wait; more are carried out, but not confirmed
-MAX_SILENCING_TIME = (
-    0.5  # time after which a client is told that no guard has confirmed silence [s]
-)
+MAX_PENDING = 256  # stops of each kind that wait for silence
+MAX_SILENCING_TIME = 0.5  # time for which a stop waits [s]
 NOT_SILENCED = "all sound was ended, but no guard has confirmed that the device is silent"
 ADVICE = "if the array sounds, switch it off"
 
@@ -25,22 +23,22 @@ class PendingStops:
 
     def __init__(self) -> None:
         self.sounding_until = -float("inf")
-        self._datagrams: dict[bytes, Any] = {}  # sender by nonce
+        self._datagrams: dict[bytes, tuple[Any, float]] = {}  # sender and time [s], by nonce
         self._messages: list[tuple[bytes, int, float]] = []  # peer, id and time [s]
 
     def __bool__(self) -> bool:
         return bool(self._datagrams or self._messages)
 
-    def add_datagrams(self, requests: list[tuple[bytes, Any]]) -> None:
-        """Add connectionless stops: nonce and sender of each. A stop that is sent again has the same nonce."""
+    def add_datagrams(self, requests: list[tuple[bytes, Any]], now: float) -> None:
+        """Add connectionless stops: nonce and sender of each. A sender that still waits sends its stop again."""
         for nonce, sender in requests:
-            if len(self._datagrams) < MAX_PENDING:
-                self._datagrams[nonce] = sender
+            if nonce in self._datagrams or len(self._datagrams) < MAX_PENDING:
+                self._datagrams[nonce] = sender, now
 
     def add_message(self, peer: bytes, number: int, now: float) -> None:
-        """Add a stop that came over a connection. number: its id."""
-        if len(self._messages) < MAX_PENDING:
-            self._messages.append((peer, number, now))
+        """Add a stop that came over a connection. number: its id. With too many, it is answered at the next round."""
+        late = len(self._messages) >= MAX_PENDING
+        self._messages.append((peer, number, -float("inf") if late else now))
 
     def answer(
         self, silent: bool, now: float, confirm: Callable[[list[tuple[bytes, Any]]], None]
@@ -48,8 +46,12 @@ class PendingStops:
         """Confirm all datagrams if the device is silent; return replies, also to peers that waited too long."""
         replies: list[tuple[bytes, Ok | Error]] = []
         if silent and self._datagrams:
-            confirm(list(self._datagrams.items()))
-            self._datagrams = {}
+            confirm([(nonce, sender) for nonce, (sender, _) in self._datagrams.items()])
+        self._datagrams = {
+            nonce: (sender, since)
+            for nonce, (sender, since) in self._datagrams.items()
+            if not silent and now - since <= MAX_SILENCING_TIME
+        }
         waiting, self._messages = self._messages, []
         for peer, number, since in waiting:
             if silent:

@@ -167,6 +167,10 @@ class ControlLoop:
         self.sessions.end_all("the server ends", self._clock())
         ownership.stop()
         self._settle()
+        due = self._clock() + REST_WAIT
+        while self._stops and self._clock() < due:
+            self._doors.wait(MIN_WAIT)
+            self._confirm_stops(self._clock())
 
     def _is_due(self, what: str, every: float, now: float) -> bool:
         if now < self._due[what]:
@@ -177,13 +181,15 @@ class ControlLoop:
     def _stop(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
         if requests := self._doors.stop.receive():
-            self._note_stop("without a connection")
+            stopped = self.sessions.lease.permit.stopped
             self.sessions.lease.stop()
             self._settle()
-            self._stops.add_datagrams(requests)
+            self._note_stop("without a connection", before=bool(stopped))
+            self._stops.add_datagrams(requests, self._clock())
 
-    def _note_stop(self, user: str) -> None:
-        if not self.sessions.lease.permit.stopped:  # a status from before the stop proves nothing
+    def _note_stop(self, user: str, *, before: bool) -> None:
+        """Note a stop that is carried out. before: whether all was stopped before it."""
+        if not before:  # a status from before the stop proves nothing
             self._stops.sounding_until = self._clock()
         self._log.warning("emergency stop", user=user)
 
@@ -235,11 +241,11 @@ class ControlLoop:
             self._do(peer, user, message, now)
             self._settle()
         except Exception:  # a bug here must not end the server
-            self._tell_failure(peer, message.id)
+            self._tell_failure(peer, message.id, user)
 
-    def _tell_failure(self, peer: bytes, number: int) -> None:
+    def _tell_failure(self, peer: bytes, number: int, user: str = "") -> None:
         self.counts["failed"] += 1
-        self._log.exception("request failed")
+        self._log.exception("request failed", user=user)
         problem = "the server failed to handle this"
         self._send(peer, Error(id=number, code="fault", message=problem))
 
@@ -247,8 +253,10 @@ class ControlLoop:
         sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
         match message:
             case Stop():
-                self._note_stop(user)
+                stopped = sessions.lease.permit.stopped
                 sessions.handle(peer, user, message, now)
+                self._settle()
+                self._note_stop(user, before=bool(stopped))
                 self._stops.add_message(peer, message.id, now)
             case Capabilities() | Status() | Select():
                 sessions.pass_time(now)

@@ -277,7 +277,7 @@ class OutputGate:
             rate=can.rate,
             watchdog=can.watchdog,
             beat=self._clock(),
-            sounding=self.sounding,
+            sounding=self.sounding or self.stuck,
             fault=self.problem,
             frames=self._frames,
             silences=self._reasons.total(),

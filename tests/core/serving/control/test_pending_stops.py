@@ -30,7 +30,7 @@ class Told:
 
 def test_all_are_confirmed_once_it_is_silent_and_only_once() -> None:
     told = Told()
-    told.stops.add_datagrams([(b"n", 1), (b"m", 2), (b"n", 1)])  # one was sent again
+    told.stops.add_datagrams([(b"n", 1), (b"m", 2), (b"n", 1)], 0.0)  # one was sent again
     told.stops.add_message(b"game", 7, 0.0)
     told.answer(False, 0.1)
     assert (told.confirmed, told.sent) == ([], [])
@@ -43,24 +43,29 @@ def test_all_are_confirmed_once_it_is_silent_and_only_once() -> None:
 
 def test_who_waits_too_long_is_told_to_switch_the_array_off() -> None:
     told = Told()
-    told.stops.add_datagrams([(b"n", 1)])
+    told.stops.add_datagrams([(b"n", 1)], 0.0)
     told.stops.add_message(b"game", 7, 0.0)
     told.answer(False, MAX_SILENCING_TIME + 0.01)
     ((peer, reply),) = told.sent
     assert (peer, reply.id, reply.code) == (b"game", 7, "fault")
     assert "switch it off" in reply.advice
-    told.answer(True, 2.0)
-    assert told.confirmed == [(b"n", 1)], "its sender decides how long it waits"
+    assert not told.stops, "a sender that still waits sends its datagram again"
+    told.stops.add_datagrams([(b"n", 1)], 0.6)
+    told.answer(True, 0.7)
+    assert told.confirmed == [(b"n", 1)]
     assert len(told.sent) == 1
 
 
 def test_a_flood_is_bounded() -> None:
     told = Told()
-    told.stops.add_datagrams([(k.to_bytes(4, "big"), k) for k in range(10_000)])
+    told.stops.add_datagrams([(k.to_bytes(4, "big"), k) for k in range(10_000)], 0.0)
     for k in range(10_000):
         told.stops.add_message(b"game", k, 0.0)
-    told.answer(True, 0.1)
-    assert len(told.confirmed) == len(told.sent) == 256
+    told.answer(False, 0.1)
+    assert len(told.sent) == 10_000 - 256, "the others are told at once"
+    told.answer(True, 0.2)
+    assert len(told.confirmed) == 256
+    assert len(told.sent) == 10_000
 
 
 def test_without_a_guard_that_reports_no_stop_is_confirmed(start_server: Any) -> None:

@@ -400,6 +400,7 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
         bench.step(bench.frame(device=2))
         assert other.log == []
         assert "stuck" in bench.status.fault
+        assert bench.status.sounding, "no stop may be confirmed"
     assert bench.gate.leaving == [bench.backend]  # waits to be closed
     bench.gate.clear()
     for _ in range(3):
