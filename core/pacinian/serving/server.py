@@ -129,6 +129,7 @@ def serve(
         finally:
             notify("STOPPING=1")
             control.let_go()
+            doors.close()  # the files of connections are needed to remove the connection file
             log().info("end")
 
 

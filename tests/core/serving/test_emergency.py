@@ -158,7 +158,8 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
             while len(strangers) < STRANGERS:
                 strangers.append(stack.enter_context(socket.socket()))
                 strangers[-1].setblocking(False)
-                strangers[-1].connect_ex((host, int(port)))
+                with contextlib.suppress(ConnectionError):
+                    strangers[-1].connect_ex((host, int(port)))
 
         files = f"/proc/{process.pid}/fd"
         eventually(lambda: len(os.listdir(files)) >= MAX_OPEN_FILES, come)
@@ -176,6 +177,10 @@ def test_strangers_who_take_all_files_do_not_keep_out_a_stop_or_a_new_guard(tmp_
                     os.kill(int(guard), signal.SIGKILL)
             eventually(lambda: len(guards_started()) > len(before), come)  # noqa: B023
         assert "could not be started" not in log.read_text()
+        process.terminate()  # while they still try
+        eventually(lambda: process.poll() is not None, come)
+        assert process.returncode == 0
+        assert not path.exists()
 
 
 def _heard(stranger: socket.socket) -> bytes:

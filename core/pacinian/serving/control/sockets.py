@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import struct
+import time
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,8 @@ REFUSED = {
 WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
 # Connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
 EVENTS = 1024
+MAX_DRAIN_TIME = 2.0  # time in which events of the monitors end [s]
+QUIET_TIME = 20  # time without an event after which they have ended [ms]
 EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
 
 
@@ -133,7 +136,24 @@ class ControlSockets(Closeable):
 
     def close(self) -> None:
         """Close the sockets. May be called twice."""
+        self._end_accepting()
         self._stack.close()
+
+    def _end_accepting(self) -> None:
+        """Accept no more, and read all events of the monitors: libzmq waits while nobody reads them, even at the end.
+
+        With a full table of files, it tries to accept without a pause, and each failure is an event.
+        """
+        events = zmq.Poller()
+        for socket, monitor in zip((self._control, self._state), self._monitors, strict=True):
+            if socket.closed:
+                return
+            events.register(monitor, zmq.POLLIN)
+            with contextlib.suppress(zmq.ZMQError):
+                socket.unbind(socket.get_string(zmq.LAST_ENDPOINT))
+        due = time.monotonic() + MAX_DRAIN_TIME
+        while events.poll(QUIET_TIME) and time.monotonic() < due:
+            self.take_refusals()
 
 
 def _bind(socket: zmq.Socket[bytes], network: Network, port: int) -> int:

@@ -29,6 +29,14 @@ class Problem(NamedTuple):
         """Whether the largest multiple of the targets is wanted."""
         return self.targets.scale == "max"
 
+    @property
+    def coherence(self) -> float:
+        """Largest |G_ij| / sqrt(G_ii G_jj) of two points: 1 if they cannot be told apart."""
+        G = np.abs(self.propagator.gram)
+        scale = np.sqrt(np.maximum(G.diagonal(), np.finfo(G.dtype).tiny))
+        np.fill_diagonal(G, 0.0)
+        return float((G / np.outer(scale, scale)).max(initial=0.0))
+
     def has_violation(self) -> bool:
         """Return whether the gains in `out` break a limit other than the gain limit."""
         propagator, targets, limits, _, _, out = self

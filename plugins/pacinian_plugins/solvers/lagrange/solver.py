@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -24,6 +25,12 @@ from pacinian_plugins.solvers.lagrange.problem import Problem
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
+# `scale="max"` tries targets of other strengths if it ends weaker than this multiple of a focus: in general, and for
+# points of which two have sound in common, as a share of their powers
+WEAK, STRONG, COHERENT = 0.7, 1.6, 0.5
+MAX_CLOSE = 16  # points for which the second holds; more take too long
+MAX_LEVELS = 8  # number of these targets
+LEVEL_STEP, MIN_STEP = 1.25, 1.05  # factor from one to the next: first and least
 NEARLY_FULL_DRIVE = 0.98  # share of full drive below which the proportions count as hard to make
 
 
@@ -80,6 +87,14 @@ class Lagrange(pc.Solver):
             problem.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
             return self._solve_constrained(problem, mu)
+        result = self._solve_free_phases(problem, mu)
+        if problem.strongest and not limits.solver_limits and not budget.spent:
+            return self._solve_from_nearest(problem, mu, result)
+        return result
+
+    def _solve_free_phases(self, problem: Problem, mu: float) -> pc.Result:
+        """Write the gains, under the gain limit alone if that is enough, else under all limits."""
+        propagator, _, limits, _, budget, out = problem
         result, done = self._solve_gain_limited(problem, mu)
         broken = problem.has_violation()
         if budget.spent or (done and not broken):
@@ -89,12 +104,51 @@ class Lagrange(pc.Solver):
         phases = None if broken else np.asarray(np.angle(made), np.float64)
         second = self._solve_constrained(problem, mu, phases)
         if problem.strongest and not limits.solver_limits:
-            for g in (first, out):
-                enforce_limits(g, limits, targets.scale)  # compare both at full strength
-            if problem.rank(out) < problem.rank(first):
-                out[:] = first
-                return result
+            return _choose_stronger(problem, (first, result), second)
         return second
+
+    def _solve_from_nearest(self, problem: Problem, mu: float, result: pc.Result) -> pc.Result:
+        """Return `result`, or a stronger one if the gains in `out` are hardly stronger than a single focus.
+
+        The phases of points that are closer than the array resolves can end where full drive makes hardly any sound.
+        Then the gains that come nearest to targets of the norm that a focus has, of any phases, have better ones.
+        """
+        propagator, targets, limits, _, budget, out = problem
+        reach = np.abs(propagator.B).sum(axis=1, dtype=np.float64).min() * (limits.gain or math.inf)
+        if limits.power is not None:
+            rows = np.linalg.norm(propagator.B, axis=1).min()
+            reach = min(reach, math.sqrt(limits.power) * float(rows))
+        first = out.copy()
+        enforce_limits(first, limits, targets.scale)
+        kept, strength = problem.rank(first)
+        close = len(targets.amplitudes) <= MAX_CLOSE and problem.coherence > COHERENT
+        enough = STRONG if close else WEAK
+        if kept and strength >= enough * reach:
+            return result
+        level, step = max(reach, LEVEL_STEP * strength if kept else 0.0), LEVEL_STEP
+        improved = not kept
+        for _ in range(MAX_LEVELS):
+            asked = targets.amplitudes * (level / targets.norm)
+            nearest = dataclasses.replace(targets, amplitudes=asked, scale="exact")
+            found, _ = self._solve_gain_limited(
+                problem._replace(targets=nearest, warm=None), mu, starts=0
+            )
+            phases = np.asarray(np.angle(propagator.apply(out)), np.float64)
+            # no proof: bound and objective are for these targets
+            found = found._replace(bound=math.nan, objective=math.nan, multipliers=None)
+            better = _choose_stronger(problem, (first, result), found)
+            improved = improved or better is found
+            if better is not found:
+                level, step = level / step, math.sqrt(step)
+            first, result = out.copy(), better
+            if budget.spent or step < MIN_STEP:
+                break
+            level *= step
+        if not improved:
+            return result
+        return _choose_stronger(
+            problem, (first, result), self._solve_constrained(problem, mu, phases)
+        )
 
     def _solve_regions(self, problem: Problem) -> pc.Result:
         """Write the gains for targets with regions, whose phases are all given."""
@@ -103,13 +157,19 @@ class Lagrange(pc.Solver):
             return result
         return self._solve_constrained(problem, self.mu_regions * problem.propagator.power)
 
-    def _solve_gain_limited(self, problem: Problem, mu: float) -> tuple[pc.Result, bool]:
+    def _solve_gain_limited(
+        self, problem: Problem, mu: float, starts: int | None = None
+    ) -> tuple[pc.Result, bool]:
         """Write the gains for the gain limit alone; return the result and whether it is final.
+
+        starts: as the option, if that is not to count.
 
         For `scale="max"`, it is final if the proportions are kept at nearly full drive, or, in a loop, at any drive.
         Otherwise a stronger solution may exist.
         """
         propagator, targets, limits, warm, budget, out = problem
+        if starts is None:
+            starts = self.starts if warm is None else 0
         M, N = len(targets.amplitudes), len(out)
         key = Workspace, M, N
         workspace = acquire(key, lambda: Workspace(M, N))
@@ -118,7 +178,7 @@ class Lagrange(pc.Solver):
         polish = PhaseFreeSolve(
             propagator.single, propagator.gram, mu, workspace, budget,
             unit / max(share, 1.0), out if single else np.empty(N, np.complex64),
-            starts=self.starts if warm is None else 0,
+            starts=starts,
         )  # fmt: skip
         strongest = problem.strongest and workspace.free.all()
         end = polish.strongest() if strongest else polish.run()
@@ -193,6 +253,19 @@ class Lagrange(pc.Solver):
             note=describe_held(at_limit, len(out)),
             unproven=found.unproven,
         )
+
+
+def _choose_stronger(
+    problem: Problem, before: tuple[pc.Gains, pc.Result], result: pc.Result
+) -> pc.Result:
+    """Return the result of the stronger gains, in proportion, and write them: those in `out`, or those `before`."""
+    first, its_result = before
+    for g in (first, problem.out):
+        enforce_limits(g, problem.limits, problem.targets.scale)  # compare both at full strength
+    if problem.rank(problem.out) < problem.rank(first):
+        problem.out[:] = first
+        return its_result
+    return result
 
 
 def describe_held(count: int, N: int) -> str:
