@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 MAX_SAMPLES = 20e6  # samples of one object
 MAX_LENGTH = 10.0  # largest plausible length, and distance from the array [m]
+HEAD_RADIUS = 0.12  # of a ball that holds a head and its ears [m]
 MAX_ANGLE = 2.0 * math.pi * (1.0 + 1e-9)  # largest angle, one turn and rounding [rad]
 
 

@@ -116,7 +116,7 @@ def test_what_gains_of_that_kind_can_make_is_made(pressure: float) -> None:
 def test_several_zones_and_points_and_a_limit_of_power() -> None:
     zones = (
         EAR,
-        pc.Zone((-0.1, 0.0, 0.25), pressure=4.0),
+        pc.Zone((-0.1, 0.0, 0.25), pressure=4.0, radius=0.0),
         pc.Zone((0.0, 0.12, 0.3), pressure=3.0, radius=0.01),
     )
     limits = pc.Limits(gain=None, power=40.0, zones=zones)

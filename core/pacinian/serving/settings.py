@@ -10,7 +10,7 @@ from msgspec import Meta, Struct
 from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import check_number
+from pacinian.checks import HEAD_RADIUS, check_number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,
@@ -58,11 +58,11 @@ class Network(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Zone(Struct, frozen=True, forbid_unknown_fields=True):
-    """A ball that always stays quiet. pressure: maximum sound pressure in it [Pa]. radius: [m], 0 for a point."""
+    """A ball that always stays quiet. pressure: maximum sound pressure in it [Pa]. radius: [m]; 0 for a point."""
 
     position: Vector
     pressure: float
-    radius: float = 0.0
+    radius: float = HEAD_RADIUS
 
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))

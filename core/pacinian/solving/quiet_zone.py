@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import check_number, check_numbers
+from pacinian.checks import HEAD_RADIUS, check_number, check_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,13 +23,14 @@ GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of a low-discrepan
 class Zone:
     """A ball in which the sound pressure in free air is at most `pressure` [Pa] everywhere.
 
-    position: its centre [m]. radius: [m], 0 for a point. Nothing can be felt inside it. Raises ArgumentError.
+    position: its centre [m]. radius: [m]; by default that of a head; 0 for a point, beside which it may be loud.
+    Nothing can be felt inside it. Raises ArgumentError.
     """
 
     position: tuple[float, float, float]
     _: KW_ONLY
     pressure: float
-    radius: float = 0.0
+    radius: float = HEAD_RADIUS
 
     def __post_init__(self) -> None:
         x, y, z = check_numbers("zone.position", self.position, (3,)).tolist()

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from pacinian.checks import HEAD_RADIUS
 from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.modulation import Envelope
 from pacinian.wire.objects import Object
@@ -125,7 +126,7 @@ class Zone(Struct, frozen=True, kw_only=True):
 
     position: Position
     pressure: Pressure
-    radius: Annotated[float, Meta(ge=0.0, le=1.0, description="[m]; 0 for a point")] = 0.0
+    radius: Annotated[float, Meta(ge=0.0, le=1.0, description="[m]; 0 for a point")] = HEAD_RADIUS
 
 
 class Quiet(Command, frozen=True, kw_only=True, tag="quiet"):

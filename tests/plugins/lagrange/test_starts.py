@@ -160,3 +160,21 @@ def test_a_step_that_would_be_late_is_not_begun(scale: str, phases: float | None
     solution = session.solve(q, reachable(q, 1.2, 0, array), phases, scale=scale, deadline=1e-4)
     assert solution.late
     assert solution.gains.any()
+
+
+LINES = np.random.default_rng(11)
+CLOSE = [
+    (int(LINES.integers(5, 13)), LINES.uniform(0.003, 0.005), LINES.uniform([-0.04, -0.04, 0.12], [0.04, 0.04, 0.22]))
+    for _ in range(60)
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("k", [4, 8, 32, 52])  # full drive in other phases made 0.003 to 0.5 of it
+def test_the_strongest_of_close_points_is_no_weaker_than_targets_that_can_be_met(k: int) -> None:
+    count, step, centre = CLOSE[k]
+    q = centre + np.column_stack([(np.arange(count) - count / 2) * step, np.zeros((count, 2))])
+    found = pc.solve(ARRAY, q, 200.0, scale="max")
+    assert found.status is pc.Status.ok
+    weakest = float(np.abs(found.sound_pressure).min())
+    for factor in (1.2, 1.5, 2.0, 4.0):
+        assert pc.solve(ARRAY, q, factor * weakest).error > 1e-3

@@ -260,7 +260,7 @@ bool read(Reader& in, std::uint32_t left, Zone& message) {
   }
   if (!(seen & 1ull << 0)) return in.missing("position");
   if (!(seen & 1ull << 1)) return in.missing("pressure");
-  if (!(seen & 1ull << 2)) message.radius = 0.0;
+  if (!(seen & 1ull << 2)) message.radius = 0.12;
   return true;
 }
 

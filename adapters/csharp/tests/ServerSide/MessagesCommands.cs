@@ -527,7 +527,7 @@ namespace Pacinian.Wire
         {
             if ((missing & 0x4) != 0)
             {
-                Radius = 0.0;
+                Radius = 0.12;
             }
         }
     }

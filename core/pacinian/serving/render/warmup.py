@@ -47,7 +47,7 @@ def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, r
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + ABOVE * away
     x, y, z = (place + 0.1).tolist()
-    kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), pressure=QUIET),))
+    kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), pressure=QUIET, radius=0.0),))
     with limit_blas_threads():
         for scene, limits in product(_scenes(place), kinds):
             _render(array, medium, solver, capability, rate, scene, limits)

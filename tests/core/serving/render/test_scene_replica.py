@@ -199,7 +199,7 @@ def test_quiet_zones() -> None:
     scene.apply([SetQuiet((((0.0, 1.0, 2.0), 5.0, 0.1), ((3.0, 4.0, 5.0), 6.0, 0.0)))])
     assert scene.zones == (
         pc.Zone((0.0, 1.0, 2.0), pressure=5.0, radius=0.1),
-        pc.Zone((3.0, 4.0, 5.0), pressure=6.0),
+        pc.Zone((3.0, 4.0, 5.0), pressure=6.0, radius=0.0),
     )
     scene.apply([SetQuiet((((0.0, 1.0, 2.0), -5.0, 0.1),))])
     assert "" in scene.refused

@@ -284,7 +284,7 @@ namespace Pacinian.Wire
         public double Pressure;
 
         /// <summary>Radius of the ball. 0 to 1 [m]; 0 for a point.</summary>
-        public double Radius;
+        public double Radius = 0.12;
 
         /// <inheritdoc/>
         public void Write(Writer w)

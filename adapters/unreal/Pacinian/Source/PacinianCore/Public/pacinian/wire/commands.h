@@ -116,7 +116,7 @@ struct Zone {
   /// largest sound pressure; 0 to 1e+06 [Pa]
   double pressure = 0.0;
   /// radius of the ball; 0 to 1 [m]; 0 for a point
-  double radius = 0.0;
+  double radius = 0.12;
 };
 
 /// Replace the quiet zones of this client. The zones of the server's configuration stay.
