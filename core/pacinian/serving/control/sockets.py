@@ -136,8 +136,10 @@ class ControlSockets(Closeable):
 
     def close(self) -> None:
         """Close the sockets. May be called twice."""
-        self._end_accepting()
-        self._stack.close()
+        try:
+            self._end_accepting()
+        finally:
+            self._stack.close()
 
     def _end_accepting(self) -> None:
         """Accept no more, and read all events of the monitors: libzmq waits while nobody reads them, even at the end.
@@ -145,12 +147,13 @@ class ControlSockets(Closeable):
         With a full table of files, it tries to accept without a pause, and each failure is an event.
         """
         events = zmq.Poller()
-        for socket, monitor in zip((self._control, self._state), self._monitors, strict=True):
-            if socket.closed:
-                return
-            events.register(monitor, zmq.POLLIN)
+        if self._control.closed or any(monitor.closed for monitor in self._monitors):
+            return
+        for socket in self._control, self._state:
             with contextlib.suppress(zmq.ZMQError):
                 socket.unbind(socket.get_string(zmq.LAST_ENDPOINT))
+        for monitor in self._monitors:
+            events.register(monitor, zmq.POLLIN)
         due = time.monotonic() + MAX_DRAIN_TIME
         while events.poll(QUIET_TIME) and time.monotonic() < due:
             self.take_refusals()
