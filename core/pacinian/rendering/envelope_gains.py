@@ -121,6 +121,8 @@ class EnvelopeFade:
                 self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
             case "alike":  # the gains tell how much of it they still contain
                 self._past.append((self._present, 0.0))
+            case "same":
+                pass
         if len(self._past) > MAX_PAST:
             (_, first), (past, share), *later = self._past
             self._past = [(past, first + share), *later]

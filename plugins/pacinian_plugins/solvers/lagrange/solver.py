@@ -126,7 +126,7 @@ class Lagrange(pc.Solver):
         if kept and strength >= enough * reach:
             return result
         level, step = max(reach, LEVEL_STEP * strength if kept else 0.0), LEVEL_STEP
-        improved = not kept
+        improved, phases = not kept, np.zeros(len(targets.amplitudes))
         for _ in range(MAX_LEVELS):
             asked = targets.amplitudes * (level / targets.norm)
             nearest = dataclasses.replace(targets, amplitudes=asked, scale="exact")
