@@ -99,9 +99,8 @@ class EnvelopeFade:
 
     def __init__(self) -> None:
         self._present: Sequence[CachedSolution] = ()
-        self._past: list[
-            tuple[Sequence[CachedSolution], float]
-        ] = []  # with its share of the last row
+        # each with its share of the last row
+        self._past: list[tuple[Sequence[CachedSolution], float]] = []
         self._step = 1.0  # fall of a share from row to row
 
     def __bool__(self) -> bool:
@@ -188,6 +187,5 @@ def _compare_envelopes(
         return "same"
     if then is not None and before.alike(then):
         return "alike" if single and len(before) > 1 else "same"
-    return (
-        "differ" if single or (len(before) == 1 and then is not None and len(then) <= 1) else "same"
-    )
+    one_each = len(before) == 1 and then is not None and len(then) <= 1
+    return "differ" if single or one_each else "same"

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 MAX_COUNT_CHANGE = 1 / 4
 # samples that moved by less than this, except as their whole region moved, are the same [m]
 MAX_STILL_MOVE = 5e-4
-MAX_CARRY_DISTANCE = (
-    3e-3  # a sample takes over the phase of an earlier one within this distance [m]
-)
+# a sample takes over the phase of an earlier one within this distance [m]
+MAX_CARRY_DISTANCE = 3e-3
 
 
 def carry_over(propagator: Propagator, targets: Targets, warm: Solution) -> Solution | None:

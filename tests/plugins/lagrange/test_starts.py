@@ -178,3 +178,13 @@ def test_the_strongest_of_close_points_is_no_weaker_than_targets_that_can_be_met
     weakest = float(np.abs(found.sound_pressure).min())
     for factor in (1.2, 1.5, 2.0, 4.0):
         assert pc.solve(ARRAY, q, factor * weakest).error > 1e-3
+
+
+@pytest.mark.parametrize(
+    "limits", [{}, {"power": 10.0}, {"gain": None, "power": 10.0}, {"gain": 0.1}]
+)
+def test_a_point_without_sound_costs_the_strongest_no_warning(limits: dict[str, Any]) -> None:
+    q = [[0.0, 0.0, 0.2], [0.01, 0.0, -0.2]]  # the second one is behind the array
+    found = pc.solve(pc.autd(), q, 200.0, scale="max", limits=pc.Limits(**limits))
+    assert np.isfinite(found.gains).all()
+    assert found.status is pc.Status.unreachable

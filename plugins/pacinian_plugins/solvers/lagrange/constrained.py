@@ -125,14 +125,10 @@ class Constrained:
 
     def evenly(self) -> Found:
         """Find the largest even multiple of a region's targets within the limits; see `find_strongest_uniform`."""
-        propagator, targets, limits, _, budget, _ = self.problem
-        B, answers = propagator.B, list[Answer]()
+        _, targets, limits, _, budget, _ = self.problem
+        answers = list[Answer]()
         p = targets.complex(targets.phases) / self.unit
-        reach = np.full(len(p), np.inf)
-        if limits.gain is not None:
-            reach = np.abs(B).sum(axis=1, dtype=np.float64)
-        if self._power is not None:
-            reach = np.minimum(reach, math.sqrt(self._power) * np.linalg.norm(B, axis=1))
+        reach = self.problem.compute_reach() / self.unit
 
         def attempt(some: Complexes) -> Complexes:
             answer = least_squares(

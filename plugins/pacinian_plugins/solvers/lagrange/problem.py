@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from pacinian.solving.solution_check import TOLERANCE, measure_violations, relat
 
 if TYPE_CHECKING:
     import pacinian as pc
+    from pacinian.types import Floats
 
 POWER_TOLERANCE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
 
@@ -36,6 +38,16 @@ class Problem(NamedTuple):
         scale = np.sqrt(np.maximum(G.diagonal(), np.finfo(G.dtype).tiny))
         np.fill_diagonal(G, 0.0)
         return float((G / np.outer(scale, scale)).max(initial=0.0))
+
+    def compute_reach(self) -> Floats:
+        """Return the pressure of a focus at each point, within the limits of gain and power, (M,) [Pa]."""
+        B, limits = self.propagator.B, self.limits
+        reach = np.full(len(B), np.inf)
+        if limits.gain is not None:
+            reach = limits.gain * np.abs(B).sum(axis=1, dtype=np.float64)
+        if limits.power is not None:
+            reach = np.minimum(reach, math.sqrt(limits.power) * np.linalg.norm(B, axis=1))
+        return reach
 
     def has_violation(self) -> bool:
         """Return whether the gains in `out` break a limit other than the gain limit."""

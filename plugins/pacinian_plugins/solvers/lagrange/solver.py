@@ -114,10 +114,9 @@ class Lagrange(pc.Solver):
         Then the gains that come nearest to targets of the norm that a focus has, of any phases, have better ones.
         """
         propagator, targets, limits, _, budget, out = problem
-        reach = np.abs(propagator.B).sum(axis=1, dtype=np.float64).min() * (limits.gain or math.inf)
-        if limits.power is not None:
-            rows = np.linalg.norm(propagator.B, axis=1).min()
-            reach = min(reach, math.sqrt(limits.power) * float(rows))
+        reach = float(problem.compute_reach().min())
+        if not reach:
+            return result  # no sound comes to one of the points
         first = out.copy()
         enforce_limits(first, limits, targets.scale)
         kept, strength = problem.rank(first)
