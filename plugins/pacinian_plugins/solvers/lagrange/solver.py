@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 WEAK, STRONG, COHERENT = 0.7, 1.6, 0.5
 MAX_CLOSE = 16  # points for which the second holds; more take too long
 MAX_LEVELS = 8  # number of these targets
-LEVEL_STEP, MIN_STEP = 1.25, 1.05  # factor from one to the next: first and least
+# factor from one to the next: up, before the first that is missed; down, squared; and the least
+LEVEL_STEP, LARGEST_STEP_DOWN, MIN_STEP = 1.25, 16.0, 1.05
 NEARLY_FULL_DRIVE = 0.98  # share of full drive below which the proportions count as hard to make
 
 
@@ -124,26 +125,30 @@ class Lagrange(pc.Solver):
         enough = STRONG if close else WEAK
         if kept and strength >= enough * reach:
             return result
-        level, step = max(reach, LEVEL_STEP * strength if kept else 0.0), LEVEL_STEP
-        improved, phases = not kept, np.zeros(len(targets.amplitudes))
+        met, missed = strength if kept else 0.0, math.inf  # norms of targets [Pa]
+        phases: Floats | None = None
         for _ in range(MAX_LEVELS):
+            if missed == math.inf:
+                level = max(reach, LEVEL_STEP * met)
+            else:
+                level = math.sqrt(max(met, missed / LARGEST_STEP_DOWN) * missed)
             asked = targets.amplitudes * (level / targets.norm)
             nearest = dataclasses.replace(targets, amplitudes=asked, scale="exact")
             found, _ = self._solve_gain_limited(
                 problem._replace(targets=nearest, warm=None), mu, starts=0
             )
-            phases = np.asarray(np.angle(propagator.apply(out)), np.float64)
+            made = np.asarray(np.angle(propagator.apply(out)), np.float64)
             # no proof: bound and objective are for these targets
             found = found._replace(bound=math.nan, objective=math.nan, multipliers=None)
             better = _choose_stronger(problem, (first, result), found)
-            improved = improved or better is found
-            if better is not found:
-                level, step = level / step, math.sqrt(step)
+            if better is found:
+                met, phases = level, made
+            else:
+                missed = level
             first, result = out.copy(), better
-            if budget.spent or step < MIN_STEP:
+            if budget.spent or missed < MIN_STEP * met:
                 break
-            level *= step
-        if not improved:
+        if phases is None:
             return result
         return _choose_stronger(
             problem, (first, result), self._solve_constrained(problem, mu, phases)
