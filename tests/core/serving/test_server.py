@@ -209,8 +209,12 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
     process.wait()
     eventually(lambda: not any(map(runs, pids.values())))
     assert remains(folder), "nobody was there to remove it"
-    with shared_memory.folder():
-        assert not remains(folder)
+
+    def is_removed_by_the_next_start() -> bool:
+        with shared_memory.folder():
+            return not remains(folder)
+
+    eventually(is_removed_by_the_next_start)  # a spare that began after that may still be ending
 
 
 CONTROL, *OTHERS = PROCESSES
