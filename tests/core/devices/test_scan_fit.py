@@ -199,7 +199,7 @@ def scan(**changes: Any) -> dict[str, Any]:
         ({"positions": lambda q: 1e3 * q}, "millimetres"),
         ({"positions": lambda q: 1e2 * q}, "millimetres|do not fit"),  # centimetres
         ({"positions": lambda q: q[:, [1, 0, 2]]}, "do not fit"),
-        ({"positions": lambda q: q[::-1]}, "do not fit"),
+        pytest.param({"positions": lambda q: q[::-1]}, "do not fit", marks=pytest.mark.deep),
         ({"positions": lambda q: q * [1.0, 1.0, -1.0]}, "show no transducer|do not fit"),
         ({"positions": lambda q: np.where(q > 0.3, np.nan, q)}, "finite"),
         ({"positions": lambda q: np.r_[q[:-1], AUTD.positions[:1]]}, "on a transducer"),
@@ -207,17 +207,18 @@ def scan(**changes: Any) -> dict[str, Any]:
         ({"positions": lambda q: q[:0], "readings": lambda X: X[:0]}, "6 to 1000.*not 0"),
         ({"positions": lambda q: q[:, :2]}, "shape"),
         ({"readings": lambda X: X[:, :248]}, r"shape \(8, 249\)"),
-        ({"readings": lambda X: X[:, ::-1]}, "do not fit"),
+        pytest.param({"readings": lambda X: X[:, ::-1]}, "do not fit", marks=pytest.mark.deep),
         ({"readings": lambda X: X.conj()}, "other sign"),
-        ({"readings": np.abs}, "do not fit"),
+        pytest.param({"readings": np.abs}, "do not fit", marks=pytest.mark.deep),
         ({"readings": lambda X: 0.0 * X}, "not 0"),
         ({"readings": lambda X: np.nan * X}, "not 0"),
         ({"readings": lambda X: np.where(X.real > 0.0, np.inf, X)}, "finite"),
         ({"readings": lambda X: disturb(0.0 * X + 1e-9, 1e9, np.random.default_rng(0))}, "do not"),
         ({"array": lambda a: pc.lattice(0.17, 0.13, 0.011, transducer=pc.T4010A1)}, "shape"),
-        (
+        pytest.param(
             {"array": lambda a: a.replace_transducer(pc.Transducer(frequency=25e3))},
             "do not fit|corrected",
+            marks=pytest.mark.deep,
         ),
     ],
 )
