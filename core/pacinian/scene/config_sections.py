@@ -75,6 +75,12 @@ class Device(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
         """Make the array."""
         return DeviceDescription.load(self.file).array().transform(self.pose)
 
+    def copy_to(self, file: Path) -> Device:
+        """Write the description, including its calibration, to a .json file; return the device for that file."""
+        description = DeviceDescription.load(self.file)
+        file.write_bytes(msgspec.json.encode(replace(description, calibration="")))
+        return replace(self, file=str(file))
+
 
 class Medium(Struct, frozen=True, forbid_unknown_fields=True):
     """The air. Its parameters are those of `pacinian.Air`."""

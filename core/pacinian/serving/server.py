@@ -16,6 +16,7 @@ import zmq
 from msgspec.structs import replace
 
 from pacinian.errors import ServerError
+from pacinian.scene.config_sections import Device
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
@@ -81,6 +82,7 @@ def serve(
         secrets = make_secrets(settings)
         _check_ports(settings)
         folder = stack.enter_context(shared_memory.folder())
+        settings = _keep_description(settings, folder)
         capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         files = {
             name: stack.enter_context(
@@ -94,8 +96,7 @@ def serve(
         scheduling.raise_priority()
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
         gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
-        secret = secrets.get("token") or secrets["secret_key"]
-        stop = stack.enter_context(_open_stop_socket(folder / "stop", secret))
+        stop = stack.enter_context(_open_stop_socket(folder / "stop", secrets))
         doors = stack.enter_context(ControlSockets(context, gate, settings.network, stop))
         command = settings.network.command or _free(settings.network.host, 0)
         network = replace(
@@ -133,6 +134,13 @@ def serve(
             log().info("end")
 
 
+def _keep_description(settings: Settings, folder: Path) -> Settings:
+    """Give all processes one copy of the device description. The file may change before one of them starts again."""
+    if not isinstance(settings.array, Device):
+        return settings
+    return replace(settings, array=settings.array.copy_to(folder / "array.json"))
+
+
 def _alone(path: Path) -> FileLock:
     """Lock the connection file for this process. Raises ServerError."""
     try:
@@ -154,9 +162,9 @@ def _alone(path: Path) -> FileLock:
     return lock
 
 
-def _open_stop_socket(path: Path, secret: str) -> StopSocket:
+def _open_stop_socket(path: Path, secrets: dict[str, str]) -> StopSocket:
     try:
-        return StopSocket(path, secret)
+        return StopSocket(path, secrets.get("token") or secrets["secret_key"])
     except OSError as error:
         raise ServerError(
             f"{path}: no socket for emergency stops can be made there: {error.strerror or error}; "

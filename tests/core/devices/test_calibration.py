@@ -12,6 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.devices import calibration
+from pacinian.scene.config_sections import Device
 from pacinian.testing import ManualClock
 
 DEVICE = """
@@ -77,6 +78,17 @@ def test_what_was_measured_goes_before_what_is_written(device: Path) -> None:
     assert [errors[2:4].tolist() for errors in board.errors] == [[0.1, 0.02], [0.35, 0.03]]
     np.testing.assert_allclose(board.responses[2:4], [0.7 * np.exp(1j), 0.5 * np.exp(-1j)])
     assert board.alive.tolist() == [c for c in range(249) if c not in (4, 5)]
+
+
+def test_a_copy_of_a_device_needs_neither_of_its_files(device: Path, tmp_path: Path) -> None:
+    (device.parent / "heard.csv").write_text(HEAD + "B,3,0.5,-1.0\nB,4,0.0,0.0\n", encoding="utf-8")
+    original = Device(str(device), pc.Pose((0.0, 0.0, 1.0)))
+    array = original.make()
+    copied = original.copy_to(tmp_path / "copy.json")
+    device.unlink()
+    (device.parent / "heard.csv").unlink()
+    for name in ("positions", "normals", "responses"):
+        np.testing.assert_array_equal(getattr(copied.make(), name), getattr(array, name))
 
 
 def test_a_calibrated_device_makes_the_pressures_of_an_ideal_one(device: Path) -> None:

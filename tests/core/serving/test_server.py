@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import pacinian as pc
 from pacinian.errors import ArgumentError, ServerError
-from pacinian.scene.config_sections import Units
+from pacinian.scene.config_sections import Device, Units
 from pacinian.serving.ipc import logs, shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
 from pacinian.serving.server import MIN_FILES, serve
@@ -238,6 +239,31 @@ def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
     eventually(lambda: not any(map(runs, pids.values())))
     with shared_memory.folder():
         assert not remains(folder)
+
+
+@posix
+@pytest.mark.parametrize("name", ["guard", "render"])
+def test_a_process_starts_again_with_the_description_that_the_server_began_with(
+    name: str, tmp_path: Path
+) -> None:
+    """Here, the file has gone. Another array in one process would get gains that are made for the old one."""
+    file = tmp_path / "array.toml"
+    file.write_text("[[boards]]\ndead = [3]\n", encoding="utf-8")
+    with run_server(Settings(array=Device(str(file)))) as server:
+        file.unlink()
+        with pc.Client(server.connection, timeout=PATIENCE) as client:
+            client.put(pc.Point(name="focus", position=(0.09, 0.07, 0.2), radiation_pressure=2.0))
+            os.kill(server.pids[name], signal.SIGKILL)
+            eventually(lambda: client.status().restarts[name])
+
+            def play() -> None:
+                with contextlib.suppress(pc.PacinianError):  # tells of the fault
+                    client.reset()
+                    client.arm()
+                client.renew()
+
+            eventually(lambda: client.status().output == "sounding", play)
+            assert client.status().restarts[name] == 1
 
 
 @posix
