@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.propagation import TOUCHING, check_medium
+from pacinian.acoustics.propagation import TOUCHING_DISTANCE, check_medium
 from pacinian.checks import MAX_LENGTH, check_integer, check_number
 from pacinian.errors import ArgumentError, MissingExtra, PointOnTransducer
 
@@ -48,8 +48,8 @@ def matrix(array: Array, points: Any, medium: Air) -> Any:
 
     d = (points - local(centre))[..., None, :] - local(array.positions - centre)  # (..., M, N, 3)
     r = xp.sqrt(xp.sum(d * d, axis=-1))
-    if medium.singular and bool(xp.any(r < TOUCHING)):
-        on = xp.reshape(xp.any(r < TOUCHING, axis=-1), (-1,))
+    if medium.singular and bool(xp.any(r < TOUCHING_DISTANCE)):
+        on = xp.reshape(xp.any(r < TOUCHING_DISTANCE, axis=-1), (-1,))
         raise PointOnTransducer([k for k in range(on.shape[0]) if bool(on[k])])
     size = kind.pressure * r**-medium.power if medium.power else kind.pressure * xp.ones_like(r)
     if beta := medium.beta(kind.frequency):

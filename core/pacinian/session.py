@@ -20,10 +20,10 @@ from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
-from pacinian.solving.corrections import MAX_CORRECTIONS, WORTHWHILE, correct_amplitudes
+from pacinian.solving.corrections import MAX_CORRECTIONS, MAX_ERROR_RATIO, correct_amplitudes
 from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import (
-    ROUNDING,
+    MAX_CLIPPED_EXCESS,
     enforce_limits,
     enforce_quiet,
     enforce_zones,
@@ -280,7 +280,7 @@ class Session:
             or not c > 0.0
         ):
             return math.nan
-        top = _top(limits) * (1.0 - ROUNDING)
+        top = _top(limits) * (1.0 - MAX_CLIPPED_EXCESS)
         strongest = math.sqrt(kernels.peak(self._work))
         held = strongest >= top or c * strongest >= top
         return c if not held and 1.0 / MAX_MULTIPLE < c < MAX_MULTIPLE else math.nan
@@ -380,7 +380,7 @@ class Session:
             )  # fmt: skip
             iterations += made.iterations
             miss = targets.relative_error(made.sound_pressure)
-            if not miss < WORTHWHILE * error:
+            if not miss < MAX_ERROR_RATIO * error:
                 self._work[:] = kept
                 break
             best, error = made, miss

@@ -88,7 +88,7 @@ def test_a_control_that_stood_still_goes_on_whatever_a_client_sent_before_it_lef
 ) -> None:
     """libzmq would end it, at a heartbeat behind a full queue of a closed connection."""
     monkeypatch.setitem(link.HEARTBEAT, zmq.HEARTBEAT_IVL, 1)
-    monkeypatch.setattr(server_session, "FAREWELL", 0.0)
+    monkeypatch.setattr(server_session, "BYE_TIMEOUT", 0.0)
     sent = itertools.count()
     with pc.Client(server.file) as client:
         server.signal("control", signal.SIGSTOP)

@@ -9,7 +9,7 @@ import pytest
 from msgspec import Raw
 from msgspec.structs import replace
 
-from pacinian.viewing.hub import EVENTS, Hub
+from pacinian.viewing.hub import MAX_WAITING_REFUSALS, Hub
 from pacinian.viewing.messages import Disarm, Hello, SessionMessage
 from pacinian.viewing.scene_mirror import SceneMirror
 
@@ -146,9 +146,9 @@ def test_a_refusal_is_for_one_or_all_and_few_wait(hub: Hub) -> None:
     hub.refuse(one.number, "arm", "no", "do")
     assert taken(one) == [{"type": "refused", "action": "arm", "message": "no", "advice": "do"}]
     assert not taken(other)
-    for _ in range(3 * EVENTS):
+    for _ in range(3 * MAX_WAITING_REFUSALS):
         hub.refuse(0, "arm", "no")
-    assert len(taken(one)) == len(taken(other)) == EVENTS
+    assert len(taken(one)) == len(taken(other)) == MAX_WAITING_REFUSALS
 
 
 def test_the_page_that_armed_is_told_so_and_lets_go_when_it_goes(hub: Hub) -> None:

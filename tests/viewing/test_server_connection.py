@@ -226,7 +226,7 @@ def test_a_fresh_alive_of_the_page_that_armed_renews_the_lease_and_no_other(
         assert held.wait(LIMIT)
         page.say("alive")
         page.catch_up()
-        clock.advance(server_connection.FRESH * page.newest["session"]["lease"])
+        clock.advance(server_connection.MAX_ALIVE_AGE * page.newest["session"]["lease"])
         fake.answers[commands.Show] = there
         free.set()
         look()

@@ -206,7 +206,7 @@ def test_another_process_that_gives_way_to_all_others_computes_it_by_parts(
     fields: FieldWorker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = exactly(HERE)
-    monkeypatch.setattr(slices, "PAIRS", 300.0 * len(ARRAY))
+    monkeypatch.setattr(slices, "MAX_PAIRS", 300.0 * len(ARRAY))
     first, second = computed(fields, HERE, HERE)
     assert first == second == whole
     asked: list[bool] = []

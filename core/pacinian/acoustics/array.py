@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 PITCH = 0.01016  # spacing of transducers in an AUTD unit [m]
 UNIT = (0.1920, 0.1514)  # size of an AUTD unit's board [m]
-HINGE = 1e-9  # distance within which a transducer is on the hinge [m]
+HINGE_TOLERANCE = 1e-9  # distance within which a transducer is on the hinge [m]
 MIN_STRENGTH = 1e-3  # smallest |response|; a weaker transducer counts as dead
-WORLD = 1e7  # largest coordinate; beyond, positions are rounded to more than 2 nm [m]
-DOTS = 5000  # most transducers drawn in a notebook's card
+MAX_COORDINATE = 1e7  # largest coordinate; beyond, positions are rounded to more than 2 nm [m]
+MAX_CARD_DOTS = 5000  # most transducers drawn in a notebook's card
 MISSING = ((1, 1), (2, 1), (16, 1))  # empty (column, row) of the 18 x 14 grid
 
 
@@ -66,10 +66,10 @@ class Array:
         r = check_numbers("positions", positions, (None, 3)).copy()
         if not len(r):
             raise ArgumentError("positions", "must hold at least one transducer")
-        if (farthest := np.abs(r).max()) > WORLD:
+        if (farthest := np.abs(r).max()) > MAX_COORDINATE:
             raise ArgumentError(
                 "positions",
-                f"reach {farthest:.4g} m from the origin, more than {WORLD:g} m, where rounding would "
+                f"reach {farthest:.4g} m from the origin, more than {MAX_COORDINATE:g} m, where rounding would "
                 "make phases wrong: choose an origin closer to the array",
             )
         check_near("positions", r, r.mean(axis=0))
@@ -124,7 +124,7 @@ class Array:
         """Plot the positions, viewed along the axis closest to the normals."""
         along = int(np.abs(self.normals).mean(axis=0).argmax())
         i, j = (k for k in range(3) if k != along)
-        r = 1e3 * self.positions[:: 1 + len(self) // DOTS]
+        r = 1e3 * self.positions[:: 1 + len(self) // MAX_CARD_DOTS]
         panel.plot(r[:, i], r[:, j], ".", ms=1.5)
         panel.set(xlabel=f"{'xyz'[i]} [mm]", ylabel=f"{'xyz'[j]} [mm]", aspect="equal")
 
@@ -191,7 +191,7 @@ class Array:
         low, high = r.min(axis=0), r.max(axis=0)
         line = (low + high) / 2.0
         u, w = r[:, bent] - line[bent], r[:, 2] - line[2]  # [m] from the hinge
-        side = np.where(np.abs(u) < HINGE, 0.0, np.sign(u))
+        side = np.where(np.abs(u) < HINGE_TOLERANCE, 0.0, np.sign(u))
         c, s = np.cos(side * angle), np.sin(side * angle)
         r[:, bent], r[:, 2] = line[bent] + c * u - s * w, line[2] + s * u + c * w
         n[:, bent], n[:, 2] = c * n[:, bent] - s * n[:, 2], s * n[:, bent] + c * n[:, 2]

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Floats, Singles
 
 EXTRA_NODES = 20  # nodes along an axis, in addition to two per wavelength
-EVEN = 1e-5  # error accepted in return for almost even nodes
+EVENNESS_ERROR = 1e-5  # error accepted in return for almost even nodes
 CHECKED_COEFFICIENTS = 3  # highest coefficients along an axis that are checked
 MAX_REMAINDER = 1e-4  # largest size of these, relative to the largest pressure
 PROBES = 9  # check points along an axis, including corners, where the field is computed directly
-WRONG = 4e-4  # largest error at these, relative to the largest pressure
-PAYS = 0.7  # largest ratio of nodes to grid points at which interpolation saves time
+MAX_PROBE_ERROR = 4e-4  # largest error at these, relative to the largest pressure
+MAX_NODE_SHARE = 0.7  # largest ratio of nodes to grid points at which interpolation saves time
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class InterpolatedField:
         turns = medium.wavenumber(array.transducer.frequency) / (2.0 * math.pi)
         lengths = np.linalg.norm(self.steps, axis=1) * (np.array(self.shape) - 1)
         counts = [math.ceil(2.0 * turns * length) + EXTRA_NODES for length in lengths]
-        if math.prod(counts) > PAYS * math.prod(self.shape):
+        if math.prod(counts) > MAX_NODE_SHARE * math.prod(self.shape):
             return None
         axes = [_axis(*each) for each in zip(self.shape, counts, strict=True)]
         some = [np.linspace(0.0, K - 1.0, min(K, PROBES)).round() for K in self.shape]
@@ -87,7 +87,7 @@ class InterpolatedField:
         for number, axis in enumerate(axes):
             p = np.moveaxis(np.tensordot(axis.values, p, (1, number)), 0, number)
         off = p[np.ix_(*(places.astype(int) for places in some))].ravel() - exact
-        return p if np.abs(off).max() < WRONG * most else None
+        return p if np.abs(off).max() < MAX_PROBE_ERROR * most else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def _axis(K: int, n: int) -> Axis:
     """Make an axis of K points from n nodes x = arcsin(a c) / arcsin(a) on -1..1; c: Chebyshev nodes, first kind."""
     angles = np.pi * (np.arange(n) + 0.5) / n
     c = np.cos(angles)
-    a = 1.0 / math.cosh(math.log(EVEN) / n)
+    a = 1.0 / math.cosh(math.log(EVENNESS_ERROR) / n)
     x = np.arcsin(a * c) / math.asin(a)
     d = (np.sin(np.linspace(-1.0, 1.0, K) * math.asin(a)) / a)[:, None] - c
     d[d == 0.0] = 1e-300

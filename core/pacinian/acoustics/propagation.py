@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 Precision = Literal["single", "double"]
 
 # steps of cos(theta) in the kernels' directivity table; error at most 1.5e-5 for the T4010A1
-STEPS = 1 << 16
+DIRECTIVITY_STEPS = 1 << 16
 MAX_GAIN = 1e30  # largest gain; single precision ends at 3e38
-TOUCHING = 1e-6  # distance within which a point is on the transducer [m]
+TOUCHING_DISTANCE = 1e-6  # distance within which a point is on the transducer [m]
 CHUNK = 1 << 18  # elements of B in one chunk of the double-precision field
 
 
@@ -105,8 +105,10 @@ def _tabulate_directivity(directivity: Callable[[Floats], Floats]) -> Singles:
     """Return a directivity as the kernels' table. Raises ArgumentError."""
     if directivity is omni:
         return np.ones(1, dtype=np.float32)
-    D = np.asarray(directivity((np.arange(STEPS) + 0.5) / STEPS), dtype=np.float64)
-    if D.shape != (STEPS,) or not np.isfinite(D).all():
+    D = np.asarray(
+        directivity((np.arange(DIRECTIVITY_STEPS) + 0.5) / DIRECTIVITY_STEPS), dtype=np.float64
+    )
+    if D.shape != (DIRECTIVITY_STEPS,) or not np.isfinite(D).all():
         raise ArgumentError("directivity", "must give one finite number for each cos(theta)")
     return np.concatenate([[0.0], D]).astype(np.float32)
 
@@ -122,8 +124,8 @@ def matrix(array: Array, points: ArrayLike, medium: Air) -> Complexes:
     kind = array.transducer
     d = q[:, None, :] - array.positions  # (M, N, 3) [m]
     distance = np.sqrt((d * d).sum(axis=2))  # (M, N) [m]
-    if medium.singular and (distance < TOUCHING).any():
-        raise PointOnTransducer(np.flatnonzero((distance < TOUCHING).any(axis=1)).tolist())
+    if medium.singular and (distance < TOUCHING_DISTANCE).any():
+        raise PointOnTransducer(np.flatnonzero((distance < TOUCHING_DISTANCE).any(axis=1)).tolist())
     B: Complexes = kind.pressure * np.exp(-1j * medium.wavenumber(kind.frequency) * distance)
     if medium.power:
         B *= distance**-medium.power

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 NO_HAND = np.empty((0, 8))
 QUARTER = 2.125e-3  # a quarter of the wavelength at 40 kHz and 340 m/s [m]
-FAINT = 1e-3  # smallest ||w_m||; smaller weights of a sample are set to 0
+MIN_WEIGHT = 1e-3  # smallest ||w_m||; smaller weights of a sample are set to 0
 TILE = 256  # transducers per tile, so that the kernel's data fit the first-level cache
 MIN_DIVISOR = 1e-30  # smallest divisor
 
@@ -94,7 +94,7 @@ class SkinFacing:
         points: the samples, (M, 3) [m]. positions: of the transducers, (N, 3) [m].
         """
         w = self._cosines(points, positions) * self._compute_transmission(points, positions)
-        w[(w * w).sum(axis=1) < FAINT * FAINT] = 0.0
+        w[(w * w).sum(axis=1) < MIN_WEIGHT * MIN_WEIGHT] = 0.0
         return w
 
     def compute_arrival(self, points: Floats, positions: Floats) -> Floats:

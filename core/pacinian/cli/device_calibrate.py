@@ -21,17 +21,19 @@ if TYPE_CHECKING:
     from pacinian.devices.scan_fit import ScanFit
     from pacinian.types import Flags, Floats
 
-MISFIT = 0.5  # residual at a position, relative to the expected rms there, above which it is named
-VAGUE = 10.0  # standard error of phases that costs 3 % of a focus [deg]
+# Residual at a position, relative to the expected rms there, above which it is named.
+MAX_MISFIT = 0.5
+MAX_PHASE_ERROR = 10.0  # standard error of phases that costs 3 % of a focus [deg]
 MAX_LISTED = 8  # items listed in one finding
 # pose, in standard errors, above which it is reported, and refused
 DOUBTFUL_POSE, WRONG_POSE = 2.5, 4.0
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
-MANY_OUTLIERS = 0.02  # share of the readings above which outliers are a warning
-CLIPPED = 0.995, 0.01  # of the highest amplitude, and the share of readings that may be above
+MAX_OUTLIER_SHARE = 0.02  # share of the readings above which outliers are a warning
+# Of the highest amplitude, and the share of readings that may be above.
+CLIPPING_LIMITS = 0.995, 0.01
 MIN_CLIPPED = 10  # readings above; fewer may be chance
 MAX_ODD = 0.05  # share of the channels that do not fit, above which their order is wrong
-WIDENED = 1.05  # factor from which a standard error that has widened is reported
+MAX_WIDENING = 1.05  # factor from which a standard error that has widened is reported
 MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
@@ -205,18 +207,18 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     }
     found = [Finding(name, "ok", text) for name, text in texts.items()]
     read = np.abs(scan.readings[np.isfinite(scan.readings)])
-    if fit.outliers > MANY_OUTLIERS * len(read):
+    if fit.outliers > MAX_OUTLIER_SHARE * len(read):
         text = f"{fit.outliers} of {len(read)} readings are ignored in part"
         fix = "look for reflections and loose contacts, and check the order of the channels"
         found.append(Finding("outliers", "warning", text, fix))
-    highest = int((read >= CLIPPED[0] * read.max()).sum())
-    if highest >= max(MIN_CLIPPED, CLIPPED[1] * len(read)):
+    highest = int((read >= CLIPPING_LIMITS[0] * read.max()).sum())
+    if highest >= max(MIN_CLIPPED, CLIPPING_LIMITS[1] * len(read)):
         text = f"{highest} readings share the highest amplitude"
         fix = "the microphone or its amplifier may be at its limit: lower the gain, or scan farther away"
         found.append(Finding("clipped", "warning", text, fix))
-    if mean > VAGUE:
+    if mean > MAX_PHASE_ERROR:
         fix = "scan at more positions, farther apart and at different heights, and measure the positions"
-        found.append(Finding("standard error", "warning", f"above {VAGUE:g} deg", fix))
+        found.append(Finding("standard error", "warning", f"above {MAX_PHASE_ERROR:g} deg", fix))
     level: Literal["warning", "problem"]
     off = float(
         np.max((np.abs(np.r_[fit.shift, fit.turn]) - ROUNDING) / np.maximum(known, ROUNDING))
@@ -231,7 +233,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     wider = [
         f"{factor:.1f} times --{name}-error"
         for name, factor in zip(("position", "shift", "turn"), fit.widened, strict=True)
-        if factor >= WIDENED
+        if factor >= MAX_WIDENING
     ]
     if wider:
         text = f"the scan shows {', '.join(wider)}; all errors reported here include that"
@@ -252,7 +254,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     for name, which, items, fix in (
         (
             "positions that do not fit",
-            fit.doubtful | (fit.residuals > MISFIT),
+            fit.doubtful | (fit.residuals > MAX_MISFIT),
             places,
             "leave their rows out, or measure there again: they may be a wavelength off",
         ),

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability, FoundDevice
 
 MIN_SPACING = 0.008  # least plausible distance of transducers [m]
-UNLIKE = 2.0  # largest plausible ratio of a channel's strength to that of its kind, or inverse
+# Largest plausible ratio of a channel's strength to that of its kind, or inverse.
+MAX_STRENGTH_RATIO = 2.0
 BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
 MAX_LISTED = 8  # items listed in one finding
 
@@ -35,7 +36,9 @@ def check_description(device: DeviceDescription) -> list[Finding]:
 def _board(board: Board) -> Finding:
     L, size = board.layout.count, np.abs(board.responses)
     dead = np.setdiff1d(np.arange(L), board.alive)
-    odd = board.alive[(size[board.alive] > UNLIKE) | (size[board.alive] < 1.0 / UNLIKE)]
+    odd = board.alive[
+        (size[board.alive] > MAX_STRENGTH_RATIO) | (size[board.alive] < 1.0 / MAX_STRENGTH_RATIO)
+    ]
     text = f"{L} channels"
     if len(dead):
         text += f", dead: {_some(dead.tolist())}"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 UNITY = "com.pacinian.haptics"
 MIN_UNITY = (2021, 3)
 MIN_UNREAL = (5, 5)
-DEPTH = 2  # levels of folders below the given one in which a project is looked for
+MAX_DEPTH = 2  # levels of folders below the given one in which a project is looked for
 
 PROJECT = click.argument("path", type=click.Path(path_type=Path))
 REPLACE = click.option(
@@ -105,7 +105,7 @@ def _find_project(path: Path, engine: str, has: str, fits: Callable[[Path], bool
     if fits(path):
         return path
     near = [folder for folder in path.resolve().parents if fits(folder)][:1]
-    for depth in range(1, DEPTH + 1):
+    for depth in range(1, MAX_DEPTH + 1):
         near += [
             folder
             for folder in sorted(path.glob("/".join("*" * depth)))

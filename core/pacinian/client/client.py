@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes
     from pacinian.wire.silence_cause import Silence
 
-CHANGE = 12.0  # time limit for a new solver or backend to be ready [s]
+CHANGE_TIMEOUT = 12.0  # time limit for a new solver or backend to be ready [s]
 
 
 class Client(ReconnectingClient):
@@ -227,7 +227,7 @@ class Client(ReconnectingClient):
         }
         live = self._live()
         if wait:
-            live.request_slow(control.Select, CHANGE, **fields)
+            live.request_slow(control.Select, CHANGE_TIMEOUT, **fields)
             return 0
         return live.request_nowait(control.Select, **fields)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-FULL = 900_000  # maximum size of the objects in one message [bytes]
+MAX_MESSAGE_OBJECT_BYTES = 900_000  # maximum size of the objects in one message [bytes]
 # Maximum size of one object [bytes]; the rest is for the command's other fields.
 MAX_OBJECT_BYTES = MAX_COMMAND_BYTES - 1024
 
@@ -60,7 +60,7 @@ def make_put(
     batch: dict[str, objects.Object] = {}
     filled = 0
     for name, size in sizes.items():
-        if len(batch) == MAX_OBJECTS or (batch and filled + size > FULL):
+        if len(batch) == MAX_OBJECTS or (batch and filled + size > MAX_MESSAGE_OBJECT_BYTES):
             yield batch
             batch, filled = {}, 0
         batch[name] = made[name]

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 R = TypeVar("R", bound="AnyReply | State")
 
 RENEWAL_SHARE = 0.25  # interval between renewals, as a fraction of the lease
-FAREWELL = 0.2  # time limit for a bye [s]
+BYE_TIMEOUT = 0.2  # time limit for a bye [s]
 MAX_ERRORS = 100  # number of errors kept of commands that did not wait
 # Codes of unsolicited errors that end an owner's sound.
 ENDED = "expired", "owner", "fault", "stopped"
@@ -203,7 +203,7 @@ class ServerSession:
             self._due = math.inf
             try:
                 bye = Bye(session=self.welcome.session)
-                self._call(self._control, bye, Ok, min(self.timeout, FAREWELL))
+                self._call(self._control, bye, Ok, min(self.timeout, BYE_TIMEOUT))
             except PacinianError:
                 pass
         self.lost = self.lost or "the session was closed"

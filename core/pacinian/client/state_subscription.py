@@ -17,7 +17,7 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-FRESH = 0.05  # age below which a state is fresh [s]
+MAX_FRESH_AGE = 0.05  # age below which a state is fresh [s]
 SETTLE = 0.005  # time to wait for more states [s]
 PASSES = 50
 
@@ -34,7 +34,7 @@ def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> Sta
             break
         state = decode_state(_last(socket))
         found = state if isinstance(state, State) else found
-        if found is not None and age(found) < FRESH:
+        if found is not None and age(found) < MAX_FRESH_AGE:
             break
         wait = SETTLE
     return found

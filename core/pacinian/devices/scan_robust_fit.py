@@ -37,8 +37,8 @@ ABSORPTION_ERROR = 0.2
 KNOWN = 1e-9  # standard error of what is given
 MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
 MAX_WIDENINGS = 20  # of the priors
-WIDENED = 0.01  # smallest relative change of a prior's error after which the fit goes on
-SETTLED = 1e-7  # largest correction of a position at convergence [m]
+MIN_WIDENING = 0.01  # smallest relative change of a prior's error after which the fit goes on
+MAX_LAST_CORRECTION = 1e-7  # largest correction of a position at convergence [m]
 CAUCHY_SCALE = 3.0  # misfit at which a reading has half its weight [standard errors]
 MIN_NOISE = 1e-4  # noise floor, relative to the quantile to which readings are scaled
 MIN_SUM = 1e-300  # floor of sums of squares that are divisors
@@ -132,7 +132,7 @@ class ScanModel:
             self.c = float(np.clip(self.c + step[3 * M], MIN_SPEED, MAX_SPEED))
             self.beta = max(self.beta + float(step[3 * M + 1]), 0.0)
             self._move(np.asarray(step[3 * M + 2 :], np.float64))
-            if np.abs(step[: 3 * M]).max() < SETTLED:
+            if np.abs(step[: 3 * M]).max() < MAX_LAST_CORRECTION:
                 break
 
     def _widen(self, said: Prior) -> bool:
@@ -155,7 +155,7 @@ class ScanModel:
         position, shift, turn = np.maximum(shown, said.widths).tolist()
         before = self.prior.widths
         self.prior = replace(said, position=position, shift=shift, turn=turn)
-        return not np.allclose(self.prior.widths, before, rtol=WIDENED, atol=0.0)
+        return not np.allclose(self.prior.widths, before, rtol=MIN_WIDENING, atol=0.0)
 
     @property
     def cost(self) -> float:

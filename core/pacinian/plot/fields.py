@@ -31,7 +31,7 @@ NONE = np.empty((0, 3))
 ABOVE = 1.5  # end of the colour scale, over the largest pressure at the points
 LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
 TALLEST = 5.0  # [inch]
-FLAT = 1.5  # width over height, from which a colour bar is below
+MIN_FLAT_RATIO = 1.5  # width over height, from which a colour bar is below
 
 
 @overload
@@ -85,7 +85,7 @@ def field(
     q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
-    flat = where.ratio > FLAT
+    flat = where.ratio > MIN_FLAT_RATIO
     wide = COLUMN - (LABELS if flat else BESIDE)
     height = min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / where.ratio)
     page, (panel,), _ = panels(ax, [height])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 COLOURS, STEPS = 256, 64  # steps of a wheel: phases, amplitudes
 DARKEST = 0.45  # brightness of a silent transducer
-FAINT = 0.25  # share of the maximum below which values are transparent
+MIN_OPAQUE_SHARE = 0.25  # share of the maximum below which values are transparent
 
 
 def make_plain_mesh(
@@ -59,7 +59,7 @@ def picture(found: Floats, most: float) -> Image:
     """Make a picture of values (rows, columns), first row at the bottom; low values are transparent."""
     share = np.clip(np.nan_to_num(found[::-1]) / most, 0.0, 1.0)
     rgba = np.asarray(_map(MAP)(share))
-    rgba[..., 3] = np.clip(share / FAINT, 0.1, 0.95)
+    rgba[..., 3] = np.clip(share / MIN_OPAQUE_SHARE, 0.1, 0.95)
     return _image(rgba)
 
 

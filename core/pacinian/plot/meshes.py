@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 SIDES = 12  # corners of a transducer's disc
 DOT, WIDE = 0.003, 0.0045  # radius of a sample, and of a transducer [m]
-CELLS, THINNEST = 48, 12  # cells along the longest edge of a solid's box; least along any
+# Cells along the longest edge of a solid's box; least along any.
+LONGEST_EDGE_CELLS, MIN_CELLS = 48, 12
 DISC_CORNERS = 48  # corners of a disc
 MAX_HEIGHTS = 200  # maximum number of heights along an edge
 SKIN = 0.003  # distance between the grid points around a hand [m]
@@ -93,7 +94,7 @@ def make_object(item: Object) -> Triangles:
         fan = np.array([(0, 1 + k, 1 + (k + 1) % DISC_CORNERS) for k in range(DISC_CORNERS)])
         return _make_triangles(np.pad(rim, ((1, 0), (0, 1))), fan)
     half = np.array(shape.extent)
-    cells = np.clip(np.ceil(CELLS * half / half.max()), THINNEST, CELLS)
+    cells = np.clip(np.ceil(LONGEST_EDGE_CELLS * half / half.max()), MIN_CELLS, LONGEST_EDGE_CELLS)
     step = 2.0 * half / cells
     return _solid(
         lambda q: distance(shape, q, np.inf, np.inf), -half - 1.5 * step, half + 1.5 * step, step

@@ -31,8 +31,8 @@ STYLES = {
     "levitate": (PINK, "D"),
     REFERENCE: ("0.4", "x"),
 }
-WEAK = 0.9  # scale s below which a mark is pale and not on the front
-FLOOR, TOP = 1e-5, 200.0  # least error drawn [%]; end of the axis [%]
+MIN_FRONT_SCALE = 0.9  # scale s below which a mark is pale and not on the front
+MIN_ERROR, MAX_ERROR = 1e-5, 200.0  # least error drawn [%]; end of the axis [%]
 SHOWN_MODES = ("cold", "warm", REFERENCE)
 MAX_PANELS = 4  # panels along a side
 TALL = 2.8  # [inch]
@@ -161,7 +161,7 @@ def _axes(
     for row, count in zip(grid, counts, strict=True):
         row[0].set_ylabel("error of the proportions [%]")
         for panel, size in zip(row, sizes, strict=True):
-            panel.set(xscale="log", yscale="log", ylim=(0.4 * FLOOR, TOP))
+            panel.set(xscale="log", yscale="log", ylim=(0.4 * MIN_ERROR, MAX_ERROR))
             panel.set_xlim(0.6 * min(times), 8.0 * max(times))
             panel.set_title(f"N = {size} transducers, M = {count} points", fontsize=9)
             for axis in (panel.xaxis, panel.yaxis):
@@ -171,15 +171,15 @@ def _axes(
 
 
 def _draw(panel: Panel, cells: list[Timed]) -> None:
-    at = {(c.solver, c.mode): (1e3 * c.p50, max(100.0 * c.error, FLOOR)) for c in cells}
+    at = {(c.solver, c.mode): (1e3 * c.p50, max(100.0 * c.error, MIN_ERROR)) for c in cells}
     texts: list[Text] = []
     for c in cells:
         x, y = at[c.solver, c.mode]
         colour, marker = style(c.family)
-        alpha = 0.4 if c.scale < WEAK else 1.0
+        alpha = 0.4 if c.scale < MIN_FRONT_SCALE else 1.0
         if c.mode == REFERENCE:
             panel.axvline(x, color=colour, linestyle=":", linewidth=1)
-            panel.text(x, 0.6 * FLOOR, f" {c.solver}", color=colour, fontsize=SMALL)
+            panel.text(x, 0.6 * MIN_ERROR, f" {c.solver}", color=colour, fontsize=SMALL)
         elif c.mode == "warm":
             panel.plot(x, y, marker, color=colour, ms=4, mfc="none", mew=0.8, alpha=alpha)
             if cold := at.get((c.solver, "cold")):
@@ -188,9 +188,11 @@ def _draw(panel: Panel, cells: list[Timed]) -> None:
             panel.plot(x, y, marker, color=colour, ms=5, zorder=6, alpha=alpha)
             scale = "" if abs(c.scale - 1.0) < 0.01 else f" x{c.scale:.2f}"
             texts.append((c.solver + scale, x, y, colour))
-    front = _front([at[c.solver, "cold"] for c in cells if c.mode == "cold" and c.scale >= WEAK])
+    front = _front(
+        [at[c.solver, "cold"] for c in cells if c.mode == "cold" and c.scale >= MIN_FRONT_SCALE]
+    )
     if front:
-        front = [(front[0][0], TOP), *front, (panel.get_xlim()[1], front[-1][1])]
+        front = [(front[0][0], MAX_ERROR), *front, (panel.get_xlim()[1], front[-1][1])]
         panel.step(*zip(*front, strict=True), where="post", color="0.87", linewidth=3, zorder=0)
     panel.grid(color="0.94", linewidth=0.5)
     label(panel, texts, [at[c.solver, c.mode] for c in cells if c.mode == "warm"])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 GRID = 240  # points along the longer edge
 MARGIN, HALF_WIDTH = 0.03, 0.08  # margin around samples; the same without samples [m]
-BESIDE = 0.012  # distance up to which samples are marked in a plane [m]
+MAX_PLANE_DISTANCE = 0.012  # distance up to which samples are marked in a plane [m]
 MAX_CIRCLES = 24  # samples up to which circles mark them; more are dots, which hide less
 AHEAD = 0.2  # distance before the array to look at without samples [m]
 BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
@@ -77,7 +77,7 @@ class Plane:
             (up - corner) / np.linalg.norm(up - corner),
         )
         away = points - corner
-        kept = away[np.abs(away @ np.cross(x, y)) < BESIDE]
+        kept = away[np.abs(away @ np.cross(x, y)) < MAX_PLANE_DISTANCE]
         return np.stack([self.u[0] + kept @ x, self.v[0] + kept @ y], axis=-1)
 
 

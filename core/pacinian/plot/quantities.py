@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Show = Literal["radiation", "pressure", "level", "phase"]
 
-DEEP = 40.0  # range of levels drawn below the loudest [dB]
+LEVEL_RANGE = 40.0  # range of levels drawn below the loudest [dB]
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
     known = found[clear & np.isfinite(found)]
     most = float(known.max(initial=-np.inf))
     if show == "level":
-        return (most - DEEP, most) if np.isfinite(most) else (0.0, DEEP)
+        return (most - LEVEL_RANGE, most) if np.isfinite(most) else (0.0, LEVEL_RANGE)
     return 0.0, most if most > 0.0 else 1.0
 
 

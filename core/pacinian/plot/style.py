@@ -14,7 +14,7 @@ Panel = Any  # Matplotlib's axes: its stubs leave too much open
 COLUMN = 3.5  # [inch], of a paper with two columns
 TEXT, SMALL = 8.0, 7.0  # [pt]: labels; ticks, legends, notes
 THIN, LINE = 0.6, 1.0  # [pt]: frames; curves
-PASSES = 6  # maximum number of layout passes, until nothing is cut off
+MAX_LAYOUT_PASSES = 6  # maximum number of layout passes, until nothing is cut off
 
 MAP, CYCLIC = "viridis", "twilight"
 # The colours of Okabe and Ito.
@@ -61,7 +61,7 @@ def dress(page: Figure) -> Figure:
     for text in page.texts:
         text.set_fontsize(TEXT)
     layout: Any = page.get_layout_engine()
-    for _ in range(PASSES):  # ticks depend on the room, and the room on the ticks
+    for _ in range(MAX_LAYOUT_PASSES):  # ticks depend on the room, and the room on the ticks
         layout.execute(page)
         box, (width, height) = page.get_tightbbox(), page.get_size_inches()
         if box.x0 > 0.0 and box.y0 > 0.0 and box.x1 < width and box.y1 < height:

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
     from pacinian.types import Flags, Floats
 
-MAX_VALUES, BINS = 600, 150  # values up to which each is drawn; bins if there are more
+MAX_VALUES, HISTOGRAM_BINS = 600, 150  # values up to which each is drawn; bins if there are more
 TALL = 1.6  # height of a panel [inch]
-EACH = 20  # least number of ticks per share
-GAP = 1.5  # interval between two frames from which ticks count as missed [periods]
+MIN_SHARE_TICKS = 20  # least number of ticks per share
+MAX_FRAME_INTERVAL = 1.5  # interval between two frames from which ticks count as missed [periods]
 PALE = "#99d6c4"
 ABOVE = {
     "loc": "lower right",
@@ -154,7 +154,9 @@ def _of_recording(recording: Recording) -> dict[str, Callable[[Panel], None]]:
 
     def skipped(panel: Panel) -> None:
         end = max(course.t[-1], course.period)
-        edges = np.linspace(0.0, end, int(np.clip(len(course.t) // EACH, 2, BINS)))
+        edges = np.linspace(
+            0.0, end, int(np.clip(len(course.t) // MIN_SHARE_TICKS, 2, HISTOGRAM_BINS))
+        )
         kept, missed, seen = (
             np.histogram(t, edges)[0] for t in (course.t[course.kept], course.missed, course.t)
         )
@@ -229,7 +231,7 @@ def _course(recording: Recording) -> _Course:
     time, means, mosts, took, lates, kept, anew = np.array(rows).T
     steps = np.diff(time, prepend=time[0])
     period = float(np.median(steps[1:])) if len(rows) > 1 else 1.0 / recording.capability.rate
-    gaps = np.flatnonzero(steps > GAP * period)
+    gaps = np.flatnonzero(steps > MAX_FRAME_INTERVAL * period)
     missed = [np.arange(time[k - 1] + period, time[k] - period / 2.0, period) for k in gaps]
     return _Course(
         time - time[0], means, mosts, took, lates, kept > 0.0,
@@ -255,10 +257,10 @@ def _line(panel: Panel, x: Floats, y: Floats, colour: str, name: str = "") -> No
     if len(x) <= MAX_VALUES:
         steps = np.diff(x)
         usual = np.median(steps) if len(steps) else 0.0
-        after = 1 + np.flatnonzero(steps > GAP * usual)
+        after = 1 + np.flatnonzero(steps > MAX_FRAME_INTERVAL * usual)
         panel.plot(np.insert(x, after, np.nan), np.insert(y, after, np.nan), **given)
         return
-    parts = np.array_split(np.arange(len(x)), BINS)
+    parts = np.array_split(np.arange(len(x)), HISTOGRAM_BINS)
     middle = [x[part[len(part) // 2]] for part in parts]
     low, half, high = (
         np.array([f(y[part]) for part in parts]) for f in (np.min, np.median, np.max)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Limits
     from pacinian.types import ArrayLike
 
-FLOOR = 1e-6  # least relative error drawn, about single precision
+MIN_ERROR = 1e-6  # least relative error drawn, about single precision
 SETTINGS = "steps", "passes"  # names of settings that limit the iterations
 MAX_LOOKS = 100_000  # maximum number of clock readings
 TALL = 2.6  # [inch]
@@ -86,12 +86,12 @@ def convergence(
         dict(trace(array, points, amplitudes, one, phases, limits=limits, medium=medium))
         for one in chosen
     ]
-    errors = [100.0 * max(error, FLOOR) for found in traces for error in found.values()]
+    errors = [100.0 * max(error, MIN_ERROR) for found in traces for error in found.values()]
     panel.set_ylim(min(0.6 * min(errors), 0.1 * max(errors)), 2.5 * max(errors))
     for k, (one, found) in enumerate(zip(chosen, traces, strict=True)):
         colour, mark = CURVES[k % len(CURVES)], MARKS[k % len(MARKS)]
         x = sorted(found)
-        y = [100.0 * max(found[n], FLOOR) for n in x]
+        y = [100.0 * max(found[n], MIN_ERROR) for n in x]
         name = one if isinstance(one, str) else one.name
         if x == [0]:
             panel.axhline(y[0], color=colour, linestyle="--", linewidth=LINE)

@@ -31,7 +31,7 @@ WINDOW = 0.05  # length of a window of the spectrogram [s]
 PADDING = 8  # times that the spectrum is finer than its resolution, so that peaks keep their height
 STEPS = 4  # windows that overlap each other
 MIN_WINDOWS = 2  # windows in the shortest spectrogram
-DEEP = 60.0  # range of levels drawn below the loudest [dB]
+LEVEL_RANGE = 60.0  # range of levels drawn below the loudest [dB]
 MIN_POWER = 1e-30  # smallest relative power, so that its level is finite
 
 
@@ -94,7 +94,7 @@ def spectrogram(
         raise ArgumentError("duration", f"must be {least:g} s or more, to separate frequencies")
     t, frequency, level = compute_audible_levels(emission, point, bandwidth)
     image = panel.pcolormesh(
-        t, frequency, np.maximum(level, level.max() - DEEP), cmap="magma", shading="nearest",
+        t, frequency, np.maximum(level, level.max() - LEVEL_RANGE), cmap="magma", shading="nearest",
         rasterized=True,
     )  # fmt: skip
     panel.set(

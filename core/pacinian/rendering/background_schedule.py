@@ -11,7 +11,8 @@ LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
 TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
-SHORT = 0.5  # duration within which a solve must fit to run in a tick again, relative to the period
+# Duration within which a solve must fit to run in a tick again, relative to the period.
+SHORT_SHARE = 0.5
 # successive short solves before solving returns into the ticks: at first, and at most; doubled after each return
 MIN_FITTING, MAX_FITTING = 256, 4096
 PENALTY = 8  # short solves that a long one cancels; the machine may have caused it, so it does not cancel all
@@ -88,7 +89,7 @@ class BackgroundSchedule:
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:
         """Take account of a solve beside the ticks that took `seconds` [s]. whole: whether no sample was dropped."""
-        fits = whole and seconds < SHORT * self.period
+        fits = whole and seconds < SHORT_SHARE * self.period
         self._seconds.append(seconds)
         self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)
         self._fits = self._fits + 1 if fits else max(0, self._fits - PENALTY)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Flags, Floats, Longs
 
-TOUCHING = 1e-5  # distance within which a sample is on a transducer [m]
-CELL, CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
+TOUCHING_DISTANCE = 1e-5  # distance within which a sample is on a transducer [m]
+CELL_SIZE, MAX_CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
 MAX_SUBSET = 128  # most transducers used to compute this power
 MIN_PRESSURE = 1e-300
 WEAKENED_BELOW = 0.5  # fraction of a target below which its sample counts as weakened
@@ -38,7 +38,7 @@ class ReachabilityFilter:
         self._cells: Longs = np.empty(0, np.int64)  # known cells, ascending
         self._powers: Floats = np.empty(0)  # in these cells [Pa^2]
         away = np.abs(array.positions - self._propagator.origin)
-        self._extent = away.max(axis=0) + TOUCHING  # [m]
+        self._extent = away.max(axis=0) + TOUCHING_DISTANCE  # [m]
 
     def find_reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
         """Return whether sound can be sent to each point of q, (M, 3) [m]: not too far, and not on a transducer.
@@ -71,7 +71,7 @@ class ReachabilityFilter:
         if self._medium.singular and inside.any():
             for m in np.flatnonzero(inside & ~far):
                 r = self._array.positions - q[m]
-                on[m] = (r * r).sum(axis=1).min() < TOUCHING**2  # where no hand can be
+                on[m] = (r * r).sum(axis=1).min() < TOUCHING_DISTANCE**2  # where no hand can be
         return far, on
 
     def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
@@ -86,23 +86,23 @@ class ReachabilityFilter:
 
     def _free(self, q: Floats) -> Floats:
         """Return the power of the sound at points q, (M, 3) [m], without facing and occlusion, (M,) [Pa^2]."""
-        if len(self._cells) > CELLS:
+        if len(self._cells) > MAX_CELLS:
             self._cells, self._powers = self._cells[:0], self._powers[:0]
         powers, missing = np.empty(len(q)), np.empty(len(q), np.int64)
-        count = kernels.look_up(q, CELL, self._cells, self._powers, powers, missing)
+        count = kernels.look_up(q, CELL_SIZE, self._cells, self._powers, powers, missing)
         if count:
             try:
                 self._learn(np.unique(missing[:count]))
             except PointOnTransducer:  # so close to a transducer, all sound counts
                 return np.full(len(q), MIN_PRESSURE)
-            kernels.look_up(q, CELL, self._cells, self._powers, powers, missing)
+            kernels.look_up(q, CELL_SIZE, self._cells, self._powers, powers, missing)
         return powers
 
     def _learn(self, new: Longs) -> None:
         """Compute the powers of cells of these numbers, ascending, and keep them."""
         z, rest = new % kernels.SIDE, new // kernels.SIDE
         place = np.stack([rest // kernels.SIDE, rest % kernels.SIDE, z], axis=1) - kernels.LARGEST
-        B = matrix(self._some, CELL * (place + 0.5), self._medium)
+        B = matrix(self._some, CELL_SIZE * (place + 0.5), self._medium)
         share = len(self._array) / len(self._some)
         powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
         cells = np.concatenate([self._cells, new])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
 
 
-GAP = 0.1  # gap between frames above which the device is silenced [s]
+MAX_FRAME_GAP = 0.1  # gap between frames above which the device is silenced [s]
 MAX_GAP = 3600.0  # gap between frames above which a recording is taken to be damaged [s]
 
 
@@ -58,7 +58,7 @@ def replay(
                 offset = clock.now() - frame.time
             elif frame.time - end > MAX_GAP:
                 raise RecordingError(recording.path, f"pauses for {frame.time - end:.0f} s")
-            elif tick.begins or frame.time - end > GAP:
+            elif tick.begins or frame.time - end > MAX_FRAME_GAP:
                 clock.wait_until(min(end, frame.time) + offset)
                 backend.silence()
             end = frame.time + len(frame.phase) / had.rate

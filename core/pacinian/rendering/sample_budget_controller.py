@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 MAX_LOAD = 0.75  # duration of a tick, over the period, above which the budget shrinks
 MIN_LOAD = 0.5  # duration of a tick, over the period, up to which the budget may grow
 MAX_LONG_TICKS = 8  # successive long ticks before it shrinks; a few may be due to the machine
-FAR_TOO_LATE = 3.0  # duration of a tick, over the period, above which SOON_TICKS suffice
+FAR_TOO_LATE_RATIO = 3.0  # duration of a tick, over the period, above which SOON_TICKS suffice
 SOON_TICKS = 2  # successive ticks that are far too late, before it shrinks
 WAIT = 50  # short ticks before it grows; doubled each time that it must shrink again after growing
 MAX_WAIT = (
@@ -47,7 +47,7 @@ class SampleBudgetController:
         soon = min(last[-SOON_TICKS:])
         slow = len(last) == MAX_LONG_TICKS and min(last) > MAX_LOAD * self.period
         if samples > MIN_BUDGET and (
-            slow or (len(last) >= SOON_TICKS and soon > FAR_TOO_LATE * self.period)
+            slow or (len(last) >= SOON_TICKS and soon > FAR_TOO_LATE_RATIO * self.period)
         ):
             share = (AIM * self.period / (min(last) if slow else soon)) ** 0.5
             fewer = max(MIN_BUDGET, int(samples * min(share, 0.9)))

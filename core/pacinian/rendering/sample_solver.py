@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
-BETTER = 0.99  # largest ratio of new to old error at which a late solution counts as improved
+# Largest ratio of new to old error at which a late solution counts as improved.
+MAX_ERROR_RATIO = 0.99
 MAX_TRIES = 6  # successive solves without improvement after which the next one waits
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
@@ -214,7 +215,7 @@ class SampleSolver:
             self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline,
             again=kept is not None,
         )  # fmt: skip
-        better = kept is None or made.solution.error <= BETTER * kept.solution.error
+        better = kept is None or made.solution.error <= MAX_ERROR_RATIO * kept.solution.error
         if kept is not None and kept.evaluated and not better:
             failures, final = kept.failed_improvements + 1, made.final
             waits = final or failures >= MAX_TRIES

@@ -37,20 +37,21 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Gains, Indices
 
 SPACING = 0.58  # of the first points, over the wavelength
-HIDDEN = 8.0  # largest ratio of a peak between these points to the pressure at the nearest of them
-AWAY = -0.5  # cosine from a normal to every transducer, below which a first point is skipped
+# Largest ratio of a peak between these points to the pressure at the nearest of them.
+MAX_HIDDEN_RATIO = 8.0
+MIN_COSINE = -0.5  # cosine from a normal to every transducer, below which a first point is skipped
 SEEN_BY = 32  # transducers that stand for all in this, besides the corners of the array's box
 RINGS = 3  # of points around the strongest at last
 FINEST = 0.05  # their spacing, over the wavelength
-LARGE = 1.25  # size of a hand, over the usual one, from which there are wider rings first
-PEAKS = 16  # most points around which to look at last
-NEAR_PEAK = 0.6  # of the highest pressure, from which they may hide a higher one
+MIN_LARGE_SIZE = 1.25  # size of a hand, over the usual one, from which there are wider rings first
+MAX_PEAKS = 16  # most points around which to look at last
+MIN_PEAK_SHARE = 0.6  # of the highest pressure, from which they may hide a higher one
 CHUNK = 64  # points that are evaluated at a time
-PHASES = 16  # of the sum of groups, from which its largest amplitude is found
+SUM_PHASES = 16  # of the sum of groups, from which its largest amplitude is found
 MARGIN = 1.03  # of the pressure, because the finest points may miss a peak
 MIN_LENGTH = 1e-9  # [m]
 FAR_BELOW = 0.25  # of the limit: highest pressure after which the next solutions are not evaluated,
-NOT_EVALUATED = 7  # at most so many of them,
+MAX_NOT_EVALUATED = 7  # at most so many of them,
 MORE = 1.2  # none of which drives or asks for more than so many times as much, or lies a wavelength away
 
 
@@ -132,7 +133,7 @@ class SkinLimit:
     def _is_like_last(self, look: _Look) -> bool:
         """Return whether a solution is not evaluated, because it is like the last one that was."""
         last = self._last
-        if last is None or self._passed == NOT_EVALUATED:
+        if last is None or self._passed == MAX_NOT_EVALUATED:
             return False
         away = look.middle - last.middle
         more = look.drive > MORE * last.drive or look.asked > MORE * last.asked
@@ -151,9 +152,9 @@ class SkinLimit:
             return 0.0
         points, normals, owner, P = self._find_strong(parts, skins, samples, limit, capsules)
         peak, stretch = float(P.max(initial=0.0)), max(map(_stretch, skins))
-        for step in (stretch, 1.0) if stretch > LARGE else (1.0,):
-            best = np.argsort(P)[-PEAKS:]
-            best = best[P[best] >= NEAR_PEAK * max(peak, limit)]
+        for step in (stretch, 1.0) if stretch > MIN_LARGE_SIZE else (1.0,):
+            best = np.argsort(P)[-MAX_PEAKS:]
+            best = best[P[best] >= MIN_PEAK_SHARE * max(peak, limit)]
             if not len(best):
                 break
             points, normals = spread(
@@ -183,10 +184,12 @@ class SkinLimit:
             level = skin.skin.level(round(SPACING * self._wavelength / _stretch(skin), 6))
             nodes, owners = skin.skin.counts[level], skin.skin.share[level].indices
             P = np.zeros(nodes)
-            shown = self._find_shown(skin, np.arange(nodes), AWAY)
+            shown = self._find_shown(skin, np.arange(nodes), MIN_COSINE)
             P[shown] = self._evaluate(parts, skin.points[shown])
             # what bending uncovers has none of the first points near it
-            near = np.flatnonzero((limit / HIDDEN <= P)[owners].any(axis=1) | skin.skin.hidden)
+            near = np.flatnonzero(
+                (limit / MAX_HIDDEN_RATIO <= P)[owners].any(axis=1) | skin.skin.hidden
+            )
             near = self._find_shown(skin, near, 0.0)
             found.append((skin.points[near], skin.normals[near]))
         owner = np.repeat(np.arange(-1, len(skins)), [len(points) for points, _ in found])
@@ -257,10 +260,10 @@ def _stretch(skin: PosedSkin) -> float:
 
 def sum_up(z: Complexes) -> Floats:
     """Return the largest |sum_v a_v z_v| over all 0 <= a_v <= 1, from above by at most 2 %, (K,). z: (V, K)."""
-    turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
-    along = (turn[:, None, None] * z).real  # (PHASES, V, K)
+    turn = np.exp(-2j * np.pi * np.arange(SUM_PHASES) / SUM_PHASES)
+    along = (turn[:, None, None] * z).real  # (SUM_PHASES, V, K)
     largest = np.maximum(along, 0.0).sum(axis=1).max(axis=0)
-    return np.asarray(largest / math.cos(math.pi / PHASES))
+    return np.asarray(largest / math.cos(math.pi / SUM_PHASES))
 
 
 def spread(points: Floats, normals: Floats, rings: int, spacing: float) -> tuple[Floats, Floats]:

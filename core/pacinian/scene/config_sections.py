@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound=Struct)
 
-FINEST = 1e-4  # smallest spacing of samples [m], about a hundredth of a wavelength
+MIN_SPACING = 1e-4  # smallest spacing of samples [m], about a hundredth of a wavelength
 
 
 class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
@@ -119,7 +119,7 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
         # The same checks as in `Sampler`, which a guard does not load, because it must restart quickly.
         check_integer("budget", self.budget, low=1)
         if self.spacing is not None:
-            check_number("spacing", check_length("spacing", self.spacing), low=FINEST)
+            check_number("spacing", check_length("spacing", self.spacing), low=MIN_SPACING)
 
 
 class Workspace(Struct, frozen=True, forbid_unknown_fields=True):

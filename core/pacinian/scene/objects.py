@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 SPOT = math.pi * 0.00425**2  # default area of a point [m^2]: a disc one wavelength across
 WAVELENGTH = 0.0085  # default width of paths and diameter of particles [m]
 THICKNESS = 0.02  # default depth down to which a surface is felt [m]
-CROWD = 100_000  # largest number of particles in one object
+MAX_PARTICLES = 100_000  # largest number of particles in one object
 ORIGIN = np.zeros(3)
 
 
@@ -142,9 +142,9 @@ class Particles(
 
     def __post_init__(self) -> None:
         places = check_numbers("positions", self.positions, (None, 3))
-        if len(places) > CROWD:
+        if len(places) > MAX_PARTICLES:
             raise ArgumentError(
-                "positions", f"must be at most {CROWD} particles, not {len(places)}"
+                "positions", f"must be at most {MAX_PARTICLES} particles, not {len(places)}"
             )
         check_near("positions", places, ORIGIN)
         force_setattr(self, "positions", tuple(map(tuple, places.tolist())))

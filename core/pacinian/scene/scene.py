@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Scene", "Workspace"]
 
-DRAWN = 500  # largest number of objects drawn in a notebook
+MAX_DRAWN = 500  # largest number of objects drawn in a notebook
 KINDS = Point, Path, Particles, Surface, Volume
 
 
@@ -148,7 +148,7 @@ class Scene:
         """Draw the objects' bounding spheres and the hands' joints from the side."""
         from matplotlib.patches import Circle
 
-        for x, _, z, *_, radius in 1e3 * self.bounds[:DRAWN]:
+        for x, _, z, *_, radius in 1e3 * self.bounds[:MAX_DRAWN]:
             panel.add_patch(Circle((x, z), max(radius, 2.0), alpha=0.5))
         for hand in self.hands:
             if not hand.lost:

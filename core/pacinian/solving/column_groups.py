@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
 PROJECTIONS = 4  # random projections by which columns are compared
-NEIGHBOURS = 8  # window in the order of the first projection within which equal columns are sought
+# Window in the order of the first projection within which equal columns are sought.
+SEARCH_WINDOW = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,7 @@ def _first(F: Floats, tolerance: float) -> Indices:
     """Return for each column of F, sorted by its first row, the index of the first equal column, (N,)."""
     index = np.arange(F.shape[1])
     first = index.copy()
-    for s in range(1, min(len(index), NEIGHBOURS)):
+    for s in range(1, min(len(index), SEARCH_WINDOW)):
         near = np.abs(F[:, s:] - F[:, :-s]).max(axis=0) <= tolerance
         near &= first[s:] == index[s:]
         first[s:][near] = index[:-s][near]

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 MAX_CORRECTIONS = 2  # most solves that correct what the first solve for regions has left missing
-WORTHWHILE = 0.98  # largest ratio of the errors after and before a correction at which it is kept
+# Largest ratio of the errors after and before a correction at which it is kept.
+MAX_ERROR_RATIO = 0.98
 MAX_CORRECTION = 2.0  # largest ratio between a corrected amplitude and its target, either way
 
 

@@ -20,14 +20,16 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
-NEIGHBOURS = 1.5  # largest distance of neighbours, in distances to the nearest other sample
+# Largest distance of neighbours, in distances to the nearest other sample.
+MAX_NEIGHBOUR_DISTANCE = 1.5
 MERGE_DISTANCE = 1e-4  # samples up to this far apart count as one place [m]
-CELLS = 28  # nearest samples to query: itself, 26 that may be within SAME, and one that is not
-ON = 1e-5  # places up to this far from a transducer count as on it [m]
+# Nearest samples to query: itself, 26 that may be within SAME, and one that is not.
+NEAREST_QUERIED = 28
+TOUCHING_DISTANCE = 1e-5  # places up to this far from a transducer count as on it [m]
 BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region [m]
 AROUND = 12  # number of directions of these places
-HOLE = 0.5  # fraction of the target below which a place is a hole
-EVEN_FORCE, EVEN_RMS = 0.05, 0.10  # largest errors of a region that counts as even
+MIN_FELT_SHARE = 0.5  # fraction of the target below which a place is a hole
+MAX_FORCE_ERROR, MAX_RMS = 0.05, 0.10  # largest errors of a region that counts as even
 
 
 class FeltRegion(NamedTuple):
@@ -52,7 +54,7 @@ class FeltRegion(NamedTuple):
     @property
     def even(self) -> bool:
         """Whether the region is as requested: force within 5 %, rms at most 0.10, no holes."""
-        return abs(self.force - 1.0) <= EVEN_FORCE and self.rms <= EVEN_RMS and not self.holes
+        return abs(self.force - 1.0) <= MAX_FORCE_ERROR and self.rms <= MAX_RMS and not self.holes
 
 
 class FeltSums(NamedTuple):
@@ -130,7 +132,7 @@ class FeltPlaces:
             a, b, spacing = _neighbours(points[own])
             first, second = np.append(first, own[a]), np.append(second, own[b])
             if len(own) > 1:
-                near, at = _around(points[own], NEIGHBOURS * spacing, tree)
+                near, at = _around(points[own], MAX_NEIGHBOUR_DISTANCE * spacing, tree)
                 outside, of = np.concatenate([outside, near]), np.append(of, own[at])
         return cls._at(points, targets, facing, (first, second), outside, of)
 
@@ -159,7 +161,7 @@ class FeltPlaces:
         apart[np.arange(2 * count), first] = True
         apart |= square <= MERGE_DISTANCE * MERGE_DISTANCE
         within = np.where(apart, np.inf, square)
-        near = within <= NEIGHBOURS**2 * within.min(axis=1, keepdims=True)
+        near = within <= MAX_NEIGHBOUR_DISTANCE**2 * within.min(axis=1, keepdims=True)
         near &= np.isfinite(within)
         second = np.where(
             near.any(axis=1), (chance.random(near.shape) * near).argmax(axis=1), first
@@ -209,7 +211,7 @@ class FeltPlaces:
             propagator.set_points(self.points, self.facing)
         except PointOnTransducer:
             away = find_nearest(propagator.array.positions, self.points)[0]
-            left = np.flatnonzero(away > ON)
+            left = np.flatnonzero(away > TOUCHING_DISTANCE)
         else:
             return self
         facing = self.facing
@@ -238,7 +240,7 @@ class FeltPlaces:
             inside = own & ~self.beside
             P, t = made[inside], asked[inside]
             e = P - t
-            holes = int(((HOLE * t > P) & (t > 0.0)).sum())
+            holes = int(((MIN_FELT_SHARE * t > P) & (t > 0.0)).sum())
             beside = float(made[own & self.beside].max(initial=0.0))
             found.append(
                 FeltSums(
@@ -263,12 +265,12 @@ def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
 
     kept = np.unique(np.round(points / MERGE_DISTANCE), axis=0, return_index=True)[1]
     tree = KDTree(points[kept])
-    away = np.asarray(tree.query(points[kept], CELLS)[0])
+    away = np.asarray(tree.query(points[kept], NEAREST_QUERIED)[0])
     nearest = np.where((away > MERGE_DISTANCE) & np.isfinite(away), away, np.inf).min(axis=1)
     others = np.flatnonzero(np.isfinite(nearest))
     if not len(others):
         return kept[:1], kept[:1], 0.0
-    near = tree.query_ball_point(points[kept[others]], NEIGHBOURS * nearest[others])
+    near = tree.query_ball_point(points[kept[others]], MAX_NEIGHBOUR_DISTANCE * nearest[others])
     pairs = np.array([(i, j) for i, of in zip(others, near, strict=True) for j in of])
     pairs = np.unique(np.sort(pairs, axis=1), axis=0)
     first, second = pairs[pairs[:, 0] < pairs[:, 1]].T

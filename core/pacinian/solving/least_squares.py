@@ -28,10 +28,10 @@ PHASES = 2e-5  # rounding of phases in single precision, at 0.4 m [rad]
 # Smallest reciprocal condition number of the Gram matrix at which its factor is used. For a singular matrix, LAPACK
 # returns 1e-8 (single) or 1e-16 (double), or less.
 TRUSTED: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
-STEPS = 20  # most refinement steps; 2 or 3 are usual
+MAX_STEPS = 20  # most refinement steps; 2 or 3 are usual
 # Estimated times of a factor in double precision and of singular values, over that of a factor in single precision.
 DOUBLE_TIME, SINGULAR_TIME = 3.0, 16.0
-SHRUNK = 0.1  # largest length of the first step, relative to g, at which X is good enough
+MAX_FIRST_STEP = 0.1  # largest length of the first step, relative to g, at which X is good enough
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,10 +189,10 @@ def refine(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
     eps = float(np.finfo(B.dtype).eps)
     g = normal.pseudo_inverse(B, p)
     first = last = float(np.linalg.norm(g))
-    for step in range(STEPS if first else 0):
+    for step in range(MAX_STEPS if first else 0):
         d = normal.pseudo_inverse(B, p - B @ g.astype(B.dtype, copy=False))
         length = float(np.linalg.norm(d))
-        if not step and not length < SHRUNK * first:
+        if not step and not length < MAX_FIRST_STEP * first:
             return None
         if not length < last / 2.0:  # the rest is rounding
             break

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_subspace import QuietSubspace
     from pacinian.types import Complexes, Floats
 
-ROUNDING = 1e-5  # relative excess up to which only the gains over the limit are clipped
+MAX_CLIPPED_EXCESS = 1e-5  # relative excess up to which only the gains over the limit are clipped
 MAX_PROJECTIONS = 32  # alternating projections of gains for quiet zones
 MAX_QUIET_STEPS = 4  # corrections of gains for quiet points
 # Most quiet points for which gains are corrected; for more they are only scaled down.
@@ -49,7 +49,7 @@ def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool
         power = math.sqrt(limits.power) * (1.0 - 2.0**-21) / root
         most = min(power, 1.0)
         factor = min(factor, power)
-    over = factor < 1.0 - ROUNDING
+    over = factor < 1.0 - MAX_CLIPPED_EXCESS
     if not over and scale != "max":
         factor = most
     # rounding cannot push a gain of this size over the limit

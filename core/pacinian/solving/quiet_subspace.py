@@ -30,17 +30,17 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Floats, Gains
 
-BLOCK = 64  # most rows added to V at a time
+MAX_ROWS_AT_ONCE = 64  # most rows added to V at a time
 LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
 WATCHED = 256  # places of a zone at which each solution is checked
 # V is enlarged down to this fraction of the limit, so that new places keep the limit
 LIMIT_SHARE = 0.5
-FAINT = 0.15  # V gets no rows for pressures below this fraction of the limit
+MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this fraction of the limit
 DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the next block
-ROUNDS = 16  # most rounds of new places
-LARGEST_SHARE = 0.8  # largest fraction of the N dimensions that V may take
+MAX_ROUNDS = 16  # most rounds of new places
+MAX_DIMENSION_SHARE = 0.8  # largest fraction of the N dimensions that V may take
 MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
-SKETCHED = 16  # random mixtures of V's rows; they estimate ||V g|| within a factor of 2
+SKETCH_ROWS = 16  # random mixtures of V's rows; they estimate ||V g|| within a factor of 2
 MAX_PREPARED = 4  # prepared sets of zones that are kept
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
@@ -85,7 +85,7 @@ class QuietSubspace:
                     watched.append(some)
                     break
                 V = _enlarge_basis(V, rest, 1.0 / (LIKELY * rms))
-                if len(V) > LARGEST_SHARE * N or k == ROUNDS:
+                if len(V) > MAX_DIMENSION_SHARE * N or k == MAX_ROUNDS:
                     raise ArgumentError("limits.zones", UNUSABLE)
         return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
 
@@ -108,7 +108,7 @@ class QuietSubspace:
         wave, most = KernelData.prepare(array, medium), 0.0
         for zone in self.zones:
             places = zone.places()
-            for _ in range(ROUNDS + 1):
+            for _ in range(MAX_ROUNDS + 1):
                 next(places)
             p = _rows(wave, next(places)) @ g.astype(np.complex64)
             most = max(most, float(np.abs(p).max()) / zone.pressure)
@@ -175,7 +175,7 @@ def _norms(B: Gains) -> Floats:
 
 def _sketch(V: Gains) -> Gains:
     draw = np.random.default_rng(1).normal(
-        scale=math.sqrt(0.5 / SKETCHED), size=(SKETCHED, len(V), 2)
+        scale=math.sqrt(0.5 / SKETCH_ROWS), size=(SKETCH_ROWS, len(V), 2)
     )
     return np.asarray(draw.view(np.complex128)[..., 0] @ V, np.complex64)
 
@@ -191,7 +191,7 @@ def _enlarge_basis(V: Gains, rest: Gains, most: float) -> Gains:
     """
     while True:
         size = _norms(rest)
-        block = np.argsort(-size)[:BLOCK]
+        block = np.argsort(-size)[:MAX_ROWS_AT_ONCE]
         block = block[size[block] > max(LIMIT_SHARE * most, 0.1 * size[block[0]])]
         if not len(block):
             return V
@@ -199,7 +199,7 @@ def _enlarge_basis(V: Gains, rest: Gains, most: float) -> Gains:
         for _ in range(2):  # twice, because of rounding
             _leave_out(V, X)
         power, ways = np.linalg.eigh(X @ X.conj().T)
-        kept = power > max((FAINT * most) ** 2, DISTINCT * DISTINCT * power[-1])
+        kept = power > max((MIN_PRESSURE_SHARE * most) ** 2, DISTINCT * DISTINCT * power[-1])
         new = (ways[:, kept].conj().T @ X) / np.sqrt(power[kept])[:, None]
         new = new.astype(np.complex64)
         V = np.concatenate([V, new])

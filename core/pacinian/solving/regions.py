@@ -38,8 +38,8 @@ GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # most transducers used to compute the array's radius
 ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the mean of diag(G)
 TURNS = 16  # number of these steps
-LITTLE_SAVED = 0.07  # no steps are taken if the first saves at most this fraction of the cost
-MUCH_SAVED = 0.17  # steps have full length if the first saves at least this fraction
+MIN_SAVED_SHARE = 0.07  # no steps are taken if the first saves at most this fraction of the cost
+FULL_STEP_SHARE = 0.17  # steps have full length if the first saves at least this fraction
 
 
 def joint_phases(
@@ -191,7 +191,7 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     rest = costly(p)
     after = turned(np.angle(p - rest))
     saved = 1.0 - float(np.vdot(after, costly(after)).real) / float(np.vdot(p, rest).real)
-    step = float(np.clip((saved - LITTLE_SAVED) / (MUCH_SAVED - LITTLE_SAVED), 0.0, 1.0))
+    step = float(np.clip((saved - MIN_SAVED_SHARE) / (FULL_STEP_SHARE - MIN_SAVED_SHARE), 0.0, 1.0))
     for _ in range(TURNS if step else 0):
         p = turned(np.angle(p - step * costly(p)))
     return np.asarray(np.angle(p), np.float64)

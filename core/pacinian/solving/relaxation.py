@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 16  # most points M; a step handles M^2 columns and takes some 10 ms
 MAX_STEPS, MIN_STEP = 150, 1e-6
-CENTRED, LOWER = 0.25, 8.0  # tau is divided by LOWER once a Newton step is at most CENTRED long
-CLOSE, NONE = 1e-2, 1e-6  # largest relative gap at which to stop; smallest bound it is relative to
+# Tau is divided by TAU_DIVISOR once a Newton step is at most MAX_CENTRED_STEP long.
+MAX_CENTRED_STEP, TAU_DIVISOR = 0.25, 8.0
+# Largest relative gap at which to stop; smallest bound it is relative to.
+MAX_GAP, MIN_BOUND = 1e-2, 1e-6
 BEGIN = 0.2  # initial b, relative to ||B|| / sqrt(N)
 
 
@@ -51,10 +53,10 @@ def least_error(B: Complexes, t: Floats) -> float:
                 (a, b), value = new, higher
                 break
             share /= 2.0
-        if length <= CENTRED or share <= MIN_STEP:
-            if tau * (M + 2 * N) <= CLOSE * max(float(a.sum() - b.sum()), NONE):
+        if length <= MAX_CENTRED_STEP or share <= MIN_STEP:
+            if tau * (M + 2 * N) <= MAX_GAP * max(float(a.sum() - b.sum()), MIN_BOUND):
                 break
-            tau /= LOWER
+            tau /= TAU_DIVISOR
             value = _barrier(B, t, a, b, tau)
     return math.sqrt(max(prove_bound(B, t, a, b), 0.0))
 

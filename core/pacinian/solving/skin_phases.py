@@ -31,8 +31,8 @@ MAX_TRANSDUCERS = 500  # most transducers that stand for all
 MAX_SAMPLES = 400  # phases of more samples are not relaxed
 COLD, WARM = 10, 2  # steps from the wave, and from the phases of the last solution
 DAMPING = 3e-3  # relative to the largest squared amplitude
-FAINT = 0.03  # amplitude below which damping no longer falls, relative to the largest
-FARTHEST = 0.5  # longest step of a phase [rad]
+MIN_AMPLITUDE = 0.03  # amplitude below which damping no longer falls, relative to the largest
+MAX_PHASE_STEP = 0.5  # longest step of a phase [rad]
 
 
 def relax_phases(
@@ -97,7 +97,7 @@ def _step(R: Complexes, size: Singles, own: Flags, start: Floats, steps: int) ->
     phases, best, least = start, start, np.inf
     which = np.flatnonzero(own)
     inner = R[np.ix_(which, which)]
-    damping = DAMPING * np.maximum(size[own], FAINT) ** 2
+    damping = DAMPING * np.maximum(size[own], MIN_AMPLITUDE) ** 2
     for _ in range(steps + 1):
         p = _turn(size, phases)
         y = R @ p
@@ -113,5 +113,5 @@ def _step(R: Complexes, size: Singles, own: Flags, start: Floats, steps: int) ->
         if failed or not longest < np.inf:
             break
         phases = phases.copy()
-        phases[own] += step * min(1.0, FARTHEST / max(longest, FARTHEST))
+        phases[own] += step * min(1.0, MAX_PHASE_STEP / max(longest, MAX_PHASE_STEP))
     return best

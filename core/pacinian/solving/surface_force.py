@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 ELEMENTS = 1 << 22  # elements of B at once
-FLAT = 1.0 - 1e-9  # least cosine between the normals of a flat surface
+MIN_FLAT_COSINE = 1.0 - 1e-9  # least cosine between the normals of a flat surface
 
 
 def surface_force(
@@ -27,7 +27,7 @@ def surface_force(
     single precision. Raises ArgumentError, PointOnTransducer.
     """
     array = solution.array
-    if len(points) and (normals @ normals[0]).min() > FLAT:
+    if len(points) and (normals @ normals[0]).min() > MIN_FLAT_COSINE:
         aside = float((array.centre - points.mean(axis=0)) @ normals[0])
         normals = -normals if aside < 0.0 else normals
     facing, propagator = SkinFacing(normals), Propagator(array, solution.medium)

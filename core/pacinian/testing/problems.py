@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats, Longs
 
-ABOVE = 0.15  # height of regions above the array [m]
+REGION_HEIGHT = 0.15  # height of regions above the array [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
 
     level: norm of the amplitudes, relative to the pressure of a single focus at full drive. Targets beside are 0.
     """
-    q = shape.points + array.centre + [0.0, 0.0, ABOVE - HEIGHT]
+    q = shape.points + array.centre + [0.0, 0.0, REGION_HEIGHT - HEIGHT]
     t = np.where(shape.regions == BESIDE, 0.0, 1.0)
     t *= (
         level * float(np.abs(matrix(array, q, Air())).sum(axis=1).mean()) / float(np.linalg.norm(t))

@@ -43,7 +43,7 @@ T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
 
 UPDATE_INTERVAL = 1.0 / 30.0  # interval between updates [s]
-JUMP = 1.0  # minimum jump after which the charts are refilled [s]
+MIN_JUMP = 1.0  # minimum jump after which the charts are refilled [s]
 # Kinds that a newer message of another kind makes obsolete.
 AGAINST = {
     "array": ("lost",),
@@ -135,7 +135,7 @@ class FeedPlayer:
         if self._model is not None:
             pages = set(self._hub.views)
             # A page that joins later, also while nothing plays, receives the past that was sent last.
-            if self.time - self._past > JUMP or pages - self._pages or not self.playing:
+            if self.time - self._past > MIN_JUMP or pages - self._pages or not self.playing:
                 past = collect_history(self._recorded, self._recorded.entries[:place], self._model)
                 self._hub.put("history", past)
             self._past, self._pages = self.time, pages

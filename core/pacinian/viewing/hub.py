@@ -23,7 +23,7 @@ BASIS = "hello", "array", "lost"  # values that all others depend on, so they ar
 ORDER = "record", "replay", "history", "histogram", "silence", "frame", "state"
 NOW = "histogram", "silence", "frame", "state"  # values that expire soon
 GONE = "array", *NOW  # values removed when the server is lost
-EVENTS = 64  # maximum number of refusals that wait for one page
+MAX_WAITING_REFUSALS = 64  # maximum number of refusals that wait for one page
 
 
 class Drive(NamedTuple):
@@ -153,7 +153,7 @@ class View:
 
     def __init__(self, hub: Hub, number: int, wake: Callable[[], object]) -> None:
         self.number, self.wake = number, wake
-        self.events = deque[bytes](maxlen=EVENTS)
+        self.events = deque[bytes](maxlen=MAX_WAITING_REFUSALS)
         self._hub = hub
         self._seen: dict[str, int] = {}
         self._scenery = SceneMirror()

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from pacinian.wire.objects import Object
 
 # number of times in a period at which its mean is computed; without a period the most
-POINTS = 2000
+PERIOD_POINTS = 2000
 INTERVAL = 5e-4  # interval of these times where there is no period [s]
-REPEATS = 1000  # maximum number of periods of one wave until it meets another
-WIDE = 0.2  # largest gap, in periods, up to which the frames show the whole period
+MAX_REPEATS = 1000  # maximum number of periods of one wave until it meets another
+MAX_GAP = 0.2  # largest gap, in periods, up to which the frames show the whole period
 CLOSE = 1e-9  # error of a mean that is small enough
-ROUNDS = 30  # maximum number of corrections of negative shares
-FAINT = 1e-6  # singular values below this share of the largest count as zero
+MAX_ROUNDS = 30  # maximum number of corrections of negative shares
+MIN_SINGULAR_VALUE = 1e-6  # singular values below this share of the largest count as zero
 PERIODS = {"impulsive": 0.25, "rapturous": 1.5, "buzzing": 0.004}  # of presets [s]
 
 
@@ -77,8 +77,10 @@ def share_time(
         rows += [np.asarray(parts == part, np.float64) for part in found]
         means += [1.0 / len(found)] * len(found)
     A, b = np.array(rows), np.array(means)
-    correct = (A * shares).T @ np.linalg.pinv((A * shares) @ A.T, rcond=FAINT, hermitian=True)
-    for _ in range(ROUNDS):
+    correct = (A * shares).T @ np.linalg.pinv(
+        (A * shares) @ A.T, rcond=MIN_SINGULAR_VALUE, hermitian=True
+    )
+    for _ in range(MAX_ROUNDS):
         shares = np.maximum(shares + correct @ (b - A @ shares), 0.0)
         if np.abs(b - A @ shares).max() < CLOSE:
             break
@@ -110,7 +112,7 @@ def _share_period(times: Floats, modulations: Iterable[Modulation]) -> Floats:
     place = times / period % 1.0
     order = np.argsort(place)
     gaps = np.diff(place[order], append=place[order[0]] + 1.0)
-    if gaps.max() > WIDE:
+    if gaps.max() > MAX_GAP:
         return equal
     shares = np.empty(len(times))
     shares[order] = (gaps + np.roll(gaps, 1)) / 2.0
@@ -127,7 +129,7 @@ def _compute_mean(modulation: Modulation, begin: float, end: float) -> float:
     """Return the mean strength over a period, or from `begin` to `end` [s] if there is none."""
     if (mean := _mean_of_period(modulation)) is not None:
         return mean
-    count = min(max(1, math.ceil((end - begin) / INTERVAL)), POINTS)
+    count = min(max(1, math.ceil((end - begin) / INTERVAL)), PERIOD_POINTS)
     return float(_compute_strength(modulation, np.linspace(begin, end, count)).mean())
 
 
@@ -137,7 +139,7 @@ def _mean_of_period(modulation: Modulation) -> float | None:
     _, period = _resolve(modulation)
     if not period:
         return None
-    times = (np.arange(POINTS) + 0.5) / POINTS * period
+    times = (np.arange(PERIOD_POINTS) + 0.5) / PERIOD_POINTS * period
     return float(_compute_strength(modulation, times).mean())
 
 
@@ -151,7 +153,7 @@ def _resolve(modulation: Modulation) -> tuple[tuple[Timed, Technique], float]:
     if own is None or other is None:
         period = (other if own is None else own) or 0.0
     else:
-        period = next((n * own for n in range(1, REPEATS) if _is_whole(n * own / other)), 0.0)
+        period = next((n * own for n in range(1, MAX_REPEATS) if _is_whole(n * own / other)), 0.0)
     return (envelope, technique), period
 
 

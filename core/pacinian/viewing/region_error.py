@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 
 # maximum distance of a point of the slice from a sample of a region [m]
 MAX_SAMPLE_DISTANCE = 0.005
-BESIDE = 0.003  # minimum distance of outside places from samples [m]; closer, pressure still falls
+# Minimum distance of outside places from samples [m]; closer, pressure still falls.
+MIN_OUTSIDE_DISTANCE = 0.003
 CLOSE = 1.7  # radius of the samples that can surround a place, over the spacing of samples
 NEIGHBOURS = 4  # number of samples that set the height of a point
 AROUND = 12  # number of nearest samples examined for each place
 MERGE_DISTANCE = 1e-4  # distance below which two places are the same [m]
-STRAIGHT = np.pi + 1e-3  # maximum angle between neighbours of an inside place [rad]
-PAIRS = 1 << 21  # maximum number of place-transducer pairs per batch
+MAX_INSIDE_ANGLE = np.pi + 1e-3  # maximum angle between neighbours of an inside place [rad]
+MAX_PAIRS = 1 << 21  # maximum number of place-transducer pairs per batch
 JOINTS = 26  # joints of a hand
 
 
@@ -136,7 +137,7 @@ def compute_felt(
     joints = np.frombuffer(regions.hands, "<f4").reshape(-1, JOINTS, 3).astype(np.float64)
     flesh = [make_capsules(Hand(each)) for each in joints]
     propagator = Propagator(array, medium)
-    for k in range(0, len(places.rows), step := max(1, PAIRS // len(array))):
+    for k in range(0, len(places.rows), step := max(1, MAX_PAIRS // len(array))):
         part = slice(k, k + step)
         facing = SkinFacing(places.normals[part], np.concatenate(flesh)) if flesh else None
         try:
@@ -150,7 +151,9 @@ def compute_felt(
     return found
 
 
-def nearest_places(at: Floats, across: Floats, regions: Regions, beside: float = BESIDE) -> Places:
+def nearest_places(
+    at: Floats, across: Floats, regions: Regions, beside: float = MIN_OUTSIDE_DISTANCE
+) -> Places:
     """Select the points `at`, (P, 3) [m], that are near a region, and move each to the region's surface.
 
     The surface is the plane through the nearest sample. A place is inside the region if samples surround it. Its target
@@ -210,4 +213,4 @@ def _are_surrounded(x: Floats, n: Floats, q: Floats, own: Flags) -> Flags:
     first = np.take_along_axis(turn, own.argmax(axis=1)[:, None], axis=1)
     turn = np.sort(np.where(own, turn, first), axis=1)
     gaps = np.diff(turn, axis=1, append=turn[:, :1] + 2.0 * np.pi)
-    return np.asarray(own.any(axis=1) & (gaps.max(axis=1) <= STRAIGHT))
+    return np.asarray(own.any(axis=1) & (gaps.max(axis=1) <= MAX_INSIDE_ANGLE))

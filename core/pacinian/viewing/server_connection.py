@@ -46,8 +46,8 @@ NAME = "viewer"
 POLL_INTERVAL, IDLE_INTERVAL = 1.0 / 30.0, 0.1  # polling intervals with and without open pages [s]
 RETRY_INTERVAL = 0.5  # interval between attempts to connect [s]
 UNARMED_RENEWAL = 1.0  # interval between renewals while the viewer is not armed [s]
-FRESH = 0.5  # maximum age of an `alive` that counts, as a share of the lease
-WAITING = 64  # maximum number of waiting requests, and of selections without a reply
+MAX_ALIVE_AGE = 0.5  # maximum age of an `alive` that counts, as a share of the lease
+MAX_WAITING = 64  # maximum number of waiting requests, and of selections without a reply
 
 
 class ServerConnection:
@@ -55,7 +55,7 @@ class ServerConnection:
 
     def __init__(self, hub: Hub, loop: AbstractEventLoop, where: Path | str | None) -> None:
         self._hub, self._loop, self._where = hub, loop, where
-        self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(WAITING)
+        self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(MAX_WAITING)
         self._ended, self._stopping = threading.Event(), threading.Lock()
         self._scene = ""
         self._owner, self._alive = 0, -math.inf  # the page that armed, and its last `alive` [s]
@@ -218,7 +218,7 @@ class ServerConnection:
                     intensity=asked.intensity, wait=False,
                 )  # fmt: skip
                 self._selected[number] = page
-                if len(self._selected) > WAITING:
+                if len(self._selected) > MAX_WAITING:
                     del self._selected[min(self._selected)]
             case _:
                 pass
@@ -228,7 +228,7 @@ class ServerConnection:
         now, was = time.perf_counter(), self._armed
         self._armed = client.armed
         if self._armed:
-            due = self._alive > self._renewed and now - self._alive < FRESH * client.lease
+            due = self._alive > self._renewed and now - self._alive < MAX_ALIVE_AGE * client.lease
         else:
             # If it has just ended, the reply says why.
             due = was or now - self._renewed > UNARMED_RENEWAL

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Drive
     from pacinian.viewing.region_error import Regions
 
-PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
+MAX_PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
 CALM = 10  # niceness of the process: a tenth of what others get, because a hundredth would stop the pictures
 MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
 NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
@@ -94,7 +94,7 @@ class FieldWorker:
             if found := await self._run(interpolate_pressure, drive, where, peak):
                 return found
             self._rough.append(where)
-        step = max(256, int(PAIRS / len(drive.model.array)))
+        step = max(256, int(MAX_PAIRS / len(drive.model.array)))
         made: list[bytes] = []
         for begin in range(0, count, step):
             if not wanted():

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pacinian.wire.connection_file import Connection
 
 SILENT = 2.0  # time without a state after which the server is lost [s]
-WAITING = 16  # maximum number of messages that wait in the socket
+MAX_WAITING = 16  # maximum number of messages that wait in the socket
 RARELY = 0.2  # interval of histograms, and of polls of an empty scene and of the properties [s]
 ARRAY = set(ArrayMessage.__struct_fields__) - {"server", "fields"}  # as in the wire's `abilities`
 
@@ -96,7 +96,7 @@ class StateReader:
 
     def _subscribe(self) -> None:
         self._socket = make_socket(self._context, zmq.SUB, self._connection)
-        self._socket.rcvhwm = WAITING
+        self._socket.rcvhwm = MAX_WAITING
         connect(self._socket, self._connection.state)
         self._socket.subscribe(STATE)
         self._socket.subscribe(FRAME)

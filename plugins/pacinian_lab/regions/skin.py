@@ -12,11 +12,11 @@ from scipy.spatial import KDTree
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.reachability import ReachabilityFilter
-from pacinian.scene.config_sections import FINEST
+from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.session import Session
-from pacinian.solving.felt_regions import HOLE, FeltRegion
+from pacinian.solving.felt_regions import MIN_FELT_SHARE, FeltRegion
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
@@ -40,7 +40,7 @@ def measure_felt(
     sampler. gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3
     to 10 mm beside the touched skin.
     """
-    sampler = Sampler(BUDGET, FINEST, perception=False)
+    sampler = Sampler(BUDGET, MIN_SPACING, perception=False)
     sampler.skin = _fine()
     sampler.prepare(array, medium)
     samples = sampler.sample(scene, t)
@@ -58,7 +58,7 @@ def measure_felt(
     return FeltRegion(
         force=float(P @ area) / float(asked @ area),
         rms=float(np.sqrt((e * e) @ area / ((asked * asked) @ area))),
-        holes=float(area[HOLE * asked > P].sum() / area.sum()),
+        holes=float(area[MIN_FELT_SHARE * asked > P].sum() / area.sum()),
         spill=_beside(session, scene, q, gains) / mean,
     )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.plot import figure, pareto, save
 from pacinian.plot.labels import label_column
-from pacinian.plot.pareto_front import FLOOR, WEAK, plainly, shown, style
+from pacinian.plot.pareto_front import MIN_ERROR, MIN_FRONT_SCALE, plainly, shown, style
 from pacinian_lab.solvers.run import REFERENCE
 from pacinian_lab.solvers.summary import growth
 
@@ -29,8 +29,8 @@ def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
         pages[f"pareto-{level:g}.png"] = draw_typical(cells, level)
         title = (
             f"Run time from points to gains against error, at level {level:g}. "
-            f"Filled: cold; hollow: warm. x: scale, if not 1; pale: under {WEAK:g}. "
-            f"Errors under {FLOOR:g} % are drawn at that value."
+            f"Filled: cold; hollow: warm. x: scale, if not 1; pale: under {MIN_FRONT_SCALE:g}. "
+            f"Errors under {MIN_ERROR:g} % are drawn at that value."
         )
         pages[f"pareto-{level:g}-all.png"] = pareto(cells, level=level, title=title)
     if lines := growth(cells):

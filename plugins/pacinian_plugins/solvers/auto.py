@@ -16,7 +16,8 @@ from pacinian.native import solving as kernels
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-LARGE = 200_000_000  # M M N above which another solver is tried if `lagrange` misses the error
+# M M N above which another solver is tried if `lagrange` misses the error.
+MAX_LAGRANGE_WORK = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,12 @@ class Auto(pc.Solver):
         result = solver.solve(propagator, targets, limits, warm, budget, out)
         simple = targets.regions is None and targets.scale == "exact"
         simple = simple and not limits.solver_limits and limits.power is None
-        if simple and count <= len(out) and count * count * len(out) > LARGE and not budget.spent:
+        if (
+            simple
+            and count <= len(out)
+            and count * count * len(out) > MAX_LAGRANGE_WORK
+            and not budget.spent
+        ):
             return self._better(result, propagator, targets, limits, budget, out)
         return _label_result(result, solver, why)
 

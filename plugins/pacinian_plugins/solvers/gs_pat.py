@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 BLOCK = 100_000  # products between two checks of the clock
-LOST = 1e-6  # |R z| / |z| below which only rounding is left
+MIN_REMAINDER = 1e-6  # |R z| / |z| below which only rounding is left
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class GsPat(pc.Solver):
         made = sent(z)
         angle = np.where(targets.free, np.angle(made), targets.phases)
         power = float(np.vdot(made, made).real)
-        if power <= LOST**2 * float(np.vdot(z, z).real):
+        if power <= MIN_REMAINDER**2 * float(np.vdot(z, z).real):
             return pc.Result(iterations=done, late=late, note="the targets cancel each other")
         best = np.vdot(made, t * np.exp(1j * angle)) / power
         out[:] = propagator.adjoint(z / d) * complex(best * scale)

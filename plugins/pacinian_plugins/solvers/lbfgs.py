@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes, Floats
 
-FLAT = 1e-5  # relative decrease of f in one step below which it ends
+MIN_DECREASE = 1e-5  # relative decrease of f in one step below which it ends
 # largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
 MAX_DRIVE, MAX_TARGET = 10.0, 100.0
 # largest |h| at the start, because the sine is flat at 1; |h| that counts as at the limit
-OPEN, AT_LIMIT = 0.99, 0.999
+MAX_START, AT_LIMIT = 0.99, 0.999
 MAX_GRAM_POINTS = 256  # points above which the Gram matrix costs more than the steps that it saves
-IN_PROPORTION = 1e-3  # error up to which `scale="max"` counts proportions as kept
-ROUNDS = 12  # maximum number of times that targets are lowered for `scale="max"`
+MAX_PROPORTION_ERROR = 1e-3  # error up to which `scale="max"` counts proportions as kept
+MAX_ROUNDS = 12  # maximum number of times that targets are lowered for `scale="max"`
 
 
 @dataclass(frozen=True)
@@ -86,8 +86,8 @@ class Lbfgs(pc.Solver):
         end = self._descend(problem, h, budget)
         steps = end.steps
         if targets.scale == "max":
-            for _ in range(ROUNDS):
-                if end.late or end.error <= IN_PROPORTION:
+            for _ in range(MAX_ROUNDS):
+                if end.late or end.error <= MAX_PROPORTION_ERROR:
                     break
                 problem = replace(problem, t=problem.t * (1.0 - end.error))
                 end = self._descend(problem, end.h, budget)
@@ -108,12 +108,12 @@ class Lbfgs(pc.Solver):
             if late or intermediate_result.fun <= 0.5:
                 raise StopIteration
 
-        start = np.concatenate([np.arcsin(np.minimum(np.abs(h), OPEN)), np.angle(h)])
+        start = np.concatenate([np.arcsin(np.minimum(np.abs(h), MAX_START)), np.angle(h)])
         result = optimize.minimize(
             problem.value, start, method="L-BFGS-B", jac=True, callback=look,
             options={
                 "maxiter": self.steps, "maxfun": 2 * self.steps, "maxcor": self.memory,
-                "ftol": FLAT, "gtol": 0.0,
+                "ftol": MIN_DECREASE, "gtol": 0.0,
             },
         )  # fmt: skip
         error = self.tolerance * float(np.sqrt(2.0 * result.fun))

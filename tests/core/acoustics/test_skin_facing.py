@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics.propagation import KernelData
-from pacinian.acoustics.skin_facing import FAINT, QUARTER, SkinFacing
+from pacinian.acoustics.skin_facing import MIN_WEIGHT, QUARTER, SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.hands.skin_cache import get_skin
@@ -86,9 +86,9 @@ def test_weights_are_those_of_a_walk_along_each_capsule(seed: int) -> None:
         exact[m, k] = max(0.0, cosine) * passing(q[m], r[k], hand, edge)
     size = np.linalg.norm(exact, axis=1)
     for m in np.flatnonzero(
-        np.abs(size - FAINT) > 2e-4
+        np.abs(size - MIN_WEIGHT) > 2e-4
     ):  # closer to the limit, the steps are too coarse
-        np.testing.assert_allclose(w[m], exact[m] if size[m] > FAINT else 0.0, atol=1e-4)
+        np.testing.assert_allclose(w[m], exact[m] if size[m] > MIN_WEIGHT else 0.0, atol=1e-4)
 
 
 @given(seeds)

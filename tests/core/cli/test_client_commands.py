@@ -39,7 +39,7 @@ FULL: dict[str, Any] = {
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        server_session, "FAREWELL", 60.0
+        server_session, "BYE_TIMEOUT", 60.0
     )  # so that a slow server also gets the farewell
 
 

@@ -28,4 +28,4 @@ def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(link.HEARTBEAT, option, milliseconds)
     for function in (ReconnectingClient.__init__, emergency_stop):
         monkeypatch.setitem(function.__kwdefaults__, "timeout", PATIENCE)
-    monkeypatch.setattr(server_session, "FAREWELL", PATIENCE)
+    monkeypatch.setattr(server_session, "BYE_TIMEOUT", PATIENCE)

@@ -335,7 +335,7 @@ def test_nothing_that_waited_reaches_a_new_server(server: Fake) -> None:
 def test_closing_does_not_wait_for_a_server_that_hangs(
     server: Fake, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server_session, "FAREWELL", 0.2)  # the default
+    monkeypatch.setattr(server_session, "BYE_TIMEOUT", 0.2)  # the default
     client = pc.Client(server.connection, timeout=FOREVER)
     fill(server, client)
     server.deaf = True

@@ -11,7 +11,7 @@ import pytest
 import pacinian as pc
 from pacinian import plot
 from pacinian.plot.feeds import read_feed
-from pacinian.plot.timelines import BINS, MAX_VALUES
+from pacinian.plot.timelines import HISTOGRAM_BINS, MAX_VALUES
 from pacinian.rendering.report import REMEMBERED
 from pacinian.testing import ManualClock
 from pacinian.viewing.feed_file import FeedWriter
@@ -76,7 +76,7 @@ def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
     made.tick(0.5, late=True)
     panel = plot.timeline(made, "ticks").axes[0]
     (band,), (median,) = panel.collections, panel.lines
-    assert len(median.get_xdata()) == BINS
+    assert len(median.get_xdata()) == HISTOGRAM_BINS
     assert band.get_datalim(panel.transData).y1 == pytest.approx(500.0)
 
 

@@ -18,7 +18,7 @@ from pacinian.rendering.background_schedule import (
     MIN_FITTING,
     MIN_INTERVAL,
     MIN_LONG_TICKS,
-    SHORT,
+    SHORT_SHARE,
     SOLVES_SEEN,
     TICKS_SEEN,
     BackgroundSchedule,
@@ -74,17 +74,17 @@ def test_solves_that_fit_go_back_into_the_ticks_later_after_each_relapse() -> No
     schedule = beside()
     waits = []
     for _ in range(6):
-        waits.append(count_solves(schedule, 0.9 * SHORT * PERIOD, 2 * MAX_FITTING))
+        waits.append(count_solves(schedule, 0.9 * SHORT_SHARE * PERIOD, 2 * MAX_FITTING))
         for _ in range(MIN_LONG_TICKS):
             schedule.note_tick(1.1 * LONG_SHARE * PERIOD)
     assert waits == [min(MIN_FITTING << k, MAX_FITTING) for k in range(6)]
-    assert count_solves(beside(), 1.1 * SHORT * PERIOD, 5000) > 5000
+    assert count_solves(beside(), 1.1 * SHORT_SHARE * PERIOD, 5000) > 5000
 
 
 def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
     schedule = beside()
     for _ in range(2 * MAX_FITTING):
-        schedule.note_solve(0.1 * SHORT * PERIOD, whole=False)
+        schedule.note_solve(0.1 * SHORT_SHARE * PERIOD, whole=False)
     assert schedule.beside
 
 
@@ -152,6 +152,6 @@ def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:
     schedule = beside()
     for _ in range(MIN_LONG_TICKS):
         schedule.note_tick(9.0 * PERIOD)
-    count_solves(schedule, 0.1 * SHORT * PERIOD, 2 * MAX_FITTING)
+    count_solves(schedule, 0.1 * SHORT_SHARE * PERIOD, 2 * MAX_FITTING)
     schedule.note_tick(9.0 * PERIOD)
     assert not schedule.beside

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.native import rendering as kernels
-from pacinian.rendering.reachability import CELL, ReachabilityFilter
+from pacinian.rendering.reachability import CELL_SIZE, ReachabilityFilter
 
 ARRAY = pc.autd()
 
@@ -26,11 +26,11 @@ def test_points_are_located_as_numpy_does(seed, M, far):
 def test_cells_are_looked_up_by_their_numbers(seed, M):
     rng = np.random.default_rng(seed)
     q = rng.uniform(-0.2, 0.2, (M, 3))
-    place = np.floor(q / CELL).astype(np.int64) + int(kernels.LARGEST)
+    place = np.floor(q / CELL_SIZE).astype(np.int64) + int(kernels.LARGEST)
     cell = (place[:, 0] * kernels.SIDE + place[:, 1]) * kernels.SIDE + place[:, 2]
     known = np.unique(cell[rng.random(M) < 0.5])
     values, out, missing = rng.random(len(known)), np.full(M, np.nan), np.empty(M, np.int64)
-    count = kernels.look_up(q, CELL, known, values, out, missing)
+    count = kernels.look_up(q, CELL_SIZE, known, values, out, missing)
     there = np.isin(cell, known)
     np.testing.assert_array_equal(missing[:count], cell[~there])
     np.testing.assert_array_equal(out[there], values[np.searchsorted(known, cell[there])])
@@ -42,7 +42,7 @@ def test_powers_are_those_at_the_middles_of_the_cells_however_they_are_asked():
     reach = ReachabilityFilter(session)
     q = np.c_[rng.uniform(-0.1, 0.1, (200, 2)), rng.uniform(0.05, 0.3, 200)]
     pieces = np.concatenate([reach._free(part) for part in np.array_split(q, 7)])
-    middles = CELL * (np.floor(q / CELL) + 0.5)
+    middles = CELL_SIZE * (np.floor(q / CELL_SIZE) + 0.5)
     some = reach._some
     B = pc.matrix(some, middles, session.medium)
     expected = len(ARRAY) / len(some) * (np.abs(B) ** 2).sum(axis=1)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.rendering.sample_budget_controller import (
-    FAR_TOO_LATE,
+    FAR_TOO_LATE_RATIO,
     MAX_LOAD,
     MAX_LONG_TICKS,
     MAX_WAIT,
@@ -21,7 +21,7 @@ from pacinian.rendering.sample_budget_controller import (
 bounded = settings(max_examples=60)
 PERIOD = 1e-3  # [s]
 SLOW, VERY, WELL, SHORT = (
-    share * PERIOD for share in (1.1 * MAX_LOAD, 1.1 * FAR_TOO_LATE, 0.7, 0.5 * MIN_LOAD)
+    share * PERIOD for share in (1.1 * MAX_LOAD, 1.1 * FAR_TOO_LATE_RATIO, 0.7, 0.5 * MIN_LOAD)
 )
 odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # as from a clock that jumps
 ticks = st.lists(

@@ -14,9 +14,9 @@ from pacinian.solving.regions import settle_phases
 from pacinian.solving.skin_phases import (
     COLD,
     DAMPING,
-    FAINT,
-    FARTHEST,
+    MAX_PHASE_STEP,
     MAX_SAMPLES,
+    MIN_AMPLITUDE,
     MU,
     QUIET,
     WARM,
@@ -68,10 +68,10 @@ def relaxed(R: np.ndarray, targets: Targets, phases: np.ndarray, steps: int) -> 
     for _ in range(steps):
         p = size * np.exp(1j * phases)
         A = (p[own].conj()[:, None] * R[np.ix_(own, own)] * p[own]).real
-        A += DAMPING * np.diag(np.maximum(size[own], FAINT) ** 2)
+        A += DAMPING * np.diag(np.maximum(size[own], MIN_AMPLITUDE) ** 2)
         step = np.linalg.solve(A, -(p.conj() * (R @ p))[own].imag)
         phases = phases.copy()
-        phases[own] += step * min(1.0, FARTHEST / np.abs(step).max())
+        phases[own] += step * min(1.0, MAX_PHASE_STEP / np.abs(step).max())
     return phases
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.hand import Hand
     from pacinian.types import Flags, Floats, Indices
 
-SEARCH = 1000  # largest number of steps from inside the union to its surface
+MAX_SEARCH_STEPS = 1000  # largest number of steps from inside the union to its surface
 
 
 class Nearest(NamedTuple):
@@ -67,7 +67,7 @@ def find_closest(capsules: Floats, points: Floats) -> Nearest:
     one if it ends up inside another. If this does not end, the search goes straight on. The distance is that of
     `distance_to_skin`. From a point on an axis, where all directions are equal, the search picks one.
     """
-    return _found(capsules, points, SEARCH)
+    return _found(capsules, points, MAX_SEARCH_STEPS)
 
 
 def _found(capsules: Floats, points: Floats, steps: int) -> Nearest:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LENGTH = 1 << 16  # number of values in the table
 VALUES_PER_PERIOD = 16  # values per period of the highest frequency
 CREST = 2.5  # standard deviations from the middle to low and high
-NARROWEST = 0.01  # smallest bandwidth, as a fraction of the highest frequency
+MIN_BANDWIDTH = 0.01  # smallest bandwidth, as a fraction of the highest frequency
 
 
 class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="noise"):
@@ -41,7 +41,7 @@ class Noise(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
         frequency(self, "high_frequency", above=True)
         bounds(self)
         force_setattr(self, "seed", check_integer("seed", self.seed, low=0))
-        least = (1.0 - NARROWEST) * self.high_frequency
+        least = (1.0 - MIN_BANDWIDTH) * self.high_frequency
         if not self.low_frequency <= least:
             raise ArgumentError(
                 "low_frequency", f"must be at most {least:g} Hz, 1 % below the high"

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 BLEND = 0.15  # half-width of the overlap of two bands, as a fraction of a band's samples
 WIDER = 1.0 + 2.0 * BLEND  # samples that sound in a band, overlap included, over its own samples
 MIN_DIVIDED_SAMPLES = 32  # regions of up to this number of samples are never divided
-KEPT_AXIS = 0.7  # bands stay along their axis while the region there is at least this fraction of its longest side
+# Bands stay along their axis while the region there is at least this fraction of its longest side.
+MIN_KEPT_LENGTH = 0.7
 FADING = 1.1  # one band may exceed the budget by this factor, because fading samples add to it for some ticks
 SPARE = 0.9  # the number of bands decreases only if fewer fit into this fraction of the budget
 
@@ -66,7 +67,7 @@ class Bands:
         q = samples.positions[samples.regions == region]
         sides = q.max(axis=0) - q.min(axis=0)
         last = self._axes.get(region)
-        if last is not None and sides[last] >= KEPT_AXIS * sides.max():
+        if last is not None and sides[last] >= MIN_KEPT_LENGTH * sides.max():
             return last
         return int(sides.argmax())
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native.scene import press_on
-from pacinian.scene.hands.skin_lod import FINEST as FINEST_OF_SKIN
+from pacinian.scene.hands.skin_lod import MIN_SPACING as FINEST_OF_SKIN
 from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.sampling.sources import number_region
 from pacinian.scene.sampling.texture_factor import apply_texture

@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.skin import Skin
     from pacinian.types import Floats
 
-HOLD, FADE = 0.05, 0.1  # a lost hand stays for HOLD, and then fades within FADE [s]
-SLIGHT = 5e-4  # largest distance of a blended hand from where it was seen that is ignored [m]
+# A lost hand stays for HOLD_TIME, and then fades within FADE_TIME [s]
+HOLD_TIME, FADE_TIME = 0.05, 0.1
+# Largest distance of a blended hand from where it was seen that is ignored [m]
+MAX_IGNORED_DISTANCE = 5e-4
 
 
 class HandTrack:
@@ -48,8 +50,8 @@ class HandTrack:
         if last is None:
             return None, 0.0
         self._seen, self._since = min(self._seen, t), min(self._since, t)  # time may jump back
-        late = 0.0 if hand.time is None and not hand.lost else t - ahead - self._seen - HOLD
-        share = min(1.0, 1.0 - late / FADE)
+        late = 0.0 if hand.time is None and not hand.lost else t - ahead - self._seen - HOLD_TIME
+        share = min(1.0, 1.0 - late / FADE_TIME)
         if share <= 0.0:
             self._last = None
             return None, 0.0
@@ -67,7 +69,11 @@ class HandTrack:
         """Return the skin where the last update puts it at time t [s], without the blend. skin: from `pose_skin`."""
         f = 1.0 - (t - self._since) / BLEND
         d = self._offset
-        if d is None or self._last is None or f * f * (d * d).sum(axis=1).max() < SLIGHT * SLIGHT:
+        if (
+            d is None
+            or self._last is None
+            or f * f * (d * d).sum(axis=1).max() < MAX_IGNORED_DISTANCE * MAX_IGNORED_DISTANCE
+        ):
             return skin
         return PosedSkin(self._extrapolate(self._last, t), skin.skin)
 
@@ -93,7 +99,7 @@ class HandTrack:
     def _extrapolate(self, hand: Hand, t: float) -> Hand:
         if hand.time is None or hand.velocities is None:
             return hand
-        return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD))
+        return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD_TIME))
 
     def _blend_hand(self, hand: Hand, t: float) -> Hand:
         now = self._extrapolate(hand, t)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.skin import Skin
     from pacinian.types import Flags, Floats, Indices
 
-SHARED = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
+MIN_SHARE = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
 MIN_LENGTH = 1e-300
 
 
@@ -203,7 +203,7 @@ class PosedSkin:
         skin, level = self.skin, self.skin.level(spacing)
         count = skin.counts[level]
         got, nodes = np.empty(count), np.empty(count, dtype=np.intp)
-        nodes = nodes[: share_out(touched, force, *skin.share[level], SHARED, got, nodes)]
+        nodes = nodes[: share_out(touched, force, *skin.share[level], MIN_SHARE, got, nodes)]
         shown = self.find_exposed(nodes)
         if not shown.all():
             nodes = nodes[shown]

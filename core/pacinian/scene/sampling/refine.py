@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sources import Source
 
 TARGET_SAMPLES = 90  # number of samples up to which a region is refined
-SHARED = 128  # number of samples up to which all regions together are refined
-STEPS = 3  # largest number of refinement steps, each by sqrt(2)
+MAX_REFINED_SAMPLES = 128  # number of samples up to which all regions together are refined
+MAX_STEPS = 3  # largest number of refinement steps, each by sqrt(2)
 MARGIN = 1.3  # this many times the estimated samples must fit into the budget
 
 
@@ -26,9 +26,9 @@ def refine(sources: list[tuple[Source, float]], budget: int) -> list[tuple[Sourc
     0.03 with 108 (decision 33).
     """
     regions = sum(is_dense(source.item) for source, _ in sources)
-    if not 0 < regions <= SHARED:
+    if not 0 < regions <= MAX_REFINED_SAMPLES:
         return sources
-    few = min(TARGET_SAMPLES, SHARED // regions)
+    few = min(TARGET_SAMPLES, MAX_REFINED_SAMPLES // regions)
     finer = [(source, _finer(source, spacing, few)) for source, spacing in sources]
     count = sum(
         1.0 if is_sequential(source.item) else estimate_samples(source.item, spacing)
@@ -45,4 +45,4 @@ def _finer(source: Source, spacing: float, few: int) -> float:
     dimensions = 3.0 if isinstance(item, Volume) and item.felt == "interior" else 2.0
     share = (estimate_samples(item, spacing) / few) ** (1.0 / dimensions)
     steps = round(math.log(share) / math.log(COARSER))
-    return spacing * COARSER ** min(0, max(-STEPS, steps))
+    return spacing * COARSER ** min(0, max(-MAX_STEPS, steps))

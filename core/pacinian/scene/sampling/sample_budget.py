@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     Cut = Callable[[Samples], Samples]
 
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
-COARSEST = 40  # largest level, in steps of sqrt(2) of the spacing
-ESTIMATED = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
+MAX_LEVEL = 40  # largest level, in steps of sqrt(2) of the spacing
+MAX_ESTIMATE_RATIO = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
 
 
 class LevelSamples(NamedTuple):
@@ -88,7 +88,7 @@ def allot_budget(
             kept = samples if count <= left else _strongest(samples, left)
             asked = one.asked
             if level and not is_sequential(source.item):
-                asked = _count_asked(source, spacing, cut, ESTIMATED * full * bands)
+                asked = _count_asked(source, spacing, cut, MAX_ESTIMATE_RATIO * full * bands)
             counts.ask(source.index, asked)
             counts.note(COARSENED, source.index, asked - one.asked)
             counts.note(FAINT, source.index, one.faint)
@@ -122,7 +122,7 @@ def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
 
 def _check_estimate(members: list[tuple[Source, float]], left: int, bands: int) -> None:
     """Raise ArgumentError if there are clearly too many samples, before they are made."""
-    if _estimate_whole(members, 0) > ESTIMATED * left * bands:
+    if _estimate_whole(members, 0) > MAX_ESTIMATE_RATIO * left * bands:
         count, source = max(
             ((_estimate_whole([member], 0), member[0]) for member in members), key=lambda c: c[0]
         )
@@ -180,11 +180,11 @@ def _fit_level(
         """Return whether a coarser level than `level` still reduces the samples."""
         reach = max(source.item.bounding_radius for source, _ in members)
         finest = min(spacing for _, spacing in members)
-        return finest * COARSER**level < 2.0 * reach and level < COARSEST
+        return finest * COARSER**level < 2.0 * reach and level < MAX_LEVEL
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        return _estimate_whole(members, level) > ESTIMATED * left * (bands if level else 1)
+        return _estimate_whole(members, level) > MAX_ESTIMATE_RATIO * left * (bands if level else 1)
 
     if fixed:
         return every(level), level

@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
-from pacinian.scene.config_sections import FINEST
+from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
@@ -50,8 +50,8 @@ from pacinian.scene.sampling.sources import (
 )
 from pacinian.scene.sampling.spacing import (
     CONTACT_SAMPLES,
-    DENSE,
     FINE_CONTACT_SAMPLES,
+    REGION_SPACING,
     WAVELENGTH,
     compute_spacing,
     space_contacts,
@@ -123,7 +123,7 @@ class Sampler:
     ) -> None:
         self.budget = self.allowed = check_integer("budget", budget, low=1)
         if spacing is not None:
-            spacing = check_number("spacing", check_length("spacing", spacing), low=FINEST)
+            spacing = check_number("spacing", check_length("spacing", spacing), low=MIN_SPACING)
         self.spacing = spacing
         self.ramp = check_number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
@@ -254,7 +254,7 @@ class Sampler:
         for i in sorted(set(range(len(scene.objects))) - set(found)):
             item = scene.objects[i]
             if item.pressure > 0.0 and item.envelope != OFF:
-                spacing = self.spacing or WAVELENGTH * (DENSE if is_dense(item) else 1.0)
+                spacing = self.spacing or WAVELENGTH * (REGION_SPACING if is_dense(item) else 1.0)
                 count = round(estimate_samples(item, spacing))
                 counts.ask(i, count)
                 counts.note(FAR if scene.workspace is None else OUTSIDE, i, count)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
-from pacinian.scene.config_sections import FINEST
+from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
@@ -150,7 +150,7 @@ def make_keys(name: int, spacing: float, which: Indices) -> Longs:
 
     name: number of the object. spacing: [m]; 0 if the samples are the same at all spacings. which: indices, (K,).
     """
-    level = 1 + round(2.0 * math.log2(spacing / FINEST)) if spacing else 0
+    level = 1 + round(2.0 * math.log2(spacing / MIN_SPACING)) if spacing else 0
     return (name << 31) + (level << 25) + which.astype(np.int64)
 
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 WAVELENGTH = 0.0085  # spacing before an array is known [m]
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
-DENSE = 0.5 / COARSER
+REGION_SPACING = 0.5 / COARSER
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
-NARROW, WIDE = 0.08, 0.3
+MIN_CONTACT_SPACING, MAX_CONTACT_SPACING = 0.08, 0.3
 # Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
 # long. Points of a skin lie less densely, so that contacts have about half of these.
 CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
@@ -31,7 +31,7 @@ def compute_spacing(
 ) -> float:
     """Return the spacing of an object's samples at `place` [m]. resolving: None if no array is known yet."""
     resolved = WAVELENGTH if resolving is None else resolving.compute_isolated_spacing(place)
-    return DENSE * resolved if is_dense(item) else resolved
+    return REGION_SPACING * resolved if is_dense(item) else resolved
 
 
 def space_contacts(
@@ -44,7 +44,7 @@ def space_contacts(
     """
     wanted: dict[int, float] = {}
     dense = [
-        (n, source, spacing / DENSE)
+        (n, source, spacing / REGION_SPACING)
         for n, (source, spacing) in enumerate(sources)
         if isinstance(source, Contact) and is_dense(source.item)
     ]
@@ -62,6 +62,8 @@ def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
     each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. last: previous
     spacing [m], which is kept if the new one is similar.
     """
-    wanted = min(max(math.sqrt(each), NARROW * resolved), WIDE * resolved)
+    wanted = min(
+        max(math.sqrt(each), MIN_CONTACT_SPACING * resolved), MAX_CONTACT_SPACING * resolved
+    )
     steady = last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING
     return last if last is not None and steady else wanted

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 INNER, OUTER = 0.25, 1.2
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
 MAX_SILENT_SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
-MOST_OF_SMALL = 48  # maximum number of silent samples where that ratio allows fewer
+MAX_OF_SMALL = 48  # maximum number of silent samples where that ratio allows fewer
 
 
 def add_surround(
@@ -35,7 +35,7 @@ def add_surround(
     number of silent samples.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, max(MOST_OF_SMALL, int(MAX_SILENT_SHARE * len(of))))
+    most = min(most, max(MAX_OF_SMALL, int(MAX_SILENT_SHARE * len(of))))
     if most <= 0 or not len(of):
         return samples
     q, every = samples.positions[of], [samples]

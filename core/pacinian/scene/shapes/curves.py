@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 100_000  # largest number of points of a polyline
 MIN_LENGTH = 1e-6  # smallest length of a polyline [m]
-TURNS = 100  # largest frequency a or b of a Lissajous figure
+MAX_FREQUENCY = 100  # largest frequency a or b of a Lissajous figure
 POINTS_PER_TURN = 512  # points per turn for measuring a Lissajous figure
 
 
@@ -117,8 +117,8 @@ class Lissajous(
         a, b = check_integer("a", self.a, low=1), check_integer("b", self.b, low=1)
         divisor = math.gcd(a, b)
         for name, turns in (("a", a // divisor), ("b", b // divisor)):
-            if turns > TURNS:
-                raise ArgumentError(name, f"must be at most {TURNS}, not {turns}")
+            if turns > MAX_FREQUENCY:
+                raise ArgumentError(name, f"must be at most {MAX_FREQUENCY}, not {turns}")
             force_setattr(self, name, turns)
         force_setattr(self, "phase", check_angle("phase", self.phase))
 

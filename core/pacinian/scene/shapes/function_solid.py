@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.types import Indices
 
 STEPS = 5  # number of Newton steps that project a point on the shell
-ON = 0.01  # largest distance of a projected point from the shell, over the spacing
+MAX_SHELL_DISTANCE = 0.01  # largest distance of a projected point from the shell, over the spacing
 CELLS = 50_000  # approximate number of cells in a solid's bounding box for measuring its area
 
 
@@ -106,8 +106,8 @@ def sample_solid(solid: Solid, spacing: float) -> LocalSamples:
     for _ in range(STEPS):
         d, slope = solid.distance(points)[:, None], gradient(solid, points)
         points = points - d * slope / np.maximum((slope**2).sum(axis=1, keepdims=True), 0.25)
-    held = (np.abs(points) <= extent + ON * spacing).all(axis=1)
-    on = held & (np.abs(solid.distance(points)) < ON * spacing)
+    held = (np.abs(points) <= extent + MAX_SHELL_DISTANCE * spacing).all(axis=1)
+    on = held & (np.abs(solid.distance(points)) < MAX_SHELL_DISTANCE * spacing)
     points, area = points[on], area[on]
     kept = thin_out(points, MIN_DISTANCE * spacing)
     area = share_area(points, area, kept)

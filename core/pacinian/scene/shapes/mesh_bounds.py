@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pacinian.scene.shapes.triangles import Triangles
     from pacinian.types import Flags, Floats, Indices, Longs
 
-CELL = 0.0015  # smallest size of a cell [m]
-CELLS = 1 << 18  # largest number of cells
+MIN_CELL_SIZE = 0.0015  # smallest size of a cell [m]
+MAX_CELLS = 1 << 18  # largest number of cells
 COARSE = 8  # side of the coarsest octree cells, in cells
 EIGHT = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
@@ -31,8 +31,8 @@ class Bounds:
 
     def __init__(self, t: Triangles, distance: Callable[[Floats], Floats]) -> None:
         low, high = t.vertices.min(axis=0), t.vertices.max(axis=0)
-        self.size = CELL
-        while (number := _cells(high - low, self.size)).prod() > CELLS:
+        self.size = MIN_CELL_SIZE
+        while (number := _cells(high - low, self.size)).prod() > MAX_CELLS:
             self.size *= 1.25
         self.low = (low + high - self.size * number) / 2.0
         self.high = self.low + self.size * number

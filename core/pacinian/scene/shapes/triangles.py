@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 FORMATS = "obj", "stl", "ply", "off", "glb", "gltf"
 MAX_FILE_BYTES = 256 << 20  # largest file [bytes]
 MAX_TRIANGLES = 1_000_000  # largest number of triangles
-THIN = 1e-7  # smallest height of a triangle over the bounding radius; less is single-precision rounding
+MIN_RELATIVE_HEIGHT = 1e-7  # smallest height of a triangle over the bounding radius; less is single-precision rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ def _normals(vertices: Floats, faces: Longs) -> tuple[Floats, Floats]:
     cross = np.cross(b - a, c - a)
     twice = np.sqrt((cross**2).sum(axis=1))
     longest = np.sqrt((np.stack([c - b, a - c, b - a]) ** 2).sum(axis=2).max(axis=0, initial=0.0))
-    wide = twice > THIN * _reach(vertices) * longest
+    wide = twice > MIN_RELATIVE_HEIGHT * _reach(vertices) * longest
     normals = np.where(wide[:, None], cross, 0.0) / np.where(wide, twice, 1.0)[:, None]
     return normals, np.where(wide, twice / 2.0, 0.0)
 
@@ -162,7 +162,7 @@ def _edges(vertices: Floats, faces: Longs, area: float) -> tuple[Longs, Longs, s
         flaw = f"it does not close at {gaps} edges"
     elif turns.any():
         flaw = "its triangles are not all wound the same way round"
-    elif content <= THIN * _reach(vertices) * area:
+    elif content <= MIN_RELATIVE_HEIGHT * _reach(vertices) * area:
         flaw = "it encloses nothing"
     return edges.reshape(faces.shape), sharing, flaw
 

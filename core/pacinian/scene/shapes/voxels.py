@@ -25,7 +25,7 @@ else:  # the types that a scene file may hold
     Values = bytes | tuple[tuple[tuple[float, ...], ...], ...]
 
 RIM = 2  # width of the empty margin around the grid [voxels]
-BAND = 2  # distance from the shell within which distances are exact [voxels]
+EXACT_BAND = 2  # distance from the shell within which distances are exact [voxels]
 
 
 class DistanceField(NamedTuple):
@@ -117,7 +117,7 @@ class Voxels(
         nodes = np.stack(np.broadcast_arrays(*axes), axis=-1).reshape(-1, 3, order="F")
         made: Any = igl.marching_cubes(v.ravel(order="F"), nodes.astype(float), X, Y, Z, self.level)
         V, F = made[:2]
-        wide = 2 * BAND + 1
+        wide = 2 * EXACT_BAND + 1
         near = ndimage.maximum_filter(inside, wide) != ndimage.minimum_filter(inside, wide)
         tree: Any = igl.AABB()
         tree.init(V, F)

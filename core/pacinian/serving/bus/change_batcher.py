@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MAX_BATCH_OBJECTS = 64  # maximum number of objects in one batch
 # Maximum number of moves, removals and new envelopes in a batch while objects wait to be put.
 LIGHT = 48
-BYTES = 1 << 20  # maximum size of one batch, unless a single object is larger [bytes]
+MAX_BATCH_BYTES = 1 << 20  # maximum size of one batch, unless a single object is larger [bytes]
 
 
 class ChangeBatcher:
@@ -129,7 +129,7 @@ class Batch:
 
     def fits(self, size: int) -> bool:
         """Add `size` bytes if they fit; return whether they do. The first always fit."""
-        if self._size and self._size + size > BYTES:
+        if self._size and self._size + size > MAX_BATCH_BYTES:
             return False
         self._size += size
         return True

@@ -53,7 +53,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FILES = "sessions", "changes", "changes_ack", "frame", "device", "bus_status"
-MAX_ROUND_MESSAGES, LARGE = 2048, 4 << 20  # maximum messages and bytes received in one round
+# Maximum messages and bytes received in one round.
+MAX_ROUND_MESSAGES, MAX_ROUND_BYTES = 2048, 4 << 20
 MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
 # Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
 MIN_ROUND_INTERVAL = 3e-4
@@ -140,7 +141,11 @@ class Bus:
         """Receive all waiting messages at once, because superseded ones then cost next to nothing."""
         messages: list[Message] = []
         end, size = self._clock() + MAX_RECEIVE_TIME, 0
-        while len(messages) < MAX_ROUND_MESSAGES and size < LARGE and (now := self._clock()) < end:
+        while (
+            len(messages) < MAX_ROUND_MESSAGES
+            and size < MAX_ROUND_BYTES
+            and (now := self._clock()) < end
+        ):
             taken = receive(self._socket)
             if taken is None:
                 break

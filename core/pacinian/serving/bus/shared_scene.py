@@ -15,7 +15,7 @@ from pacinian.serving.bus.conversion_queue import EnvelopeConversion, ObjectConv
 from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, PendingChanges
 from pacinian.serving.bus.stored_object import (
     AT_ONCE,
-    HEAVY_BYTES,
+    MIN_HEAVY_BYTES,
     StoredObject,
     check_poses,
     count_bulk_bytes,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 # Memory limit for the objects of one client [bytes].
 MAX_CLIENT_BYTES = 16 << 20
-QUIET = 16  # maximum number of quiet zones of one scene's clients
+MAX_QUIET_ZONES = 16  # maximum number of quiet zones of one scene's clients
 
 
 class CommandRejected(Exception):
@@ -197,7 +197,7 @@ class SharedScene:
             [stored for _, stored in self._those(command.names)],
             count_bulk_bytes(command.envelope),
         )
-        heavy, envelope = size > HEAVY_BYTES, b""
+        heavy, envelope = size > MIN_HEAVY_BYTES, b""
         if not heavy:
             envelope = msgspec.msgpack.encode(envelope_to_scene(command.envelope))
             size = len(envelope)
@@ -250,8 +250,10 @@ class SharedScene:
     def set_quiet(self, client: BusSession, zones: tuple[Zone, ...]) -> None:
         """Replace the quiet zones of a client. Raises CommandRejected."""
         others = sum(len(given) for who, given in self.zones.items() if who is not client)
-        if others + len(zones) > QUIET:
-            raise CommandRejected("limit", f"would be more than {QUIET} zones in all", "$.zones")
+        if others + len(zones) > MAX_QUIET_ZONES:
+            raise CommandRejected(
+                "limit", f"would be more than {MAX_QUIET_ZONES} zones in all", "$.zones"
+            )
         self.zones[client] = zones
         self.pending.quiet = True
 

@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 # focus is refused; others are limited.
 MAX_FOCAL_AREA = 1e-3
 # Size of the bulk data from which conversion takes more than 0.1 ms [bytes].
-HEAVY_BYTES = 1 << 11
+MIN_HEAVY_BYTES = 1 << 11
 AT_ONCE = 16  # objects that are converted in a row while commands wait
 # Slow to convert at any size.
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference
 MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # maximum size of one encoded object [bytes]
 # Maximum coordinate [m]; maximum speed [m/s] or [rad/s]; tolerance of a quaternion's length.
-MAX_COORDINATE, MAX_SPEED, UNIT = (
+MAX_COORDINATE, MAX_SPEED, UNIT_TOLERANCE = (
     10.0,
     100.0,
     0.01,
@@ -75,7 +75,7 @@ class StoredObject:
         self.wraps: object = None
         self.waits = 0
         shape = item.shape if isinstance(item, (Surface, Volume)) else None
-        self.slow = isinstance(shape, SLOW) or self.size > HEAVY_BYTES
+        self.slow = isinstance(shape, SLOW) or self.size > MIN_HEAVY_BYTES
 
     @property
     def heavy(self) -> bool:
@@ -185,7 +185,7 @@ def reject_strength(name: str, item: Object, pressure: float, most: float) -> To
 def check_poses(command: Move) -> None:
     """Check rotations and speeds; the rest is already checked. Raises WireError."""
     for i, (_, _, _, x, y, z, w) in enumerate(POSE.iter_unpack(command.poses)):
-        if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT:
+        if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT_TOLERANCE:
             raise WireError("must have a unit quaternion (x, y, z, w)", f"$.poses[{i}]")
     for i, (x, y, z) in enumerate(VECTOR.iter_unpack(command.velocities)):
         if x * x + y * y + z * z > MAX_SPEED * MAX_SPEED:

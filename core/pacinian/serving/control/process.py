@@ -44,7 +44,7 @@ MAX_ROUND_REQUESTS = 64
 # Longest wait for requests in one round: while the output is armed; otherwise; and while nobody
 # watches the state either [s].
 MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.005, 0.02, 0.05
-REST_PUBLISH = 0.25  # least interval between two states that nobody watches [s]
+REST_PUBLISH_INTERVAL = 0.25  # least interval between two states that nobody watches [s]
 OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = (
     0.025,
     0.5,
@@ -63,7 +63,7 @@ TELLS_OF = {"guard": "device", "render": "renderer"}
 MAX_STOP_BYTES = 64
 # Rate of error replies to one client over its limits [1/s].
 ERROR_REPLY_RATE = 10.0
-PEERS = 4096  # maximum number of peers with a remembered rate
+MAX_PEERS = 4096  # maximum number of peers with a remembered rate
 
 
 class ControlLoop:
@@ -145,7 +145,7 @@ class ControlLoop:
         if self._doors.watchers > watchers:
             self._due["publish"] = self._due["frame"] = now
         elif not self._doors.watchers:
-            every = max(every, REST_PUBLISH)
+            every = max(every, REST_PUBLISH_INTERVAL)
         if self._is_due("publish", every, now):
             self._publish(now)
         after = (self._offset + GOLDEN) % 1.0
@@ -212,7 +212,7 @@ class ControlLoop:
             peer, (TokenBucket(self._settings.clients.max_rate), TokenBucket(ERROR_REPLY_RATE))
         )
         self._rates.move_to_end(peer)
-        while len(self._rates) > PEERS:
+        while len(self._rates) > MAX_PEERS:
             self._rates.popitem(last=False)
         busy = not rate.take(now)
         if busy:

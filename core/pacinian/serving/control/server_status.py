@@ -33,7 +33,7 @@ S = TypeVar("S", bound=Struct)
 
 # Number of faults shown.
 MAX_FAULTS = 8
-MAX_TEXT, LONGEST_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
+MAX_TEXT, MAX_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
 INPUT = 32  # size of one hand update in `State.inputs` [bytes]
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
 NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
@@ -135,7 +135,7 @@ class StatusPublisher:
             "armed": ownership.armed,
             "owner": ownership.owner.name if ownership.owner is not None else "",
             "scene": ownership.owner.scene if ownership.owner is not None else "",
-            "backend": device.name[:LONGEST_NAME],
+            "backend": device.name[:MAX_NAME],
             "frames": device.frames,
             "longest_gap": device.longest_gap,
             "restarts": restarts,

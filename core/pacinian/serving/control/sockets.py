@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from pacinian.wire.emergency import StopSocket
 
 # Longest message from a subscriber [bytes]; its handshake is the longest.
-SUBSCRIPTION = 4096
+MAX_SUBSCRIPTION_BYTES = 4096
 # Number of requests that may wait from one client: more than a game sends at 1 kHz until its heartbeat notices that
 # control stands still. libzmq 4.3 aborts (`!_io_error`) at a heartbeat behind a full queue of a closed connection.
-WAITING = 2048
+MAX_WAITING_REQUESTS = 2048
 # Number of states queued for a slow subscriber before it misses some.
-FRESH = 8
+MAX_WAITING_STATES = 8
 REFUSED = {
     zmq.EVENT_HANDSHAKE_FAILED_AUTH: "secret",  # an unknown token or key
     zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL: "protocol",  # another mechanism, or not ZeroMQ
@@ -38,7 +38,7 @@ REFUSED = {
 }
 WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
 # Connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
-EVENTS = 1024
+MAX_ROUND_EVENTS = 1024
 MAX_DRAIN_TIME = 2.0  # time in which events of the monitors end [s]
 QUIET_TIME = 20  # time without an event after which they have ended [ms]
 EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
@@ -66,9 +66,9 @@ class ControlSockets(Closeable):
             self._control = stack.enter_context(context.socket(zmq.ROUTER))
             self._state = stack.enter_context(context.socket(zmq.PUB))
             gate.protect(self._control, MAX_CONTROL_BYTES)
-            gate.protect(self._state, SUBSCRIPTION)
-            self._control.rcvhwm = WAITING
-            self._state.sndhwm = FRESH
+            gate.protect(self._state, MAX_SUBSCRIPTION_BYTES)
+            self._control.rcvhwm = MAX_WAITING_REQUESTS
+            self._state.sndhwm = MAX_WAITING_STATES
             self._monitors = [
                 stack.enter_context(socket.get_monitor_socket(WATCHED))
                 for socket in (self._control, self._state)
@@ -116,7 +116,7 @@ class ControlSockets(Closeable):
         """Return the connections refused since the last call: reason, detail."""
         seen: list[tuple[str, str]] = []
         for monitor in self._monitors:
-            for _ in range(EVENTS):
+            for _ in range(MAX_ROUND_EVENTS):
                 try:
                     head, _ = monitor.recv_multipart(zmq.NOBLOCK)
                 except zmq.Again:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DOMAIN = "pacinian"
 USER = "pacinian"
-HANDSHAKE = 2000  # time limit for the handshake [ms]
+HANDSHAKE_TIMEOUT = 2000  # time limit for the handshake [ms]
 # Time after which unacknowledged data ends a connection [ms]. This uses a TCP option, not ZeroMQ
 # heartbeats: libzmq 4.3 aborts (`!_io_error`) if a heartbeat is due on a connection that was closed
 # while its messages waited at the high-water mark.
@@ -93,7 +93,7 @@ class Authenticator:
         options = {
             zmq.LINGER: 0,
             zmq.MAXMSGSIZE: longest,
-            zmq.HANDSHAKE_IVL: HANDSHAKE,
+            zmq.HANDSHAKE_IVL: HANDSHAKE_TIMEOUT,
             zmq.RCVHWM: QUEUE,
             zmq.SNDHWM: QUEUE,
             zmq.BACKLOG: BACKLOG,

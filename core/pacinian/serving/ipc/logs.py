@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.log_lines import Formatter
     from pacinian.serving.settings import Log
 
-OFTEN = 5.0  # maximum rate of one event [1/s]
+MAX_EVENT_RATE = 5.0  # maximum rate of one event [1/s]
 MAX_FLUSH_TIME = 0.5  # time limit to write the last lines at the end [s]
 LEVELS = "debug", "info", "warning", "error"  # mildest first
 _waiting: queue.Queue[str] = queue.Queue(1000)
@@ -113,7 +113,7 @@ class RateLimitedLog:
     """A log that no client can flood: it limits the rate of each event, and then logs how many were left out."""
 
     def __init__(
-        self, clock: Callable[[], float] = time.perf_counter, often: float = OFTEN
+        self, clock: Callable[[], float] = time.perf_counter, often: float = MAX_EVENT_RATE
     ) -> None:
         self._clock, self._often = clock, often
         self._allowed: dict[str, TokenBucket] = {}

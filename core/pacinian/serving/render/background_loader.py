@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 # Size below which data is decoded at once [bytes].
-LIGHT = 1 << 14
+MAX_LIGHT_BYTES = 1 << 14
 QUICK = Sphere, Disc, Rectangle  # shapes without caches
 SLOW = Noise, Wave  # envelopes with large caches
-COARSE = 0.02  # minimum spacing of the trial samples [m]
+MIN_TRIAL_SPACING = 0.02  # minimum spacing of the trial samples [m]
 
 _objects: Decoder[Object] = Decoder(Object)
 _envelopes: Decoder[Envelope] = Decoder(Envelope)
@@ -123,7 +123,7 @@ def load_object(item: Object) -> Object:
         points = np.zeros((1, 3))
         item.distance(points, math.inf, math.inf)
         item.distance(points, item.thickness, item.thickness)
-        item.sample_surface(max(COARSE, item.bounding_radius / 10.0))
+        item.sample_surface(max(MIN_TRIAL_SPACING, item.bounding_radius / 10.0))
         if item.texture is not None:
             item.texture.at(points)  # loads SciPy's interpolation
     return item

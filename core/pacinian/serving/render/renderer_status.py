@@ -11,7 +11,7 @@ from msgspec.structs import asdict
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.rendering.emitted_measurement import name_of
-from pacinian.scene.sampling.hand_tracking import FADE, HOLD
+from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.serving.render.touch_report import find_touches
 
@@ -103,7 +103,7 @@ def _see(hand: Hand, t: float) -> Hand | None:
     if hand.lost or hand.time is None:
         return None if hand.lost else hand
     age = max(t - hand.time, 0.0)
-    return None if age >= HOLD + FADE else hand.extrapolate(min(age, HOLD))
+    return None if age >= HOLD_TIME + FADE_TIME else hand.extrapolate(min(age, HOLD_TIME))
 
 
 def _counts(ticks: Floats) -> bytes:

@@ -186,7 +186,7 @@ class SceneReplica:
         name, data, default = change.name, change.item, change.default
         self.refused.pop(name, None)
         self._forget(name)
-        if len(data) > background_loader.LIGHT:
+        if len(data) > background_loader.MAX_LIGHT_BYTES:
             self._load(
                 change, lambda: background_loader.load_object(background_loader.decode_object(data))
             )
@@ -251,7 +251,7 @@ class SceneReplica:
         item, data = self._items.get(change.name), change.envelope
         if item is None:
             return
-        if len(data) > background_loader.LIGHT:
+        if len(data) > background_loader.MAX_LIGHT_BYTES:
             self._load(
                 change,
                 lambda: background_loader.load_envelope(background_loader.decode_envelope(data)),

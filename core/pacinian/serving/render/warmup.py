@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.types import Floats
 
-ABOVE = 0.15  # height above the array [m]
+WARMUP_HEIGHT = 0.15  # height above the array [m]
 TICKS = 4  # ticks of each scene: the first ones load all that later ones need
 QUIET = 1.0  # sound pressure limit in a quiet zone [Pa]
 POWER = 1e-3  # less than the points need, so that the solver must enforce it
@@ -45,7 +45,7 @@ def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, r
     As in the loop, BLAS has one thread. With more, they wait for each other, and the warm-up takes twice the time.
     """
     away = array.normals.mean(axis=0)
-    place: Floats = array.positions.mean(axis=0) + ABOVE * away
+    place: Floats = array.positions.mean(axis=0) + WARMUP_HEIGHT * away
     x, y, z = (place + 0.1).tolist()
     kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), pressure=QUIET, radius=0.0),))
     with limit_blas_threads():

@@ -6,7 +6,8 @@ from typing import Any
 
 from pacinian_plugins.backends.autd3.packages import import_package
 
-AT_ONCE = 65535  # largest change of a level per period of the ultrasound, in 1/256 of a level
+# Largest change of a level per period of the ultrasound, in 1/256 of a level.
+MAX_LEVEL_CHANGE = 65535
 
 
 def make_exact() -> Any:
@@ -15,7 +16,7 @@ def make_exact() -> Any:
     `SetSilencer.disable()` does not do this: in the emulator, some phases then take the long way round, up to 1 ms.
     """
     commands = import_package("autd3.commands")
-    return commands.SetSilencer(commands.FixedUpdateRate(AT_ONCE, AT_ONCE))
+    return commands.SetSilencer(commands.FixedUpdateRate(MAX_LEVEL_CHANGE, MAX_LEVEL_CHANGE))
 
 
 def make_silent(units: int) -> Any:

@@ -15,7 +15,7 @@ from pacinian_plugins.backends.openmpd.board import Board
 from pacinian_plugins.backends.openmpd.link import CHIPS, open_port
 from pacinian_plugins.backends.openmpd.protocol import (
     BOARD,
-    DUTY,
+    MAX_PULSE,
     PHASES,
     RESYNC_PAUSE,
     SIZES,
@@ -116,7 +116,7 @@ class OpenMpd(pc.Backend):
                 f"{NAME}: a tick has {len(phase)} frames, and the boards room for {MAX_FRAMES}: "
                 f"run the loop at {self.rate / MAX_FRAMES:.0f} Hz or more, or lower `rate`"
             )
-        if phase.shape[1] != self._columns or phase.max() >= PHASES or amplitude.max() > DUTY:
+        if phase.shape[1] != self._columns or phase.max() >= PHASES or amplitude.max() > MAX_PULSE:
             raise pc.BackendError(f"{NAME}: a frame has levels that the boards do not have")
         return self._packer.pack(phase, amplitude)
 

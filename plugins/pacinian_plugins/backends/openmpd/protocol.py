@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 Bytes: TypeAlias = NDArray[np.uint8]
 
 BOARD, FRAME = 256, 512  # transducers per board; bytes per frame
-PHASES, DUTY = 128, 64  # phase levels per turn; longest pulse, half a period
-SIZES = tuple(math.sin(0.5 * math.pi * n / DUTY) for n in range(DUTY + 1))
+PHASES, MAX_PULSE = 128, 64  # phase levels per turn; longest pulse, half a period
+SIZES = tuple(math.sin(0.5 * math.pi * n / MAX_PULSE) for n in range(MAX_PULSE + 1))
 """Sound pressure of each pulse length, relative to the strongest."""
 CARRIER, MAX_DIVIDER = 40_000.0, 255  # carrier frequency [Hz]; its largest divider
 RESYNC_PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0
@@ -27,7 +27,7 @@ RESYNC_PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; i
 FLAG = 0x80  # bit 7 of a phase
 # where its bits begin, the lowest first; the byte behind them says to take it
 COLOUR, DIVIDER = 1, 26
-CENTRE = ((DUTY - np.arange(DUTY + 1)) // 2).astype(np.uint16)
+CENTRE = ((MAX_PULSE - np.arange(MAX_PULSE + 1)) // 2).astype(np.uint16)
 """Delay of each pulse length that keeps the centre of the pulse in place."""
 
 

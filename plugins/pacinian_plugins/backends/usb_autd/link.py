@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.devices.usb import ListedDevice
 
 IN, OUT = 0xC1, 0x41  # bmRequestType of vendor requests to the interface
-REPORT = 255  # maximum length of a report [bytes]
+MAX_REPORT_BYTES = 255  # maximum length of a report [bytes]
 RESET_ADVICE = "reset the server, or open the backend again"
 DEVICES = UsbKind(
     name="usb-autd",
@@ -44,7 +44,7 @@ class Link:
 
     def ask(self, request: Request) -> bytes:
         """Read a report. Raises BackendError."""
-        return self._control(IN, request, REPORT)
+        return self._control(IN, request, MAX_REPORT_BYTES)
 
     def tell(self, request: Request, data: bytes = b"") -> None:
         """Send a request. Raises BackendError."""

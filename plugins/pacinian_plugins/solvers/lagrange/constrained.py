@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
-MET = 1e-4  # relative error at which free phases are not chosen again
+MAX_MET_ERROR = 1e-4  # relative error at which free phases are not chosen again
 SEARCH_GAP = 1e-3  # relative gap that suffices while searching for the strongest even distribution
-PROVEN = 0.01  # relative gap up to which the strongest solution for given phases counts as proven
+# Relative gap up to which the strongest solution for given phases counts as proven.
+MAX_PROVEN_GAP = 0.01
 MIN_IMPROVEMENT = (
     0.02  # least relative decrease of the error in one round of new phases; less ends the rounds
 )
@@ -86,7 +87,12 @@ class Constrained:
             improved = best is None or found.error < (1.0 - MIN_IMPROVEMENT) * best.error
             better = best is None or (answer.kept, -found.error) > (best.answer.kept, -best.error)
             best = found if better else best
-            if not improved or answer.late or found.error <= MET or not targets.free.any():
+            if (
+                not improved
+                or answer.late
+                or found.error <= MAX_MET_ERROR
+                or not targets.free.any()
+            ):
                 break
             p, start = targets.complex(np.angle(found.made)) / self.unit, answer.y
         assert best is not None  # rounds >= 1
@@ -113,9 +119,9 @@ class Constrained:
         if self.reduced is None:
             answer = optimise_free_phases(solve, p, targets.free, budget)
             if answer.strength > 0.0:
-                return self._found(answer)._replace(unproven=answer.gap > PROVEN)
+                return self._found(answer)._replace(unproven=answer.gap > MAX_PROVEN_GAP)
             most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
-            unproven = most > PROVEN  # relative to the pressure of one transducer
+            unproven = most > MAX_PROVEN_GAP  # relative to the pressure of one transducer
         some = None if quiet is None else np.zeros_like(quiet)  # the strength is free
         nearest = least_squares(
             self.A, self._down(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,

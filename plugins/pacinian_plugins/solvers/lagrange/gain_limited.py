@@ -42,28 +42,29 @@ if TYPE_CHECKING:
     from pacinian_plugins.native.lagrange import Workspace
 
 STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
-MET = 1e-4  # relative error that always suffices
+MAX_MET_ERROR = 1e-4  # relative error that always suffices
 CONVERGED_ERROR = 1e-3  # relative error that suffices once the steps have converged
-STEPS = 16  # maximum number in stage 2
-EQUAL = 24  # maximum number of steps in stage 3
-LAST = 80  # maximum number of steps in stage 4
+MAX_STEPS_2 = 16  # maximum number in stage 2
+MAX_STEPS_3 = 24  # maximum number of steps in stage 3
+MAX_STEPS_4 = 80  # maximum number of steps in stage 4
 ROUGH_SAVING = 3e-4  # least relative saving of a step in stage 4, when starts are compared
 FINAL_SAVING = 1e-5  # the same, for the final steps
 FEW_SAMPLES = 16  # most samples for which other starts are tried
-LOOKS = 3  # number of starts that are rated for each one that is continued
+RATED_STARTS = 3  # number of starts that are rated for each one that is continued
 GOLDEN = 0.6180339887  # phase increment of the starts [turns]
 # relative error from which continuing with the current phases is not worthwhile
 MAX_PHASE_ERROR = 0.2
 SOFT = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # regularisations relative to trace(G) / M
 STEPS_EACH = 3  # Newton steps with each
-LARGE = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
-TWICE = 1_000_000  # M M N up to which the nearest pressures are sought from two starting points
-QUICK = 5_000_000  # M M N of the steps between two checks of the clock
+MAX_LATE_STAGE_WORK = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
+# M M N up to which the nearest pressures are sought from two starting points.
+MAX_TWO_START_WORK = 1_000_000
+MAX_UNCHECKED_WORK = 5_000_000  # M M N of the steps between two checks of the clock
 MOST_EQUAL = 80  # steps of `equalise` in the search for the strongest
 SCALE_RESOLUTION = 0.004  # of its share of full drive
 MIN_SCALE = 0.5  # least share of full drive that it tries
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
-BEYOND = 0.999  # multiple of the targets at full drive below which they cannot be met
+MAX_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
 
 
 class PhaseFreeResult(NamedTuple):
@@ -112,10 +113,10 @@ class PhaseFreeSolve:
     def run(self) -> PhaseFreeResult:
         """Write the gains, starting from the multipliers in the workspace."""
         error, converged = self._newton()
-        if error > (CONVERGED_ERROR if converged else MET) and not self.budget.spent:
+        if error > (CONVERGED_ERROR if converged else MAX_MET_ERROR) and not self.budget.spent:
             error = self._continue_after_stall(error)
             late = self.late or self.budget.spent
-            if error > MET and not late and self._other_starts:
+            if error > MAX_MET_ERROR and not late and self._other_starts:
                 error = self._try_other_starts(error)
             self._certify_and_write()
             self.late = late
@@ -179,12 +180,12 @@ class PhaseFreeSolve:
         w.y[:] = self._phases(k)
         return self._equalise(MOST_EQUAL)
 
-    def _newton(self, steps: int = STEPS, mu: float = 0.0) -> tuple[float, bool]:
+    def _newton(self, steps: int = MAX_STEPS_2, mu: float = 0.0) -> tuple[float, bool]:
         """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
         w, endless = self.workspace, self.budget.endless
         # without time for a step, only evaluate the current multipliers
         steps = steps if endless or self._affords() else 0
-        chunk = steps if endless else max(1, min(steps, QUICK // self._work))
+        chunk = steps if endless else max(1, min(steps, MAX_UNCHECKED_WORK // self._work))
         w.restart_dual()
         for _ in range(0, max(1, steps), chunk):
             taken = solve_dual(
@@ -219,18 +220,20 @@ class PhaseFreeSolve:
         first = second = Candidate.of(error, w)
         if w.free.all():
             # the array cannot resolve the samples
-            if error > MAX_PHASE_ERROR or self._work > LARGE:
+            if error > MAX_PHASE_ERROR or self._work > MAX_LATE_STAGE_WORK:
                 first = self._solve_softened(first)
             if not self.budget.spent:
                 error = self._full_drive()
-                if error <= MET:
+                if error <= MAX_MET_ERROR:
                     return error
                 second = Candidate.of(error, w)
-        if first.error != second.error and self._work <= TWICE:  # probe both starting points
+        if (
+            first.error != second.error and self._work <= MAX_TWO_START_WORK
+        ):  # probe both starting points
             first, second = self._probe(first), self._probe(second)
         best = first if first.error <= second.error else second
         w.h[:] = best.h
-        error = self._approach(FINAL_SAVING) if self._work <= LARGE else best.error
+        error = self._approach(FINAL_SAVING) if self._work <= MAX_LATE_STAGE_WORK else best.error
         self._set_residual()
         return error
 
@@ -254,14 +257,14 @@ class PhaseFreeSolve:
         asked = np.abs(w.p)
         looks = sorted(
             self._rate_starts(
-                lambda made: float(np.linalg.norm(made - asked)), LOOKS * self._other_starts
+                lambda made: float(np.linalg.norm(made - asked)), RATED_STARTS * self._other_starts
             )
         )
         for _, k in looks[: self.starts]:
-            if self.budget.spent or best.error <= MET:
+            if self.budget.spent or best.error <= MAX_MET_ERROR:
                 break
             w.y[:] = self._phases(k)
-            self._equalise(EQUAL)
+            self._equalise(MAX_STEPS_3)
             found = self._approach(ROUGH_SAVING)
             if found < best.error:
                 best = Candidate.of(found, w)
@@ -277,7 +280,7 @@ class PhaseFreeSolve:
             if self.budget.spent:
                 break
             self.workspace.y[:] = self._phases(k)
-            self._step_equal(EQUAL)
+            self._step_equal(MAX_STEPS_3)
             looks.append((worth(np.hypot(*self.workspace.made)), k))
         return looks
 
@@ -318,7 +321,7 @@ class PhaseFreeSolve:
 
     def _full_drive(self) -> float:
         """Restart the Newton steps from the phases of full drive; return the error."""
-        if self._equalise(EQUAL) < BEYOND:
+        if self._equalise(MAX_STEPS_3) < MAX_MET_SCALE:
             self.workspace.y[:] *= 10.0  # hold more transducers at the limit
         return self._newton()[0]
 
@@ -336,7 +339,11 @@ class PhaseFreeSolve:
     def _step_equal(self, steps: int) -> None:
         """Take steps of `equalise`, in small batches if there is a deadline."""
         w = self.workspace
-        chunk = steps if self.budget.endless else max(1, min(steps, QUICK // (8 * self.B.size)))
+        chunk = (
+            steps
+            if self.budget.endless
+            else max(1, min(steps, MAX_UNCHECKED_WORK // (8 * self.B.size)))
+        )
         for _ in range(0, steps, chunk):
             taken = equalise(self.B, chunk, w)
             self.steps += abs(taken)
@@ -348,8 +355,10 @@ class PhaseFreeSolve:
         w = self.workspace
         w.restart_primal()
         apply_planar(self.B, w.h, w.made, w.tile)
-        most = LAST if self._affords() else 0
-        chunk = LAST if self.budget.endless else max(1, QUICK // (8 * self._work))
+        most = MAX_STEPS_4 if self._affords() else 0
+        chunk = (
+            MAX_STEPS_4 if self.budget.endless else max(1, MAX_UNCHECKED_WORK // (8 * self._work))
+        )
         for _ in range(0, max(1, most), chunk):
             steps = solve_primal(self.B, self.mu, min(chunk, most), STOP_RESIDUAL, finished, w)
             self.steps += abs(steps)
@@ -374,7 +383,7 @@ class PhaseFreeSolve:
         w = self.workspace
         h = w.h[0].astype(np.complex128) + 1j * w.h[1]
         rough = refine_certified(B, w.p, w.free, self.mu, w.y, h / np.maximum(np.abs(h), 1.0))
-        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, STEPS, self.budget)
+        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, MAX_STEPS_2, self.budget)
         best = fine if fine.objective < rough.objective else rough
         w.y[:] = best.y
         return best

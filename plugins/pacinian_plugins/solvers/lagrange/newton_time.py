@@ -8,9 +8,9 @@ if TYPE_CHECKING:
     import pacinian as pc
 
 # approximate speed of Newton steps [M M N / s]; duration up to which steps are always started [s]
-PACE, MIN_TIME = 5e9, 1e-3
+NEWTON_SPEED, MIN_TIME = 5e9, 1e-3
 
 
 def has_time(budget: pc.Budget, work: int) -> bool:
     """Return whether a Newton step of `work` M M N is short or fits in the budget; if not, do not start it."""
-    return work <= MIN_TIME * PACE or budget.affords(work / PACE)
+    return work <= MIN_TIME * NEWTON_SPEED or budget.affords(work / NEWTON_SPEED)

@@ -1,10 +1,10 @@
 """Least squares under the gain limit for regions: all phases are given, and no Gram matrix is formed.
 
 The samples of a region lie closer together than the array resolves. Therefore B B^H is nearly singular, and its
-regularisation mu affects the solution. Squared errors have weight 1, or `QUIET` beside regions. The dual is that of
-`convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y. Each step
-solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below its
-limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
+regularisation mu affects the solution. Squared errors have weight 1, or `OUTSIDE_WEIGHT` beside regions. The dual is
+that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y.
+Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
+its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
 Every fourth transducer suffices to capture the coupling of the samples. D + B W B^H is computed and factored for these
 transducers only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60.
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
-QUIET = 0.02  # weight of points beside regions
+OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
 MAX_SAMPLES = 400  # largest number of samples with a preconditioner
-REFINED = 16  # Newton steps in double precision
+REFINING_STEPS = 16  # Newton steps in double precision
 NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 
 
@@ -92,7 +92,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     D, scale = np.empty(M), share / unit
     before, phases, factor = find_start(targets, warm)
     start_region(
-        targets.amplitudes, targets.phases, targets.beside, scale, QUIET, before, phases, scale * factor,
+        targets.amplitudes, targets.phases, targets.beside, scale, OUTSIDE_WEIGHT, before, phases, scale * factor,
         p, D, y,
     )  # fmt: skip
     key = RegionWorkspace, M, N, M <= MAX_SAMPLES
@@ -115,7 +115,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         A, start_at = w[:, None] * propagator.B, y / w
         if done:
             G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
-            fine = solve_newton(A, G, w * p, free, mu, start_at, REFINED, budget)
+            fine = solve_newton(A, G, w * p, free, mu, start_at, REFINING_STEPS, budget)
             h, y, bound, objective = fine.h, w * fine.y, fine.bound, fine.objective
         else:
             from pacinian_plugins.solvers.lagrange.convex import least_squares
@@ -135,7 +135,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         objective=objective * proven,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
-        quiet_weight=QUIET,
+        quiet_weight=OUTSIDE_WEIGHT,
         note=f"{held / N:.0%} of the transducers at their limit" if held else "",
     )
 

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
     from pacinian_plugins.solvers.lagrange.convex import Answer
 
-TRIALS, CLOSE = 30, 1e-5  # maximum number of solves; relative gain of a step below which it ends
+# Maximum number of solves; relative gain of a step below which it ends.
+MAX_TRIALS, MIN_STEP_GAIN = 30, 1e-5
 
 
 def optimise_free_phases(
@@ -57,6 +58,6 @@ def optimise_free_phases(
 
     optimize.minimize(
         weakness, np.zeros(int(free.sum())), method="L-BFGS-B", jac=True, callback=look,
-        options={"maxfun": TRIALS, "ftol": CLOSE},
+        options={"maxfun": MAX_TRIALS, "ftol": MIN_STEP_GAIN},
     )  # fmt: skip
     return best

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 # factor by which the weak reference is below full drive; relative tolerance of the multiple
-WEAK, CLOSE = 1e3, 0.005
-AS_EVEN = 1.5  # largest error allowed, as a multiple of the error of the weak reference
+WEAK_DIVISOR, MULTIPLE_TOLERANCE = 1e3, 0.005
+MAX_ERROR_RATIO = 1.5  # largest error allowed, as a multiple of the error of the weak reference
 
 
 def find_strongest_uniform(
@@ -36,16 +36,16 @@ def find_strongest_uniform(
     if not asked.any():
         return
     high = math.log(float((reach[asked] / size[asked]).min()))  # full drive towards one sample
-    low = high - math.log(WEAK)
+    low = high - math.log(WEAK_DIVISOR)
     enough, at, best = 0.0, low, low
     while True:
         multiple = math.exp(at)
         error = compute_unevenness(multiple * size[counts], attempt(multiple * p)[counts])
-        enough = enough or max(REGION_TOLERANCE, AS_EVEN * error)
+        enough = enough or max(REGION_TOLERANCE, MAX_ERROR_RATIO * error)
         best, high = (at, high) if error <= enough else (best, at)
-        if budget.spent or (high - best < CLOSE and best == at):
+        if budget.spent or (high - best < MULTIPLE_TOLERANCE and best == at):
             return
-        at = best if high - best < CLOSE else (best + high) / 2.0
+        at = best if high - best < MULTIPLE_TOLERANCE else (best + high) / 2.0
 
 
 def compute_unevenness(amplitudes: Floats, made: Complexes) -> float:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.sampling.hand_tracking import FADE, HOLD, HandTrack
+from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME, HandTrack
 from pacinian.scene.sampling.pose_prediction import BLEND, JUMP
 
 bounded = settings(max_examples=60)
@@ -58,7 +58,7 @@ def test_a_hand_is_carried_on_by_its_velocities() -> None:
     track, hand = HandTrack(), moved(0.0, velocities=(0.4, 0.0, 0.0), time=1.0)
     for t in (1.0, 1.01, 1.03):
         assert palm(track, hand, t) == pytest.approx(0.4 * (t - 1.0))
-    assert palm(track, hand, 1.08) == pytest.approx(0.4 * HOLD)
+    assert palm(track, hand, 1.08) == pytest.approx(0.4 * HOLD_TIME)
 
 
 def test_a_late_hand_is_where_it_must_be_by_now() -> None:
@@ -77,7 +77,7 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
     track = HandTrack()
     x = palm(track, moved(0.0, time=0.5 if timed else None), 0.5)
     gone, shares = lost(), []
-    for t in np.arange(0.5, 0.5 + HOLD + FADE + 0.02, TICK):
+    for t in np.arange(0.5, 0.5 + HOLD_TIME + FADE_TIME + 0.02, TICK):
         now, share = track.at(gone, t)
         shares.append(share)
         if now is None:
@@ -85,9 +85,9 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
         else:
             assert now.joints is not None
             assert now.joints[0, 0] == x
-    held = round(HOLD / TICK)
+    held = round(HOLD_TIME / TICK)
     assert shares[:held] == [1.0] * held
-    assert np.diff(shares).min() >= -TICK / FADE - 1e-9
+    assert np.diff(shares).min() >= -TICK / FADE_TIME - 1e-9
     assert (np.diff(shares) <= 0.0).all()
     assert shares[-1] == 0.0
     assert not track.can_move(1.0)
@@ -97,9 +97,9 @@ def test_a_hand_that_stayed_long_before_it_was_lost_stays_as_long() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 0.0)  # then no call, because nothing changed
     assert track.at(lost(), 10.0)[1] == 1.0
-    assert track.at(lost(), 10.0 + 0.9 * HOLD)[1] == 1.0
-    assert track.at(lost(), 10.0 + HOLD + FADE / 2.0)[1] == pytest.approx(0.5)
-    assert track.at(lost(), 10.0 + HOLD + FADE + TICK)[0] is None
+    assert track.at(lost(), 10.0 + 0.9 * HOLD_TIME)[1] == 1.0
+    assert track.at(lost(), 10.0 + HOLD_TIME + FADE_TIME / 2.0)[1] == pytest.approx(0.5)
+    assert track.at(lost(), 10.0 + HOLD_TIME + FADE_TIME + TICK)[0] is None
 
 
 def test_a_hand_that_is_lost_for_one_frame_stays() -> None:
@@ -117,9 +117,9 @@ def test_a_hand_that_is_lost_for_one_frame_stays() -> None:
 
 def test_a_hand_whose_updates_stop_coming_fades_too() -> None:
     track, hand = HandTrack(), moved(0.0, time=1.0)
-    assert track.at(hand, 1.0 + 0.9 * HOLD)[1] == 1.0
-    assert 0.0 < track.at(hand, 1.0 + HOLD + FADE / 2.0)[1] < 1.0
-    assert track.at(hand, 1.0 + HOLD + FADE + TICK) == (None, 0.0)
+    assert track.at(hand, 1.0 + 0.9 * HOLD_TIME)[1] == 1.0
+    assert 0.0 < track.at(hand, 1.0 + HOLD_TIME + FADE_TIME / 2.0)[1] < 1.0
+    assert track.at(hand, 1.0 + HOLD_TIME + FADE_TIME + TICK) == (None, 0.0)
 
 
 def test_a_hand_without_a_time_stays_for_ever() -> None:
@@ -154,7 +154,7 @@ def test_after_time_jumped_back_a_lost_hand_fades_all_the_same() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 1e6)
     assert track.at(lost(), 5.0)[1] == 1.0
-    assert track.at(lost(), 5.0 + HOLD + FADE + TICK)[0] is None
+    assert track.at(lost(), 5.0 + HOLD_TIME + FADE_TIME + TICK)[0] is None
 
 
 def test_a_hand_given_as_a_mesh_does_not_jump_either() -> None:

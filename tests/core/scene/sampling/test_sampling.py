@@ -17,7 +17,7 @@ from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
 from pacinian.scene.sampling.sources import SinglePoint, WholeObject
-from pacinian.scene.sampling.spacing import DENSE
+from pacinian.scene.sampling.spacing import REGION_SPACING
 from pacinian.scene.shapes.curves import Circle, Line
 
 from ..tools import moved, random_pose
@@ -319,8 +319,8 @@ def test_a_regions_spacing_follows_what_the_array_resolves_and_the_wavelength() 
         samples = sampler.sample(pc.Scene((square(0.12, pc.Pose((0.0, 0.0, z))),)))
         seen.append(spacing(samples))
     assert seen == sorted(seen)
-    assert seen[0] == pytest.approx(DENSE * 0.0085, rel=0.05)
-    assert seen[-1] > DENSE * 0.02
+    assert seen[0] == pytest.approx(REGION_SPACING * 0.0085, rel=0.05)
+    assert seen[-1] > REGION_SPACING * 0.02
 
 
 def test_on_a_transducer_the_spacing_is_that_of_a_wavelength() -> None:
@@ -329,7 +329,9 @@ def test_on_a_transducer_the_spacing_is_that_of_a_wavelength() -> None:
     sampler = pc.Sampler(budget=2000)
     sampler.prepare(array.transform(pc.Pose((0.01 - x, 0.01 - y, 0.01 - z))), pc.Air())
     plate = square(0.1, pc.Pose((0.012, 0.012, 0.012)))
-    assert spacing(sampler.sample(pc.Scene((plate,)))) == pytest.approx(DENSE * 0.0085, rel=0.1)
+    assert spacing(sampler.sample(pc.Scene((plate,)))) == pytest.approx(
+        REGION_SPACING * 0.0085, rel=0.1
+    )
 
 
 def test_a_single_transducer_resolves_nothing() -> None:
@@ -485,7 +487,7 @@ def test_a_thousand_objects_are_sampled() -> None:
     samples = pc.Sampler().sample(scene)
     assert len(samples) == 256
     assert samples.objects.tolist() == list(range(256))
-    each = len(shape.sample_surface(DENSE * 0.0085).points)
+    each = len(shape.sample_surface(REGION_SPACING * 0.0085).points)
     rich = pc.Sampler(budget=1000 * each).sample(scene)
     assert len(rich) == 1000 * each
 

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.surround import INNER, MOST_OF_SMALL, OUTER
+from pacinian.scene.sampling.surround import INNER, MAX_OF_SMALL, OUTER
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
 
@@ -37,7 +37,7 @@ def sampled(scene: pc.Scene, budget: int = 256, surround: bool = True) -> pc.Sam
 def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Scene) -> None:
     plain, both = sampled(scene, surround=False), sampled(scene)
     silent = both.radiation_pressure == 0.0
-    assert 0.1 * len(plain) < silent.sum() <= max(MOST_OF_SMALL, len(plain) / 3)
+    assert 0.1 * len(plain) < silent.sum() <= max(MAX_OF_SMALL, len(plain) / 3)
     assert np.array_equal(both.positions[~silent], plain.positions)
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)

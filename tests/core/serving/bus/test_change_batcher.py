@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.bus.change_batcher import BYTES, MAX_BATCH_OBJECTS, ChangeBatcher
+from pacinian.serving.bus.change_batcher import MAX_BATCH_BYTES, MAX_BATCH_OBJECTS, ChangeBatcher
 from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
-from pacinian.serving.bus.stored_object import HEAVY_BYTES
+from pacinian.serving.bus.stored_object import MIN_HEAVY_BYTES
 from pacinian.serving.ipc.messages import (
     Changes,
     ChangesAck,
@@ -40,7 +40,7 @@ from ..fake_renderer import (
 
 bounded = settings(max_examples=200)
 NAMES = "abcdefgh"
-LONG = Wave(samples=pack(np.zeros(HEAVY_BYTES)), rate=1000.0)
+LONG = Wave(samples=pack(np.zeros(MIN_HEAVY_BYTES)), rate=1000.0)
 SLOW = 80  # stronger points have a long envelope [Pa]
 name = st.sampled_from(NAMES)
 names = st.lists(name, max_size=3, unique=True)
@@ -257,7 +257,7 @@ def test_batches_have_no_more_bytes_than_they_may_but_for_one_object() -> None:
         if (batch := outbox.next()) is not None:
             batches.append([len(c.item) for c in batch.changes if isinstance(c, PutObject)])
             outbox.acknowledge(renderer.take(batch))
-    assert all(sum(sizes) <= BYTES or len(sizes) == 1 for sizes in batches)
+    assert all(sum(sizes) <= MAX_BATCH_BYTES or len(sizes) == 1 for sizes in batches)
     assert list(renderer.scene) == [f"t{i}" for i in range(4)]
 
 

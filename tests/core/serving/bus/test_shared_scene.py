@@ -8,7 +8,12 @@ import pytest
 import pacinian as pc
 from pacinian.errors import WireError
 from pacinian.serving.bus.dispatcher import carry_out
-from pacinian.serving.bus.shared_scene import MAX_CLIENT_BYTES, QUIET, CommandRejected, SharedScene
+from pacinian.serving.bus.shared_scene import (
+    MAX_CLIENT_BYTES,
+    MAX_QUIET_ZONES,
+    CommandRejected,
+    SharedScene,
+)
 from pacinian.serving.bus.stored_object import TooStrong, make_error_reply
 from pacinian.serving.settings import Clients, Safety, Settings, Zone
 from pacinian.wire import objects, shapes
@@ -228,9 +233,9 @@ def test_quiet_zones_of_clients_come_to_those_of_the_installation() -> None:
 
 def test_quiet_zones_of_a_scene_are_bounded() -> None:
     room, one, other = room_of(), client(1), client(2)
-    balls = [Ball(position=(0.0, 0.0, 0.1), pressure=1.0, radius=0.1)] * QUIET
+    balls = [Ball(position=(0.0, 0.0, 0.1), pressure=1.0, radius=0.1)] * MAX_QUIET_ZONES
     do(room, one, quiet(*balls))
-    with pytest.raises(CommandRejected, match=str(QUIET)):
+    with pytest.raises(CommandRejected, match=str(MAX_QUIET_ZONES)):
         do(room, other, quiet(*balls))
     do(room, one, quiet(*balls[3:]))
     do(room, other, quiet(*balls[:3]))

@@ -11,9 +11,10 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
-MARGIN = 2e-6  # relative amount by which quiet limits are tightened, and may then be exceeded
+QUIET_MARGIN = 2e-6  # relative amount by which quiet limits are tightened, and may then be exceeded
 INERT = 1e-9  # initial cost of the weights of quiet rows, relative to ||p||^2
-EXACT = 3e-6  # relative error ||p - A h|| / ||p|| of the exact rows up to which they count as met
+# Relative error ||p - A h|| / ||p|| of the exact rows up to which they count as met.
+MAX_EXACT_ERROR = 3e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +37,12 @@ class Constraints:
         q = np.zeros(0) if quiet is None else np.asarray(quiet, np.float64)
         hard = np.zeros(len(p), np.bool_) if exact is None else np.asarray(exact, np.bool_)
         size = float(np.linalg.norm(p[hard] if hard.any() else p))
-        each = EXACT * size / np.sqrt(max(1, int(hard.sum())))
+        each = MAX_EXACT_ERROR * size / np.sqrt(max(1, int(hard.sum())))
         rows = cls(
             np.concatenate([p, np.zeros(len(q))]).astype(np.complex128),
             np.concatenate([np.ones(len(p)), np.ones(len(q))]),
-            np.concatenate([np.where(hard, 0.0, np.inf), (1.0 - MARGIN) * q]),
-            np.concatenate([np.where(hard, each, 0.0), np.where(q > 0.0, MARGIN * q, each)]),
+            np.concatenate([np.where(hard, 0.0, np.inf), (1.0 - QUIET_MARGIN) * q]),
+            np.concatenate([np.where(hard, each, 0.0), np.where(q > 0.0, QUIET_MARGIN * q, each)]),
         )
         return rows.smooth(INERT * float(np.vdot(p, p).real))
 

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 
 MIN_MU = 1e-15  # least mu when the strength is maximised [Pa^2]
-BEYOND = 1e6  # ||h||, relative to ||p|| / ||a row of A||, beyond which gains do not count
+# ||h||, relative to ||p|| / ||a row of A||, beyond which gains do not count.
+MAX_RELATIVE_GAINS = 1e6
 
 
 class Point(NamedTuple):
@@ -134,7 +135,10 @@ class Dual:
         asked = float(np.vdot(hard, rows.p).real - np.abs(hard) @ q)
         if asked <= 0.0:
             return False
-        most = min(self.most, BEYOND**2 * float(np.vdot(rows.p, rows.p).real) / max(scale, 1e-300))
+        most = min(
+            self.most,
+            MAX_RELATIVE_GAINS**2 * float(np.vdot(rows.p, rows.p).real) / max(scale, 1e-300),
+        )
         reach = math.sqrt(most) * float(np.linalg.norm(x))
         if self.limit[0] < math.inf:
             reach = min(reach, float(self.limit @ x))

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.convex.dual import Dual
     from pacinian_plugins.solvers.lagrange.convex.newton_step import Newton, State
 
-SLOW, IDLE = 1e-4, 4  # stop after IDLE steps in a row that promise less than SLOW of the tolerance
-FAINT = 0.1  # strength, relative to a row of A and the tolerance, up to which it counts as 0
+# Stop after MAX_IDLE_STEPS steps in a row that promise less than MIN_PROMISE of the tolerance.
+MIN_PROMISE, MAX_IDLE_STEPS = 1e-4, 4
+# Strength, relative to a row of A and the tolerance, up to which it counts as 0.
+MAX_ZERO_STRENGTH = 0.1
 
 
 class Trial(NamedTuple):
@@ -76,7 +78,7 @@ def ascend_dual(
             best = Trial.of(dual, state.g, dual.make(state.g)).or_better(best)
         if best.proves(bound, tolerance):
             break
-        if c is not None and -bound <= FAINT * tolerance:
+        if c is not None and -bound <= MAX_ZERO_STRENGTH * tolerance:
             break  # no gains can make these proportions
         if budget.spent or not has_time(budget, work):
             late = True
@@ -84,11 +86,11 @@ def ascend_dual(
         if best.excess > 0.0 and c is None and dual.impossible(point.y, scale):
             impossible = True
             break
-        slow = state.promise <= SLOW * tolerance * abs(point.value) or state.length == 0.0
+        slow = state.promise <= MIN_PROMISE * tolerance * abs(point.value) or state.length == 0.0
         idle = idle + 1 if slow else 0
-        if step == steps or idle == IDLE:
+        if step == steps or idle == MAX_IDLE_STEPS:
             break
-        if idle == IDLE - 2 and not newton.fine:
+        if idle == MAX_IDLE_STEPS - 2 and not newton.fine:
             newton, idle = newton.finer(), 0
         if dual.rows.quiet.any() or c is not None:
             size = abs(point.value)

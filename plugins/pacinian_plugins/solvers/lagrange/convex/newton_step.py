@@ -25,13 +25,16 @@ if TYPE_CHECKING:
 
 # ridge relative to the mean diagonal element
 RIDGE = {np.dtype(np.float32): 1e-7, np.dtype(np.float64): 1e-13}
-MOSTLY = 1.5  # twice the share of gains at their limit up to which they are subtracted from A A^H
-SINGLE = 1e-7  # mu, relative to the mean square of the rows, from which single precision suffices
-ARMIJO = 1e-4  # least share of the promised ascent that a step must achieve
+# Twice the share of gains at their limit up to which they are subtracted from A A^H.
+SUBTRACTED_SHARE = 1.5
+# Mu, relative to the mean square of the rows, from which single precision suffices.
+MIN_SINGLE_MU = 1e-7
+ARMIJO_SHARE = 1e-4  # least share of the promised ascent that a step must achieve
 ROUNDING = 1e-14  # rounding error of D relative to its terms
 MIN_STEP = 1e-4  # least length of a step, relative to a full step
-SHORT = 0.1  # length of a step below which it has overshot and the doubt grows
-CAREFUL, CALMER = 100.0, 10.0  # factors by which the doubt grows then, and decays in other steps
+MIN_STEP_LENGTH = 0.1  # length of a step below which it has overshot and the doubt grows
+# Factors by which the doubt grows then, and decays in other steps.
+DOUBT_GROWTH, DOUBT_DECAY = 100.0, 10.0
 
 T = TypeVar("T", bound="Floats | Complexes")
 
@@ -74,7 +77,7 @@ class Newton:
     @classmethod
     def of(cls, A: Complexes, gram: Complexes, mu: float) -> Newton:
         """Choose single precision if mu is so large that rounding does not matter, else double."""
-        fine = A.dtype == np.complex128 or mu < SINGLE * gram_scale.mean_square(gram)
+        fine = A.dtype == np.complex128 or mu < MIN_SINGLE_MU * gram_scale.mean_square(gram)
         return cls(gram, np.empty(2 * A.size, np.float64 if fine else np.float32))
 
     @property
@@ -89,9 +92,9 @@ class Newton:
     def step(self, dual: Dual, state: State) -> State:
         """Return the next state: the same point with a new expectation if no step ascends."""
         point, rows, weight = state.point, dual.rows, dual.mu + state.point.nu
-        doubt = state.doubt / CALMER
-        if state.length < SHORT:
-            doubt = min(1.0, max(CAREFUL * state.doubt, doubt)) if state.doubt else 1.0
+        doubt = state.doubt / DOUBT_DECAY
+        if state.length < MIN_STEP_LENGTH:
+            doubt = min(1.0, max(DOUBT_GROWTH * state.doubt, doubt)) if state.doubt else 1.0
         trust = 1.0 - doubt
         ahead = Slopes.of(point.x, trust * state.g, dual.weight, point.nu, dual.limit)
         aside = Slopes.of(point.y, trust * state.z, rows.weight, 0.0, rows.limit)
@@ -117,7 +120,7 @@ class Newton:
         free = 1.0 / (dual.mu + point.nu)
         S = np.zeros((2 * R, 2 * R), order="F")
         sign, radial, tangential = 1.0, slopes.radial, slopes.tangential
-        if 2 * slopes.held <= min(N + np.count_nonzero(radial), MOSTLY * N):
+        if 2 * slopes.held <= min(N + np.count_nonzero(radial), SUBTRACTED_SHARE * N):
             kernels.real(self.gram, free, S.T)
             if not slopes.held:
                 return S
@@ -175,7 +178,7 @@ def _search(
     length = 1.0
     while length > MIN_STEP:
         new = dual.at(point.y + length * d, point.x + length * dx)
-        if new.value >= point.value + ARMIJO * length * promise - noise:
+        if new.value >= point.value + ARMIJO_SHARE * length * promise - noise:
             return new, length
         length /= 2.0
     return point, 0.0
