@@ -24,9 +24,10 @@ class CachedSolution:
     those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would be
     useless, because the solver had enough time. failed_improvements: number of successive solves that were not better.
     averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each
-    object to which little sound comes, with the number of such samples. limited: whether it is scaled down, because the
-    pressure on skin would exceed its limit. evaluated: whether that pressure was compared with its limit, if there is
-    one. retry: time from which to solve again if it is not final [s].
+    object to which little sound comes, with the number of such samples. missed: the same for samples that get clearly
+    less than their target. limited: whether it is scaled down, because the pressure on skin would exceed its limit.
+    evaluated: whether that pressure was compared with its limit, if there is one. retry: time from which to solve again
+    if it is not final [s].
     """
 
     gains: Gains
@@ -39,6 +40,7 @@ class CachedSolution:
     failed_improvements: int = 0
     averaged: bool = False
     weakened: tuple[tuple[int, int], ...] = ()
+    missed: tuple[tuple[int, int], ...] = ()
     limited: bool = False
     evaluated: bool = True
     retry: float = -math.inf

@@ -176,13 +176,13 @@ class Cycle:
         """Return whether each sample sounds in this part, (M,)."""
         return self._shares[:, self.parts.index(part)] > 0.0
 
-    def compute_rest(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
-        """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
+    def sum_others(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
+        """Return the sum of what the other frames make at one frame's own samples, (M',) [Pa].
 
         own: mask of these samples, (M,). P: target of the whole cycle there, (M',) [Pa].
         """
         self.asked[own] = P
-        K, q = self.count, self.samples.positions[own]
+        q = self.samples.positions[own]
         part.session.propagator.set_points(q, facing)
         others = np.zeros(len(q))
         for share, other in zip(self._shares[own].T, self.parts, strict=True):
@@ -190,12 +190,19 @@ class Cycle:
                 continue
             solved = other.solved
             if solved is None:
-                others += K * share * P
+                others += self.count * share * P
             else:
                 p = part.session.propagator.apply(solved.gains)
                 others += radiation_pressure(p, part.session.medium)
-        nominal = K * self._shares[own, self.parts.index(part)] * P
-        wanted = np.clip(K * P - others, MIN_SHARE * nominal, MAX_SHARE * nominal)
+        return others
+
+    def find_rest(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
+        """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
+
+        own, P: as for `sum_others`. others: its result.
+        """
+        nominal = self.count * self._shares[own, self.parts.index(part)] * P
+        wanted = np.clip(self.count * P - others, MIN_SHARE * nominal, MAX_SHARE * nominal)
         return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution, t: float) -> None:

@@ -20,6 +20,7 @@ INTERPOLATED = "interpolated"
 OUT_OF_TIME = "solved in part"
 AVERAGED = "envelope averaged"
 WEAKENED = "weakened"
+MISSED_TARGET = "weaker than asked"
 SLEW_LIMITED = "slew limited"
 SKIN_LIMITED = "limited on skin"
 FEWER_FRAMES = "in fewer frames"
@@ -132,7 +133,7 @@ def describe_totals(reasons: Mapping[str, Total]) -> str:
         if reason in BY_TICK:
             text = f"{reason} in {max(ticks, count):,} ticks"
         else:
-            kind = "samples " if reason in LEFT_OUT or reason == WEAKENED else ""
+            kind = "samples " if reason in LEFT_OUT or reason in (WEAKENED, MISSED_TARGET) else ""
             text = f"{kind}{reason} in {ticks:,} ticks"
             text += f" ({count / ticks:.3g} in each)" if kind else ""
         parts.append(f"{text}, {round(first, 3) + 0.0:.3f} to {round(last, 3) + 0.0:.3f} s")

@@ -10,6 +10,7 @@ from pacinian.rendering.deviation_log import (
     AVERAGED,
     FEWER_FRAMES,
     INTERPOLATED,
+    MISSED_TARGET,
     NOTHING,
     OUT_OF_TIME,
     SKIN_LIMITED,
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.solve_result import SolveResult
+    from pacinian.scene.sampling.samples import Samples
 
 
 class FrameDeviations:
@@ -39,7 +41,7 @@ class FrameDeviations:
 
         between: whether frames lie between those for two results. held_back: whether the slew-rate limit changed it.
         """
-        counts, weakened, reasons = played.sample_counts, set[CachedSolution](), set[str]()
+        counts, short, reasons = played.sample_counts, set[CachedSolution](), set[str]()
         if between and before.solved.samples is not played.solved.samples:
             reasons.add(INTERPOLATED)
         for one in set(played.solved.rows):
@@ -49,29 +51,33 @@ class FrameDeviations:
                 reasons.add(AVERAGED)
             if one.limited:
                 reasons.add(SKIN_LIMITED)
-            if one.weakened:
-                weakened.add(one)
+            if one.weakened or one.missed:
+                short.add(one)
         if held_back:
             reasons.add(SLEW_LIMITED)
         if played.solved.hurried:
             reasons.add(FEWER_FRAMES)
-        if counts.clean and not reasons and not weakened:
+        if counts.clean and not reasons and not short:
             return NOTHING
-        key = counts, id(before), id(played), reasons, weakened
+        key = counts, id(before), id(played), reasons, short
         if self._last[0] != key:
             made: Reasons = counts.deviations
-            for label, count in _count_weakened(weakened).items():
-                made = mark(made, [label], WEAKENED, count)
+            for reason, found in (
+                (WEAKENED, _count((one.samples, one.weakened) for one in short)),
+                (MISSED_TARGET, _count((one.samples, one.missed) for one in short)),
+            ):
+                for label, count in found.items():
+                    made = mark(made, [label], reason, count)
             for reason in sorted(reasons):
                 made = mark(made, sorted(before.labels | played.labels), reason)
             self._last = key, made
         return self._last[1]
 
 
-def _count_weakened(solved: Iterable[CachedSolution]) -> Counter[str]:
-    """Return the number of weakened samples by object; of solutions for the same samples, the one with most counts."""
+def _count(solved: Iterable[tuple[Samples, tuple[tuple[int, int], ...]]]) -> Counter[str]:
+    """Add up counts by index of the object, and name the objects. Of those for the same samples, the most count."""
     most: dict[int, Counter[str]] = {}
-    for one in solved:
-        found = Counter({label_object(one.samples.items[i], i): count for i, count in one.weakened})
-        most[id(one.samples)] = most.get(id(one.samples), Counter()) | found
+    for samples, counts in solved:
+        found = Counter({label_object(samples.items[i], i): count for i, count in counts})
+        most[id(samples)] = most.get(id(samples), Counter()) | found
     return sum(most.values(), Counter[str]())

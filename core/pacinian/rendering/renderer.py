@@ -310,7 +310,7 @@ class Renderer(Closeable):
 
         on_tick: called after each tick. max_lag: lag up to which the loop catches up by ticking faster [s]. With more
         lag, missed ticks are skipped and counted in `report.skipped["missed ticks"]`. Pass 0 if only the present
-        matters. Ctrl-C ends the run and sets `report.interrupted`.
+        matters. Scene time 0 is the first tick since `open`. Ctrl-C ends the run and sets `report.interrupted`.
         """
         max_lag = check_number("max_lag", max_lag, low=0.0)
         duration = None if duration is None else check_number("duration", duration, low=0.0)
@@ -319,7 +319,10 @@ class Renderer(Closeable):
             self.open()
             self.report.interrupted = False
             with realtime_section():
+                begins = not self.report.ticks
                 for due, lost in pace(self.clock, self.period, duration, max_lag):
+                    if begins:  # what begins at time 0 must not begin before the loop is ready
+                        self.start, begins = due, False
                     self.tick(due, lost)
                     if on_tick is not None:
                         on_tick(self.report)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
@@ -19,6 +19,7 @@ from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
 from pacinian.solving.problem import Limits, Targets, number_regions
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,12 +31,14 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.types import Floats
+    from pacinian.types import Flags, Floats
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
 # Largest ratio of new to old error at which a late solution counts as improved.
 MAX_ERROR_RATIO = 0.99
+# Share of its target below which a sample counts as weaker than asked: smaller differences are hardly felt.
+MISSED_BELOW = 0.9
 MAX_TRIES = 6  # successive solves without improvement after which the next one waits
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
@@ -277,35 +280,56 @@ class SampleSolver:
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
         facing = None
         weakened: tuple[tuple[int, int], ...] = ()
+        asked = samples.regions != BESIDE
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
             share = part.reach.share(q, facing, self.skipped)
-            hardly = samples.objects[(share < WEAKENED_BELOW) & (samples.regions != BESIDE)]
-            weakened = tuple(Counter(hardly.tolist()).items()) if len(hardly) else ()
+            weakened = _count_by_object(samples, (share < WEAKENED_BELOW) & asked)
             P = P * share
-        if several:
-            P = self.cycle.compute_rest(part, sounded, P, facing)
+        others = self.cycle.sum_others(part, sounded, P, facing) if several else 0.0
+        target = self.cycle.find_rest(part, sounded, P, others) if several else P
         session = part.session
         solution = session.solve(
             q,
-            sound_pressure(P, session.medium),
+            sound_pressure(target, session.medium),
             limits=limits,
             deadline=None if deadline == math.inf else deadline,
             solver=solver,
             facing=facing,
             regions=samples.regions,
         )
+        missed: tuple[tuple[int, int], ...] = ()
+        if len(q) and solution.status is not Status.ok:
+            reached = radiation_pressure(solution.sound_pressure, session.medium) + others
+            missed = _count_by_object(
+                samples, (reached < MISSED_BELOW * self.cycle.count * P) & asked
+            )
         groups.index = index
         parts = None
         if len(groups) > 1 and not joint and len(q):
             parts = split_contributions(solution, session.propagator, index, len(groups))
         sounding, averaged = None if joint else groups, joint and not groups.steady
         made = CachedSolution(
-            solution.gains, sounding, parts, solution, samples, False, True, 0, averaged, weakened
+            solution.gains,
+            sounding,
+            parts,
+            solution,
+            samples,
+            False,
+            True,
+            0,
+            averaged,
+            weakened,
+            missed,
         )
         final = not made.ran_out_of_time
         made = replace(made, steady=groups.steady and final, final=final)
         return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
+
+
+def _count_by_object(samples: Samples, which: Flags) -> tuple[tuple[int, int], ...]:
+    """Count the samples chosen by `which`, (M,), of each object that has any: index in `samples.items`, count."""
+    return tuple(Counter(samples.objects[which].tolist()).items()) if which.any() else ()
 
 
 def limits_join(limits: Limits) -> bool:

@@ -32,6 +32,7 @@ from pacinian.scene.sampling.sample_counts import (
     OVER_BUDGET,
     TOO_FINE,
 )
+from pacinian.scene.sampling.samples import BESIDE
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -137,11 +138,12 @@ def test_if_strict_no_frame_depends_on_the_load_and_only_lateness_is_reported(
         play(renderer, device, clock, each)
         runs.append((renderer.report, list(device.frames)[: len(parts)]))
         assert all(
-            not reasons.keys() - {"out of reach", "on a transducer", named.LATE}
+            not reasons.keys()
+            - {"out of reach", "on a transducer", named.LATE, named.MISSED_TARGET}
             for reasons in renderer.report.deviations.totals.values()
         )
     (report, busy), (_, calm) = runs
-    assert (report.late_ticks > 0) == ("line" in report.deviations.totals)
+    assert (report.late_ticks > 0) == (named.LATE in report.deviations.totals.get("line", {}))
     for one, other in zip(busy, calm, strict=True):
         assert np.array_equal(one.phase, other.phase)
         assert np.array_equal(one.amplitude, other.amplitude)
@@ -191,6 +193,33 @@ def test_what_lies_outside_the_workspace_or_at_one_place_is_named() -> None:
     assert told["b"][MERGED] == told["away"][OUTSIDE] == 1
     one = renderer.sample_counts["line"]
     assert one.reasons[OUTSIDE] == one.asked - one.rendered > 0
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+@pytest.mark.parametrize("pressure", [0.002, 40.0])
+def test_what_the_array_cannot_make_is_named(pressure: float, frames: int) -> None:
+    """By object, with the number of samples that get less than 0.9 of their target, by a field of double precision."""
+    plate = pc.Surface(
+        shape=pc.Rectangle(0.03, 0.02), pose=pc.Pose((0.0, 0.0, 0.1)), radiation_pressure=pressure, name="plate"
+    )  # fmt: skip
+    ring = pc.Path(
+        shape=pc.Circle(0.012), pose=pc.Pose((0.03, 0.0, 0.12)), radiation_pressure=pressure, name="ring"
+    )  # fmt: skip
+    renderer, device, clock = make(
+        pc.Scene((plate, ring)), adaptive=False, max_cycle_frames=frames, sampler=pc.Sampler(1000)
+    )
+    play(renderer, device, clock, [0.0] * 40)
+    samples, air = renderer.samples, renderer.session.medium
+    assert samples is not None
+    made = [pc.field(SMALL, g, samples.positions, air, "double") for g in renderer.sounding]
+    P = pc.radiation_pressure(np.sqrt((np.abs(made) ** 2).mean(axis=0)), air)
+    weak = (P - 0.9 * samples.radiation_pressure < 0.0) & (samples.regions != BESIDE)
+    told = at(renderer.report, 39)
+    for k, name in enumerate(("plate", "ring")):
+        count = np.count_nonzero(weak & (samples.objects == k))
+        assert told.get(name, {}).get(named.MISSED_TARGET, 0) == pytest.approx(count, abs=2)
+    assert pressure < 1.0 or not renderer.report.as_asked
+    assert weak.mean() > 0.3 if pressure > 1.0 else weak.mean() < 0.05
 
 
 def test_an_empty_scene_has_nothing_that_could_deviate() -> None:

@@ -1,7 +1,9 @@
 """The render loop, on a manual clock."""
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,6 +17,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
+from pacinian.rendering import renderer as module
 from pacinian.rendering.background_schedule import MIN_FITTING, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
@@ -70,6 +73,29 @@ def test_a_run_ticks_at_its_rate_and_ends_silent() -> None:
     np.testing.assert_allclose(clock.waits, 100.0 + np.arange(100) * 0.001)
     assert device.silent
     assert not device.gains.any()
+
+
+def test_scene_time_begins_with_the_first_tick_however_long_the_start_takes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A click at time 0 would else be over before anything is sent. A second run does not begin again."""
+    clock, times = ManualClock(3.0), list[float]()
+
+    @contextlib.contextmanager
+    def slow() -> Iterator[None]:
+        clock.advance(0.2)
+        yield
+
+    def scene(t: float) -> pc.Scene:
+        times.append(t)
+        return pc.Scene()
+
+    monkeypatch.setattr(module, "realtime_section", slow)
+    with pc.Renderer(ARRAY, scene, clock=clock) as renderer:
+        times.clear()  # of the warm-up
+        renderer.run(0.003)
+        renderer.run(0.002)
+    assert times == pytest.approx([0.0, 0.001, 0.002, 0.202, 0.203])
 
 
 def test_what_is_emitted_makes_the_pressure_that_was_asked() -> None:
