@@ -12,7 +12,9 @@ import pytest
 
 import pacinian
 from pacinian import array_api, plot
+from pacinian.plugins.registry import discover_plugins
 
+SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 STUB = Path(pacinian.__file__).with_suffix(".pyi")
 
 
@@ -107,11 +109,12 @@ def test_hasattr_and_getattr_work_for_missing_names() -> None:
     assert getattr(pacinian, "no_such_name", 1) == 1
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("points", ["[(0.0, 0.0, 0.2)]", "[(0.0, 0.0, 0.2), (0.03, 0.0, 0.2)]"])
-def test_the_time_of_the_first_solve_includes_no_loading(points: str) -> None:
+def test_the_time_of_the_first_solve_includes_no_loading(points: str, solver: str) -> None:
     code = (
         "import sys, pacinian as pc\n"
-        "session = pc.Session(pc.autd())\n"
+        f"session = pc.Session(pc.autd(), solver={solver!r})\n"
         "before = set(sys.modules)\n"
         f"session.solve({points}, 1000.0)\n"
         "print(*sorted(set(sys.modules) - before))"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
@@ -47,6 +48,7 @@ class Greedy(pc.Solver):
     seed: Annotated[int, Meta(ge=0, le=2**32 - 1)] = 0
 
     def __post_init__(self) -> None:
+        import_module("numpy.random")  # so that no solve waits for it
         for name, low in (("levels", 2), ("passes", 1), ("seed", 0)):
             object.__setattr__(self, name, check_integer(name, getattr(self, name), low=low))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, ClassVar, NamedTuple
 
 import numpy as np
@@ -51,6 +52,8 @@ class Lbfgs(pc.Solver):
     memory: Annotated[int, Meta(ge=1, le=100)] = 10
 
     def __post_init__(self) -> None:
+        # Only here, because all solvers are imported before the first client; and no solve should wait for it.
+        import_module("scipy.optimize")
         object.__setattr__(self, "steps", check_integer("steps", self.steps, low=1))
         tolerance = check_number("tolerance", self.tolerance, low=0.0, high=1.0, above=True)
         object.__setattr__(self, "tolerance", tolerance)
@@ -98,7 +101,7 @@ class Lbfgs(pc.Solver):
 
     def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
         """Descend from h, (N,), to a local minimum, or until the budget is spent."""
-        from scipy import optimize  # only here: all solvers are loaded before the first client
+        from scipy import optimize
 
         late = False
 
