@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 MISSED_TICKS = "missed ticks"
 COARSENED_SAMPLES = "samples coarsened"
 SAMPLES_OVER_BUDGET = "samples over budget"
+OBJECTS_OUTSIDE = "objects outside the workspace"
 SAMPLES_TOO_FAR = "samples too far from the array"
 SAMPLES_HARDLY_REACHED = "samples hardly reached"
 SAMPLES_ON_TRANSDUCER = "samples on a transducer"
@@ -32,6 +33,7 @@ PROBLEMS = frozenset(
         MISSED_TICKS,
         COARSENED_SAMPLES,
         SAMPLES_OVER_BUDGET,
+        OBJECTS_OUTSIDE,
         SAMPLES_TOO_FAR,
         SAMPLES_HARDLY_REACHED,
         SAMPLES_ON_TRANSDUCER,

@@ -286,7 +286,7 @@ class SampleSolver:
             share = part.reach.share(q, facing, self.skipped)
             weakened = _count_by_object(samples, (share < WEAKENED_BELOW) & asked)
             P = P * share
-        others = self.cycle.sum_others(part, sounded, P, facing) if several else 0.0
+        others = self.cycle.sum_others(part, sounded, P, facing) if several else np.zeros(len(q))
         target = self.cycle.find_rest(part, sounded, P, others) if several else P
         session = part.session
         solution = session.solve(

@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PointOnTransducer
-from pacinian.scene.objects import Point, Surface, Volume
+from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_counts import label_object
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from pacinian.session import Session
 
 MAX_OBJECTS = 1000  # most objects that are checked, at some 20 us each
+PLACES = 8  # most places of a path, or of particles, at which a focus is computed
+FAR = 5.0  # distance from the array from which a warning says that positions are in metres [m]
 MAX_NAMED = 3  # most objects in one warning
 
 
@@ -32,15 +34,15 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
     """
     outside, weak = list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
-        if not isinstance(item, (Point, Surface, Volume)):  # others have no single place
-            continue
         label = repr(label_object(item, i))
         away = _measure_outside(item, scene.workspace)
         if away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
         elif item.force is None and (most := _focus(item, session, gain)) < item.pressure:
+            far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
+            unit = f" {far:.3g} m away; positions are in metres" if far > FAR else ""
             weak.append(
-                f"{label} ({item.pressure:.3g} Pa, where the array makes at most {most:.2g} Pa)"
+                f"{label} ({item.pressure:.3g} Pa, where the array makes at most {most:.2g} Pa{unit})"
             )
     if outside:
         yield (
@@ -75,9 +77,13 @@ def _measure_outside(item: Object, workspace: Workspace | None) -> float:
 
 
 def _focus(item: Object, session: Session, gain: float) -> float:
-    """Return the radiation pressure of the strongest focus at an object's place [Pa]."""
+    """Return the radiation pressure of the strongest focus [Pa] at the object's place, or at the weakest of several."""
+    places = np.zeros((1, 3))  # of a body, whose samples may lie on the far side
+    if isinstance(item, (Path, Particles)):
+        found = item.sample_surface(item.bounding_radius / PLACES).points
+        places = found[:: -(-len(found) // PLACES)] if len(found) else places
     try:
-        row = matrix(session.array, np.array([item.pose.position]), session.medium)
+        rows = matrix(session.array, item.pose.points(places), session.medium)
     except PointOnTransducer:
         return np.inf
-    return float(radiation_pressure(gain * np.abs(row).sum(), session.medium))
+    return float(radiation_pressure(gain * np.abs(rows).sum(axis=1), session.medium).min())

@@ -58,6 +58,35 @@ def test_an_object_that_asks_for_more_than_one_focus_is_named(
         assert "nearer" in text
 
 
+def ring(z: float, pressure: float) -> pc.Path:
+    pose = pc.Pose((0.0, 0.0, z))
+    return pc.Path(shape=pc.Circle(0.05), pose=pose, radiation_pressure=pressure, name="ring")
+
+
+def drops(z: float, pressure: float) -> pc.Particles:
+    places = ((0.05, 0.0, 0.0), (-0.05, 0.0, 0.0))
+    pose = pc.Pose((0.0, 0.0, z))
+    return pc.Particles(positions=places, pose=pose, radiation_pressure=pressure, name="drops")
+
+
+@pytest.mark.parametrize("make", [ring, drops])
+def test_paths_and_particles_are_named_too(make: Any) -> None:
+    assert warn(make(0.2, 1e-6), workspace=ROOM) == ()
+    (text,) = warn(make(2.0, 1e-6), workspace=ROOM)
+    assert text.startswith("outside the workspace")
+    assert f"'{make(0, 1).name}' (1.7 m outside)" in text
+    at = [(0.05, 0.0, 0.2), (-0.05, 0.0, 0.2)]
+    most = pc.radiation_pressure(np.abs(pc.matrix(ARRAY, at, AIR)).sum(axis=1).min(), AIR)
+    assert warn(make(0.2, 0.8 * most)) == ()
+    (text,) = warn(make(0.2, 1.2 * most))
+    assert "stronger than the array can be" in text
+
+
+def test_a_place_in_millimetres_is_answered_with_the_unit() -> None:
+    (text,) = warn(ball((0.0, 0.0, 150.0)))
+    assert "m away; positions are in metres" in text
+
+
 def test_behind_the_array_nothing_can_be_made() -> None:
     array = pc.autd(transducer=pc.Transducer(directivity=pc.Piston(0.0045, 730.0)))
     scene = pc.Scene((ball((0.0, 0.0, -0.1)),))

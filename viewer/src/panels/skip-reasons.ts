@@ -18,6 +18,7 @@ const PROBLEMS: Record<string, string> = {
   "missed ticks": "The machine was too busy for a tick: close other programs.",
   "samples coarsened": "So much skin is touched that samples lie farther apart than at the finest spacing: use fewer objects, or raise the budget.",
   "samples over budget": "More places are touched than can be solved in time: use fewer objects, or raise the budget.",
+  "objects outside the workspace": "They are not rendered: move what should be felt, or widen the workspace.",
   "samples too far from the array": "The array cannot send sound there: bring the object nearer.",
   "samples hardly reached": "Little sound arrives there: bring the object nearer, or turn the hand to the array.",
   "samples on a transducer": "An object touches the array.",

@@ -62,6 +62,7 @@ from pacinian.skip_reasons import (
     COARSENED_SAMPLES,
     FORCES_LIMITED,
     HANDS_LOST,
+    OBJECTS_OUTSIDE,
     SAMPLES_FAINT,
     SAMPLES_MERGED,
     SAMPLES_OVER_BUDGET,
@@ -212,7 +213,10 @@ class Sampler:
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
-        self.skipped[AWAY_FROM_HANDS] += len(scene.objects) - len(found)
+        outside = not skin and scene.workspace is not None
+        self.skipped[OBJECTS_OUTSIDE if outside else AWAY_FROM_HANDS] += len(scene.objects) - len(
+            found
+        )
         if not skin and len(found) < len(scene.objects):
             self._note_outside(scene, found, counts)
         sources = self._sources(scene, t, found, hands, skin)

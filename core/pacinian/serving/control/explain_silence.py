@@ -95,4 +95,4 @@ def _explain_contact(state: State) -> Silence:
         return Silence(state.cause or "nothing in reach", state.why or UNTOUCHED)
     if state.skipped.get(HANDS_LOST):
         return Silence("hand not seen", NOT_SEEN)
-    return Silence("no pressure", NOT_PRESSING)
+    return Silence(state.cause or "no pressure", state.why or NOT_PRESSING)

@@ -26,11 +26,10 @@ from pacinian.serving.render.change_decoding import decode_changes
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.quiet_zones import ZonePlacement
 from pacinian.serving.render.scene_replica import SceneReplica
-from pacinian.serving.render.touch_report import explain_contact
+from pacinian.serving.render.touch_report import explain_contact, explain_outside
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_modulation import technique_to_scene
-from pacinian.wire.silence_cause import UNTOUCHED, Silence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Settings
     from pacinian.wire.modulation import Technique as WireTechnique
     from pacinian.wire.replies import Plugin
+    from pacinian.wire.silence_cause import Silence
 
 FILES = (
     "permit",
@@ -136,7 +136,9 @@ class RenderLoop:
         self._presentation: WireTechnique | None = None
         self._intensity = 1.0
         self._reset = 0
-        self._explained, self._contact = -math.inf, Silence("nothing in reach", UNTOUCHED)
+        # When the cause of silence was found [s], and whether a hand was seen.
+        self._explained = -math.inf, False
+        self._cause: Silence | None = None
         self._reported, self._report_interval = -math.inf, 1.0 / settings.state_rate  # [s]
         self._switched = False  # another device has not got a frame yet
 
@@ -363,14 +365,21 @@ class RenderLoop:
         state["presentation"] = self._presentation
         if not self._quiet:
             state["status"] = self._quieting.note
-        if state["hands"] and "asked" not in state:
-            state["cause"], state["why"] = self._explain(now)
+        found = None if "asked" in state else self._explain(now, seen=bool(state["hands"]))
+        if found is not None:
+            state["cause"], state["why"] = found
         return state
 
-    def _explain(self, now: float) -> Silence:
-        """Return why there are no samples although a hand is seen. Distances are computed now and then."""
-        if now >= self._explained + EXPLAIN_PERIOD:
-            self._explained, shown = now, self.renderer.shown
-            hands = renderer_status.find_hands(self.renderer, now - self.renderer.start)
-            self._contact = explain_contact(hands, shown.objects)
-        return self._contact
+    def _explain(self, now: float, *, seen: bool) -> Silence | None:
+        """Return why there are no samples, as far as the renderer knows. It is computed now and then.
+
+        seen: whether a hand is.
+        """
+        if now >= self._explained[0] + EXPLAIN_PERIOD or seen is not self._explained[1]:
+            self._explained, shown = (now, seen), self.renderer.shown
+            if seen:
+                hands = renderer_status.find_hands(self.renderer, now - self.renderer.start)
+                self._cause = explain_contact(hands, shown.objects)
+            else:
+                self._cause = explain_outside(self.renderer.sample_counts)
+        return self._cause

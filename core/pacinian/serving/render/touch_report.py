@@ -10,19 +10,22 @@ import numpy as np
 from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, make_capsules
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
+from pacinian.scene.sampling.sample_counts import OUTSIDE
 from pacinian.scene.sampling.sampler import find_vibration
 from pacinian.wire.silence_cause import UNTOUCHED, Silence
 from pacinian.wire.state import TouchState
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.objects import Object
+    from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
 BONE_POINTS = 5  # places on each bone at which the distance to an object is computed
+MAX_NAMED = 3  # objects named in one text
 MAX_MEASURED = 8  # objects whose distance is computed: those nearest by their bounding spheres
 UNSEEN = "the touched skin faces away from the array, or hardly touches: turn the palm to the array, or press deeper"
 
@@ -79,6 +82,16 @@ def explain_contact(hands: Iterable[Hand], objects: Iterable[Object]) -> Silence
         text = f'"{name}" is touched, but its {pressure:.2g} Pa are below the {least:.2g} Pa that can be felt'
         return Silence("too faint", text)
     return Silence("out of the array's reach", f'"{name}" is touched, but {UNSEEN}')
+
+
+def explain_outside(counts: Mapping[str, ObjectSampleCounts]) -> Silence | None:
+    """Return the cause if objects that need no hand lie outside the workspace. counts: of each object, by its label."""
+    outside = [f'"{label}"' for label, one in counts.items() if OUTSIDE in one.reasons]
+    if not outside:
+        return None
+    names = ", ".join(outside[:MAX_NAMED]) + (" and others" if len(outside) > MAX_NAMED else "")
+    advice = "move what should be felt, or widen `workspace` in the server's settings"
+    return Silence("no pressure", f"outside the workspace: {names}; {advice}")
 
 
 def find_nearest(hands: Iterable[Hand], objects: Iterable[Object]) -> Nearest | None:

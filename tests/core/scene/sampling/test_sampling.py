@@ -396,7 +396,7 @@ def test_the_workspace_cuts_and_counts() -> None:
     room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
     samples, skipped = sampled(scene.objects, room)
     assert samples.objects.tolist() == [0, 2]
-    assert skipped["objects away from hands"] == 2
+    assert skipped["objects outside the workspace"] == 2
     assert not skipped["samples over budget"]
 
 
@@ -406,7 +406,7 @@ def test_what_is_outside_takes_none_of_the_budget() -> None:
     alone, _ = sampled((near,), ROOM, budget=121, spacing=0.008)
     both, skipped = sampled((far, near), ROOM, budget=121, spacing=0.008)
     assert np.array_equal(alone.positions, both.positions)
-    assert skipped["objects away from hands"] == 1
+    assert skipped["objects outside the workspace"] == 1
     assert spacing(both, 1) == pytest.approx(0.008)
 
 

@@ -47,6 +47,7 @@ CASES: list[tuple[Cause, State, str]] = [
     ("no objects", state(clients=(client(), client(scene="x"))[1:]), r"the game must put them there"),
     ("hand not seen", state(skipped={"hands lost": 9}), "no hand is seen"),
     ("no pressure", state(), "no object presses"),
+    ("no pressure", state(cause="no pressure", why='outside the workspace: "far"'), "outside.*far"),
     ("nothing in reach", state(hands=HAND, skipped={"objects away from hands": 3}), "touches no"),
     ("out of the array's reach",
      state(hands=HAND, asked=ONE, achieved=ZERO, skipped={"samples hardly reached": 1}), "palm"),

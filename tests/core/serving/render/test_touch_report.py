@@ -7,7 +7,13 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.objects import Object
-from pacinian.serving.render.touch_report import explain_contact, find_nearest, find_touches
+from pacinian.serving.render.touch_report import (
+    explain_contact,
+    explain_outside,
+    find_nearest,
+    find_touches,
+)
+from pacinian.wire.silence_cause import Silence
 
 PALM = (0.0, 0.0, 0.2)
 
@@ -108,3 +114,27 @@ def test_touches_are_those_of_each_hand_with_each_object() -> None:
         assert touch.pressure == pytest.approx(touch.strength * item.pressure, rel=1e-6)
     assert not find_touches(samples, ())
     assert not find_touches(samples.only(samples.objects < 0), scene.hands)
+
+
+def test_objects_outside_the_workspace_are_named() -> None:
+    """Only those that need no hand; a few of many."""
+    room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+
+    def explain(*places: float) -> Silence | None:
+        points = (
+            pc.Point(position=(x, 0.0, 0.2), radiation_pressure=1.0, name=f"at {x:g}")
+            for x in places
+        )
+        sampler = pc.Sampler()
+        sampler.sample(pc.Scene(tuple(points), room))
+        return explain_outside(sampler.sample_counts.objects)
+
+    assert explain() is None
+    assert explain(0.0) is None
+    found = explain(0.0, 0.5)
+    assert found is not None
+    assert found.cause == "no pressure"
+    assert found.text.startswith('outside the workspace: "at 0.5"; move')
+    many = explain(*np.arange(1.0, 9.0))
+    assert many is not None
+    assert '"at 1", "at 2", "at 3" and others' in many.text
