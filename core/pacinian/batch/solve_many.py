@@ -84,7 +84,10 @@ class Solutions(Sequence["Solution"]):
         kinds = dict.fromkeys(one.status.name for one in self)
         counts = {name: sum(one.status.name == name for one in self) for name in kinds}
         text = ", ".join(f"{count} {name}" for name, count in counts.items())
-        return f"<{len(self)} Solutions: {text or 'none'}, largest error {self.errors.max(initial=0.0):.2g}>"
+        scaled = any(one.targets.scale == "max" for one in self)
+        errors = [one.shape_error if scaled else one.error for one in self]
+        kind = "largest error of the proportions" if scaled else "largest error"
+        return f"<{len(self)} Solutions: {text or 'none'}, {kind} {max(errors, default=0.0):.2g}>"
 
 
 def solve_many(

@@ -167,8 +167,11 @@ def fit_scan(
     )
     if len(q0) < MIN_POSITIONS:
         vague = _find_vague(fit_model(array, q0, X, read, prior)) if len(q0) else ()
-        wanted = f"{MIN_POSITIONS} to {MAX_POSITIONS}; 8 or more are good"
-        raise ArgumentError("positions", "; ".join([f"must be {wanted}, not {len(q0)}", *vague]))
+        few = (
+            f"must be {MIN_POSITIONS} to {MAX_POSITIONS}, better 12, not {len(q0)}: with fewer, errors of the "
+            "positions cannot be told apart from those of the phases"
+        )
+        raise ArgumentError("positions", "; ".join([few, *vague]))
     _check_count(read)
     best = fit_model(array, q0, X, read, prior)
     if _residual(best) > MAX_RESIDUAL:

@@ -37,7 +37,7 @@ from pacinian.skip_reasons import MISSED_TICKS, TICKS_HALTED
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -265,8 +265,12 @@ class Renderer(Closeable):
             warnings.extend(
                 find_warnings(first, self.sampler, self.session, find_ceiling(self.limits))
             )
-        self.report.warnings = tuple(warnings)
+        self._add_warnings(warnings)
+
+    def _add_warnings(self, warnings: Iterable[str]) -> None:
+        """Log and keep warnings."""
         for text in warnings:
+            self.report.warnings += (text,)
             logging.getLogger("pacinian").warning("%s", text)
 
     def use(self, backend: Backend) -> Backend:
@@ -449,7 +453,10 @@ class Renderer(Closeable):
         if self.recorder is not None:
             asked = TickInput(scene, solver, limits)
             readings = noted, pipeline.job_readings
+            known = self.recorder.unrecorded
             self.recorder.write(frame, t, asked, readings, self._outcome, same=pipeline.same(frame))
+            if self.recorder.unrecorded != known:
+                self._add_warnings([f"scenes are no longer recorded: {self.recorder.unrecorded}"])
         stages.enter("scene")
 
     def _judge(self, due: float) -> TickOutcome:

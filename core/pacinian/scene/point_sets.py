@@ -61,7 +61,8 @@ def disc(radius: float, spacing: float, centre: ArrayLike = ORIGIN) -> Floats:
     turn it, use `Pose.points`. Raises ArgumentError, also for more than 20 million points.
     """
     spacing, middle = _check_spacing(spacing), vector("centre", centre)
-    points = Disc(check_length("radius", radius)).sample_surface(spacing).points
+    radius = check_length("radius", radius)
+    points = Disc(radius).sample_surface(min(spacing, 2.0 * radius)).points
     return np.asarray(points + middle, np.float64)
 
 

@@ -124,6 +124,8 @@ def test_solutions_are_a_sequence() -> None:
     assert list(part) == [found[2], found[3]]
     assert found[-1] is list(found)[-1]
     assert repr(found).startswith(f"<{K} Solutions: {K} ok, largest error ")
+    strong = pc.solve_many(ARRAY, POINTS, AMPLITUDES, scale="max")
+    assert float(repr(strong).rpartition(" of the proportions ")[2].rstrip(">")) < 0.05
 
 
 class Clumsy(pc.Solver):

@@ -343,8 +343,11 @@ def test_an_array_that_is_further_off_than_was_said_has_wider_errors() -> None:
 @pytest.mark.parametrize(
     ("q", "told"),
     [
-        (np.array([[0.0, 0.0, 0.2]]), "not 1; the scan does not tell the speed of sound: give"),
-        (np.array([[0.0, 0.0, 0.2], [0.03, 0.0, 0.3], [0.0, 0.05, 0.25]]), "not 3; .*tell.*turn"),
+        (np.array([[0.0, 0.0, 0.2]]), "not 1: .*; the scan does not tell the speed of sound: give"),
+        (
+            np.array([[0.0, 0.0, 0.2], [0.03, 0.0, 0.3], [0.0, 0.05, 0.25]]),
+            "not 3: .*; .*tell.*turn",
+        ),
     ],
 )
 def test_what_too_few_positions_do_not_tell_is_told(q: Any, told: str) -> None:

@@ -496,6 +496,7 @@ def test_of_what_cannot_be_recorded_the_frames_still_are(
     assert not report.faults
     assert renderer.recorder is not None
     assert re.search(why, renderer.recorder.unrecorded)
+    assert re.search(f"no longer recorded: .*(?:{why})", report.warnings[-1])
     recording = pc.Recording(tmp_path / "run.pac")
     ticks = list(recording.ticks())
     assert len(ticks) == 20
