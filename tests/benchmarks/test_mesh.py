@@ -6,7 +6,6 @@ times as long the mesh took to prepare. trimesh's own `signed_distance` needs rt
 """
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,16 +14,7 @@ import trimesh
 
 import pacinian as pc
 
-
-def median(*functions: Callable[[], object], repeats: int = 30) -> list[float]:
-    """Median times of functions called in turn, so that all see the same machine."""
-    times: list[list[float]] = [[] for _ in functions]
-    for _ in range(repeats):
-        for function, own in zip(functions, times, strict=True):
-            begin = time.perf_counter()
-            function()
-            own.append(time.perf_counter() - begin)
-    return [float(np.median(own)) for own in times]
+from .medians import measure_medians
 
 
 def torus(F: int) -> trimesh.Trimesh:
@@ -48,11 +38,12 @@ def test_a_hand_about_a_mesh(benchmark: Any, F: int) -> None:
     mesh = pc.Mesh(vertices=shape.vertices, faces=shape.faces)  # type: ignore[arg-type]
     points = hand(mesh, 0.1)
     benchmark(mesh.distance, points, 0.005)
-    culled, exact, tree, one = median(
+    culled, exact, tree, one = measure_medians(
         lambda: mesh.distance(points, 0.005),
         lambda: mesh.distance(points),
         lambda: mesh.triangles.distance.compute_unsigned(points[:100]),
         lambda: mesh.distance(points[:1], 0.005),
+        repeats=30,
     )
     begin = time.perf_counter()
     again = pc.Mesh(vertices=mesh.vertices, faces=mesh.faces)
@@ -71,7 +62,7 @@ def test_a_hand_inside_of_a_mesh(benchmark: Any, deep: float) -> None:
     mesh = pc.Mesh(vertices=shape.vertices, faces=shape.faces)  # type: ignore[arg-type]
     points = np.random.default_rng(0).uniform(-0.028, 0.028, (500, 3))
     benchmark(mesh.distance, points, 0.005, deep)
-    rough, exact = median(
+    rough, exact = measure_medians(
         lambda: mesh.distance(points, 0.005, deep), lambda: mesh.distance(points), repeats=5
     )
     benchmark.extra_info["times_faster_than_exact"] = round(exact / rough, 1)

@@ -6,8 +6,6 @@
 `one_moved_over_cold` (one sample of M).
 """
 
-import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,18 +14,9 @@ import pytest
 import pacinian as pc
 from pacinian.solving.propagator import gram_matrix
 
+from .medians import measure_medians
+
 SOLVER = pc.solver("lagrange")
-
-
-def median(*functions: Callable[[], object], repeats: int = 200) -> list[float]:
-    """Median times of functions called in turn, so that all see the same machine."""
-    times: list[list[float]] = [[] for _ in functions]
-    for _ in range(repeats):
-        for function, own in zip(functions, times, strict=True):
-            begin = time.perf_counter()
-            function()
-            own.append(time.perf_counter() - begin)
-    return [float(np.median(own)) for own in times]
 
 
 @pytest.mark.parametrize(("units", "M"), [(1, 4), (1, 16), (1, 64), (3, 16), (3, 64), (3, 256)])
@@ -75,12 +64,12 @@ def test_what_a_session_saves(benchmark: Any, units: int, M: int) -> None:
 
     benchmark(lambda: pc.solve(array, q, t, solver=SOLVER))
     repeats = 200 if M < 256 else 20
-    cold, moved, row, stronger_, same_, build, product, pair = median(
+    cold, moved, row, stronger_, same_, build, product, pair = measure_medians(
         lambda: pc.solve(array, q, t, solver=SOLVER), every_moved, one_moved, stronger, unchanged,
         rows, products, there_and_back, repeats=repeats,
     )  # fmt: skip
     room = _Steps(array, q, t)
-    (step,) = median(room.two_steps, repeats=repeats)
+    (step,) = measure_medians(room.two_steps, repeats=repeats)
     roofline = build + product + pair
     benchmark.extra_info["cold_over_roofline"] = round(cold / roofline, 2)
     benchmark.extra_info["warm_over_parts"] = round(moved / (build + product + step), 2)

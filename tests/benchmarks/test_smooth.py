@@ -4,8 +4,6 @@
 what it costs to round the same rows to the device's levels, with and without a limit that binds.
 """
 
-import time
-from collections.abc import Callable
 from itertools import cycle
 from typing import Any
 
@@ -16,16 +14,7 @@ import pacinian as pc
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.smoothing import GainSmoother, Smoothing
 
-
-def median(*functions: Callable[[], object], repeats: int = 2000) -> list[float]:
-    """Median times of functions called in turn, so that all see the same machine."""
-    times: list[list[float]] = [[] for _ in functions]
-    for _ in range(repeats):
-        for function, own in zip(functions, times, strict=True):
-            begin = time.perf_counter()
-            function()
-            own.append(time.perf_counter() - begin)
-    return [float(np.median(own)) for own in times]
+from .medians import measure_medians
 
 
 @pytest.mark.parametrize("N", [249, 2241])
@@ -39,10 +28,11 @@ def test_what_smooth_output_costs(benchmark: Any, N: int, K: int) -> None:
     seconds = 1e-3 / K
     benchmark(lambda: limited.follow(next(gains), seconds, out))
     assert not limited.settled
-    fading, aligned, rounding = median(
+    fading, aligned, rounding = measure_medians(
         lambda: limited.follow(next(gains), seconds, out),
         lambda: free.follow(next(gains), seconds, out),
         lambda: quantiser.frame(out, 1.0, 0, 0.0),
+        repeats=2000,
     )
     assert free.settled
     benchmark.extra_info["fading_over_rounding"] = round(fading / rounding, 2)

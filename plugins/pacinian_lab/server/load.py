@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pacinian.testing import Running
     from pacinian.testing.server import Usage
 
-CLIENTS = 1, 8, 64
 # [Hz] in total: idle, a tenth of the load, the load, ten times the load
 RATES = 0.0, 1000.0, 10_000.0, 100_000.0
 FULL = 10_000.0  # [Hz]; lower rates are for comparison and run a quarter of the time

@@ -5,7 +5,6 @@ import itertools
 import math
 import threading
 import time
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -27,18 +26,6 @@ BALL = pc.Volume(
     shape=pc.Sphere(0.03), pose=pc.Pose((0.0, 0.0, 0.2)), radiation_pressure=8.0, name="ball",
     motion=pc.Motion((0.1, 0.0, 0.0)),
 )  # fmt: skip
-
-
-@pytest.fixture
-def server() -> Iterator[Fake]:
-    with Fake() as fake:
-        yield fake
-
-
-@pytest.fixture
-def client(server: Fake) -> Iterator[pc.Client]:
-    with pc.Client(server.connection, name="test") as made:
-        yield made
 
 
 def refuse(server: Fake, kind: type, code: str, **fields: Any) -> None:

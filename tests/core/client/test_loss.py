@@ -30,12 +30,6 @@ HEAVY = pc.Particles(
 )
 
 
-@pytest.fixture
-def server() -> Iterator[Fake]:
-    with Fake() as fake:
-        yield fake
-
-
 def lost(client: pc.Client, call: Callable[[], object], says: str = "server") -> None:
     """Repeat the call until it raises ConnectionLost."""
     end = time.monotonic() + PATIENCE

@@ -1,7 +1,5 @@
 """Large requests are split into several messages, or rejected; sending waits for room only once."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 
@@ -14,18 +12,6 @@ from pacinian.wire.protocol import MAX_COMMAND_BYTES
 from .fake_server import Fake
 
 POINT = pc.Point(position=(0.0, 0.01, 0.2), radiation_pressure=5.0, name="button")
-
-
-@pytest.fixture
-def server() -> Iterator[Fake]:
-    with Fake() as fake:
-        yield fake
-
-
-@pytest.fixture
-def client(server: Fake) -> Iterator[pc.Client]:
-    with pc.Client(server.connection, name="test") as made:
-        yield made
 
 
 def test_many_go_in_one_message_and_too_many_in_several(server: Fake, client: pc.Client) -> None:

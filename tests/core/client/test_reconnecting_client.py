@@ -2,7 +2,6 @@
 
 import pickle
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +12,6 @@ import pacinian as pc
 from pacinian.wire import control, replies
 
 from .fake_server import Fake
-
-
-@pytest.fixture
-def server() -> Iterator[Fake]:
-    with Fake() as fake:
-        yield fake
-
-
-@pytest.fixture
-def client(server: Fake) -> Iterator[pc.Client]:
-    with pc.Client(server.connection, name="test") as made:
-        yield made
 
 
 def test_it_belongs_to_one_thread(client: pc.Client) -> None:

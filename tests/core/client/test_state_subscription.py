@@ -30,12 +30,6 @@ SECONDS = st.floats(0.0, 1.0)
 
 
 @pytest.fixture
-def server() -> Iterator[Fake]:
-    with Fake() as fake:
-        yield fake
-
-
-@pytest.fixture
 def client(server: Fake) -> Iterator[pc.Client]:
     with pc.Client(server.connection) as made:
         made.look()  # it subscribes at the first `look`

@@ -37,10 +37,6 @@ class EventLog:
     ) -> None:
         self._process, self._least, self._form = process, LEVELS.index(level), form
 
-    def debug(self, event: str, **values: Any) -> None:
-        """Log what only helps to find faults."""
-        self._add("debug", event, values)
-
     def info(self, event: str, **values: Any) -> None:
         """Log information."""
         self._add("info", event, values)
