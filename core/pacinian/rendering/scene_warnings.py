@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.sampler import Sampler
-    from pacinian.scene.scene import Scene, Workspace
+    from pacinian.scene.scene import Scene
     from pacinian.session import Session
 
 MAX_OBJECTS = 1000  # most objects that are checked, at some 20 us each
@@ -35,7 +35,7 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
     outside, weak = list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
         label = repr(label_object(item, i))
-        away = _measure_outside(item, scene.workspace)
+        away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
         elif item.force is None and (most := _focus(item, session, gain)) < item.pressure:
@@ -66,14 +66,6 @@ def _name(labels: list[str]) -> str:
     """List the first of the labels, and say how many more there are."""
     more = len(labels) - MAX_NAMED
     return ", ".join(labels[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
-
-
-def _measure_outside(item: Object, workspace: Workspace | None) -> float:
-    """Return the distance of an object's place from the workspace [m]; 0 inside."""
-    if workspace is None:
-        return 0.0
-    place = np.asarray(item.pose.position)
-    return float(np.linalg.norm(place - np.clip(place, workspace.lower, workspace.upper)))
 
 
 def _focus(item: Object, session: Session, gain: float) -> float:

@@ -138,6 +138,11 @@ class Workspace(Struct, frozen=True, forbid_unknown_fields=True):
         """Return which of the points, (M, 3) [m], are inside: (M,)."""
         return np.asarray(((points >= self.lower) & (points <= self.upper)).all(axis=1))
 
+    def distance(self, point: Vector) -> float:
+        """Return the distance of a point from the box [m]; 0 inside."""
+        q = np.asarray(point)
+        return float(np.linalg.norm(q - np.clip(q, self.lower, self.upper)))
+
 
 def resolve_path(struct: S, folder: Path) -> S:
     """Return the struct with its `file` fields, nested ones included, relative to `folder`."""

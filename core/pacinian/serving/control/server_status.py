@@ -150,7 +150,10 @@ class StatusPublisher:
         }
         try:
             theirs = [fault[:MAX_TEXT] for fault in reported.pop("faults", ())]
-            reported["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
+            refused = [
+                f"{name or 'changes'}: {why}"[:MAX_TEXT] for name, why in report.refused.items()
+            ]
+            reported["faults"] = tuple([*refused, *theirs, *self.faults][-MAX_FAULTS:])
             reported["fault_count"] = reported.get("fault_count", 0) + self.fault_count
             made = msgspec.convert({**nothing, **reported, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid

@@ -17,6 +17,7 @@ from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.objects import Object, Particles, Point
 from pacinian.scene.scene import Scene
 from pacinian.serving.ipc import messages
+from pacinian.serving.ipc.logs import RateLimitedLog
 from pacinian.serving.render import background_loader, change_decoding
 from pacinian.serving.render.frame_output import Input
 from pacinian.solving.quiet_zone import Zone
@@ -59,7 +60,7 @@ class SceneReplica:
         """The quiet zones."""
         self.refused: dict[str, str] = {}
         """The last objects that could not be put, and why."""
-        self._loader = loader
+        self._loader, self._log = loader, RateLimitedLog()
         self.number = 0
         """Number of the scene."""
         self._technique: Technique = SIMULTANEOUS
@@ -167,6 +168,7 @@ class SceneReplica:
 
     def refuse(self, name: str, problem: str) -> None:
         """Record that an object could not be put; "" for an error of no object in particular."""
+        self._log.warning("change refused", object=name, why=shorten(problem))
         self.refused.pop(name, None)
         self.refused[name] = shorten(problem)
         while len(self.refused) > MAX_REFUSALS:
@@ -204,6 +206,9 @@ class SceneReplica:
             motion = copy.copy(item.motion)
             force_setattr(motion, "time", motion.time - self.start)
             force_setattr(item, "motion", motion)
+        workspace = self.scene.workspace
+        if workspace and (away := workspace.distance(item.pose.position)) > item.bounding_radius:
+            self._log.warning("object outside the workspace", object=name, metres=round(away, 3))
         self._given[name] = Given(item.radiation_pressure, item.force, default)
         self._new[name] = self._items[name] = self._apply_settings(item)
 

@@ -181,6 +181,15 @@ def test_what_they_tell_is_published_as_far_as_it_can_be(
     assert isinstance(game.ask(Status), State)
 
 
+def test_an_object_that_the_renderer_refuses_is_named(server: Any) -> None:
+    game, next_state = server.client().hello(), server.states()
+    server.extra["render"] |= {"refused": {"stone": "`mesh` must be closed", "": "2 were damaged"}}
+    eventually(lambda: len(next_state().faults) == 2)
+    told = game.ask(Status)
+    assert told.faults == ("stone: `mesh` must be closed", "changes: 2 were damaged")
+    assert told.output != "faulted"
+
+
 def test_a_state_that_is_too_long_is_not_published(server: Any) -> None:
     game, next_state = server.client().hello(), server.states()
     long = {"state": {"solver": "long", "points": bytes(1_500_000)}}

@@ -263,7 +263,21 @@ def test_what_came_since_wins_over_what_has_been_loaded(then: AnyChange) -> None
     assert not any(hasattr(item, "shape") for item in scene.scene.objects)
 
 
-def test_a_mesh_that_cannot_be_loaded_is_refused() -> None:
+def test_an_object_that_is_put_outside_the_workspace_is_logged(logged: Any) -> None:
+    room = pc.Workspace((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+    scene = SceneReplica(room, Manual().loader)
+    sphere = pc.Sphere(0.05)
+    for name, z in (("inside", 0.2), ("across", 0.33), ("beside", 0.36)):
+        ball = pc.Volume(shape=sphere, pose=pc.Pose((0.0, 0.0, z)), radiation_pressure=1.0)
+        scene.apply([put(name, ball)])
+    assert names(scene.scene) == ["inside", "across", "beside"]
+    text = logged.wait("outside the workspace")
+    assert "beside" in text
+    assert "across" not in text
+    assert "inside" not in text
+
+
+def test_a_mesh_that_cannot_be_loaded_is_refused(logged: Any) -> None:
     manual = Manual()
     scene = felt(loader=manual.loader)
     flat = Mesh(vertices=((0, 0, 0), (1, 0, 0), (0, 1, 0)), faces=((0, 1, 2),))
@@ -274,6 +288,7 @@ def test_a_mesh_that_cannot_be_loaded_is_refused() -> None:
     scene.apply()
     assert names(scene.scene) == ["b"]
     assert "a" in scene.refused
+    logged.wait("change refused", "object=a")
 
 
 def test_envelopes_are_wrapped_and_slow_ones_once_they_are_made() -> None:

@@ -226,7 +226,7 @@ namespace Pacinian.Wire
         /// <summary>Counts of work that was left out, by reason.</summary>
         public readonly Table<long> Skipped = new Table<long>();
 
-        /// <summary>Texts of the last faults, newest last.</summary>
+        /// <summary>Objects that could not be put, and the last faults, newest last.</summary>
         public readonly Items<string> Faults = new Items<string>();
 
         /// <summary>Number of all faults.</summary>

@@ -125,7 +125,7 @@ struct State {
   double longest_gap = 0.0;
   /// counts of work that was left out, by reason
   Map<std::int64_t> skipped;
-  /// texts of the last faults, newest last
+  /// objects that could not be put, and the last faults, newest last
   std::vector<std::string> faults;
   /// number of all faults
   std::int64_t fault_count = 0;
