@@ -13,7 +13,7 @@ namespace pacinian::acoustics {
 constexpr Index LANES = 16;          // counts are rounded up to this, because whole vectors are faster
 constexpr f4 SMALLEST = 1e-30f;      // smallest divisor [m^2]
 constexpr f4 PARALLEL = 1e-6f;       // squared sine of an angle that may be due to rounding
-constexpr f4 FAINT = 1e-3f;          // as in skin_facing.py
+constexpr f4 FAINT = 1e-3f;          // MIN_WEIGHT of skin_facing.py
 constexpr f4 SLACK = 1e-3f;          // height above a plane that does not count, relative to the edge
 constexpr f8 FAR = 1e3;              // distance from the array that no hand exceeds [m]
 

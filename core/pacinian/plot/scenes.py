@@ -29,7 +29,7 @@ DOT = 0.005  # diameter of a sample [m]
 LONE_DOT, RIM = 0.014, 1.4
 ZOOMS, LONE_ZOOM = (1.34, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
-MAX_SAMPLE_SIZE = 0.65  # largest diameter of a sample, over the distance to the next
+MAX_SAMPLE_RATIO = 0.65  # largest diameter of a sample, over the distance to the next
 MAP = "inferno"
 INK = 0.12, 0.14, 0.18
 
@@ -71,7 +71,7 @@ def scene(
 def _find_dot(q: Floats) -> float:
     """Return the diameter of samples at q, (M, 3) [m], so that those of a curve stay apart [m]."""
     away = np.sqrt(((q[:, None] - q) ** 2).sum(axis=2)) + np.diag(np.full(len(q), np.inf))
-    return min(LONE_DOT, MAX_SAMPLE_SIZE * float(away.min(initial=np.inf)))
+    return min(LONE_DOT, MAX_SAMPLE_RATIO * float(away.min(initial=np.inf)))
 
 
 def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) -> list[View]:

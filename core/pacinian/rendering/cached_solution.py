@@ -23,11 +23,11 @@ class CachedSolution:
     parts: contribution of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
     those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would be
     useless, because the solver had enough time. failed_improvements: number of successive solves that were not better.
-    averaged: whether envelopes that vary were replaced by their means. weakened: index in `samples.items` of each
-    object to which little sound comes, with the number of such samples. missed: the same for samples that get clearly
-    less than their target. limited: whether it is scaled down, because the pressure on skin would exceed its limit.
-    evaluated: whether that pressure was compared with its limit, if there is one. retry: time from which to solve again
-    if it is not final [s].
+    averaged: whether envelopes that vary were replaced by their means. whole: the samples before those were left out
+    that no sound can reach, or that another frame of a cycle renders. weakened, missed: indices of the samples of
+    `whole` to which little sound comes, and of those that get clearly less than their target. limited: whether it is
+    scaled down, because the pressure on skin would exceed its limit. evaluated: whether that pressure was compared with
+    its limit, if there is one. retry: time from which to solve again if it is not final [s].
     """
 
     gains: Gains
@@ -39,8 +39,9 @@ class CachedSolution:
     final: bool
     failed_improvements: int = 0
     averaged: bool = False
-    weakened: tuple[tuple[int, int], ...] = ()
-    missed: tuple[tuple[int, int], ...] = ()
+    whole: Samples | None = None
+    weakened: tuple[int, ...] = ()
+    missed: tuple[int, ...] = ()
     limited: bool = False
     evaluated: bool = True
     retry: float = -math.inf

@@ -21,7 +21,7 @@ from pacinian.rendering.deviation_log import (
 from pacinian.scene.sampling.sample_counts import label_object
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.solve_result import SolveResult
@@ -62,22 +62,29 @@ class FrameDeviations:
         key = counts, id(before), id(played), reasons, short
         if self._last[0] != key:
             made: Reasons = counts.deviations
-            for reason, found in (
-                (WEAKENED, _count((one.samples, one.weakened) for one in short)),
-                (MISSED_TARGET, _count((one.samples, one.missed) for one in short)),
-            ):
-                for label, count in found.items():
-                    made = mark(made, [label], reason, count)
+            for label, count in _count(short, lambda one: one.weakened).items():
+                made = mark(made, [label], WEAKENED, count)
+            for label, count in _count(short, lambda one: one.missed).items():
+                made = mark(made, [label], MISSED_TARGET, count)
             for reason in sorted(reasons):
                 made = mark(made, sorted(before.labels | played.labels), reason)
             self._last = key, made
         return self._last[1]
 
 
-def _count(solved: Iterable[tuple[Samples, tuple[tuple[int, int], ...]]]) -> Counter[str]:
-    """Add up counts by index of the object, and name the objects. Of those for the same samples, the most count."""
-    most: dict[int, Counter[str]] = {}
-    for samples, counts in solved:
-        found = Counter({label_object(samples.items[i], i): count for i, count in counts})
-        most[id(samples)] = most.get(id(samples), Counter()) | found
-    return sum(most.values(), Counter[str]())
+def _count(
+    solved: Iterable[CachedSolution], get: Callable[[CachedSolution], Iterable[int]]
+) -> Counter[str]:
+    """Return the number of samples by object. get: returns indices of samples of a solution.
+
+    The frames of a cycle have their samples in common. Of the rows of a technique, the one with most counts.
+    """
+    found: dict[int, tuple[Samples, set[int]]] = {}
+    for one in solved:
+        if one.whole is not None:
+            found.setdefault(id(one.whole), (one.whole, set()))[1].update(get(one))
+    counts = Counter[str]()
+    for samples, indices in found.values():
+        items = samples.objects[sorted(indices)].tolist()
+        counts |= Counter(label_object(samples.items[i], i) for i in items)
+    return counts

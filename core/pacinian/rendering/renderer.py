@@ -61,7 +61,8 @@ if TYPE_CHECKING:
 class Renderer(Closeable):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
-    scene: a `Scene`, or a function that maps the time since `open` [s] to one. The function is called every tick and
+    scene: a `Scene`, or a function that maps the time since the first tick of `run` [s] to one (since `open` in a loop
+    of your own). The function is called every tick and
     once before the first, and may set the limits and the solver. The scene can be replaced at any time, from any
     thread. backend, solver: names or objects. rate: ticks per second [Hz]. limits: kept by every solution. sampler: its
     budget, spacing and ramps. smoothing: slew-rate limit from row to row. clock: can be replaced in tests. recorder:
@@ -147,7 +148,8 @@ class Renderer(Closeable):
             start_thread,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
-        self.start = 0.0  # clock reading at `open` [s]: the scene's time 0
+        # Clock reading at the scene's time 0 [s]: that of `open`, then of the first tick, if `run` makes it.
+        self.start = 0.0
         self._opened = False
         self._missed = 0  # ticks skipped just before the present one
         self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent

@@ -19,7 +19,6 @@ from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
 from pacinian.solving.problem import Limits, Targets, number_regions
-from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.types import Flags, Floats
+    from pacinian.types import Floats
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
@@ -49,12 +48,13 @@ Step = tuple[object, ...]
 class Solved:
     """What to play for some samples.
 
-    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are several.
-    each: whether each of them belongs to one row of one tick, because a technique moves the samples. cycle: whether
-    they are the frames of a cycle, and people feel their mean. complete: whether all frames of the cycle are solved.
-    asked: target of all frames together, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by
-    which the gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get
-    fewer frames than they could have, for want of time.
+    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are
+    several. each: whether each of them belongs to one row of one tick, because a technique moves the samples.
+    cycle: whether they are the frames of a cycle, and people feel their mean. complete: whether all frames of the
+    cycle are solved. common: in a cycle, the samples of all frames together that sound can reach. asked: their
+    target, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by which the gains will grow
+    once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames than they
+    could have, for want of time.
     """
 
     samples: Samples
@@ -63,6 +63,7 @@ class Solved:
     each: bool = False
     cycle: bool = False
     complete: bool = True
+    common: Samples | None = None
     asked: Floats | None = None
     brief: bool = False
     growth: float = 1.0
@@ -72,7 +73,7 @@ class Solved:
     def played_samples(self) -> Samples | None:
         """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
         if self.cycle:
-            return self.samples
+            return self.common
         return self.rows[-1].samples if self.rows else None
 
     @property
@@ -80,8 +81,9 @@ class Solved:
         """Targets of the last solution, or of all frames of a cycle together; None without a solution."""
         if self.cycle:
             assert self.asked is not None
+            assert self.common is not None
             t = sound_pressure(self.asked, self.rows[-1].solution.medium)
-            return Targets.make_unchecked(t, number_regions(len(t), self.samples.regions))
+            return Targets.make_unchecked(t, number_regions(len(t), self.common.regions))
         return self.rows[-1].solution.targets if self.rows else None
 
     @property
@@ -89,9 +91,9 @@ class Solved:
         """Facing of the skin at `played_samples`; None if that is not on skin."""
         if not self.cycle:
             return self.rows[-1].solution.facing if self.rows else None
-        if self.samples.capsules is None:
+        if self.common is None or self.common.capsules is None:
             return None
-        return SkinFacing.of(self.samples.normals, self.samples.capsules)
+        return SkinFacing.of(self.common.normals, self.common.capsules)
 
 
 @dataclass
@@ -253,9 +255,12 @@ class SampleSolver:
             cycle.keep(part, made, t)
             cycle.consider(made)
             self.fresh.append(made)
+        far = self.reach.find_unreachable(samples.positions)
+        reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
         return Solved(
             samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
-            asked=cycle.asked.copy(), growth=self._growth, hurried=cycle.hurried,
+            common=samples if far is None else samples.only(reached),
+            asked=cycle.asked[reached].copy(), growth=self._growth, hurried=cycle.hurried,
         )  # fmt: skip
 
     def _solve_part(
@@ -266,7 +271,7 @@ class SampleSolver:
 
         joint: whether P already contains the groups' strengths. again: whether there is one for these samples.
         """
-        several = self.cycle.count > 1
+        several, whole = self.cycle.count > 1, samples
         q = samples.positions
         sounded = (P > 0.0) | (samples.regions == BESIDE)
         sounded &= part.reach.find_reachable(q, self.skipped)
@@ -278,13 +283,12 @@ class SampleSolver:
             limits = replace(limits, exact=exact)
         if not sounded.all():
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]
-        facing = None
-        weakened: tuple[tuple[int, int], ...] = ()
-        asked = samples.regions != BESIDE
+        facing, weakened = None, np.empty(0, np.intp)
+        kept, asked = np.flatnonzero(sounded), samples.regions != BESIDE
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
             share = part.reach.share(q, facing, self.skipped)
-            weakened = _count_by_object(samples, (share < WEAKENED_BELOW) & asked)
+            weakened = kept[(share < WEAKENED_BELOW) & asked]
             P = P * share
         others = self.cycle.sum_others(part, sounded, P, facing) if several else np.zeros(len(q))
         target = self.cycle.find_rest(part, sounded, P, others) if several else P
@@ -298,38 +302,20 @@ class SampleSolver:
             facing=facing,
             regions=samples.regions,
         )
-        missed: tuple[tuple[int, int], ...] = ()
-        if len(q) and solution.status is not Status.ok:
-            reached = radiation_pressure(solution.sound_pressure, session.medium) + others
-            missed = _count_by_object(
-                samples, (reached < MISSED_BELOW * self.cycle.count * P) & asked
-            )
+        reached = radiation_pressure(solution.sound_pressure, session.medium) + others
+        missed = kept[(reached < MISSED_BELOW * self.cycle.count * P) & asked]
         groups.index = index
         parts = None
         if len(groups) > 1 and not joint and len(q):
             parts = split_contributions(solution, session.propagator, index, len(groups))
         sounding, averaged = None if joint else groups, joint and not groups.steady
         made = CachedSolution(
-            solution.gains,
-            sounding,
-            parts,
-            solution,
-            samples,
-            False,
-            True,
-            0,
-            averaged,
-            weakened,
-            missed,
-        )
+            solution.gains, sounding, parts, solution, samples, False, True, 0, averaged,
+            whole, tuple(weakened.tolist()), tuple(missed.tolist()),
+        )  # fmt: skip
         final = not made.ran_out_of_time
         made = replace(made, steady=groups.steady and final, final=final)
         return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
-
-
-def _count_by_object(samples: Samples, which: Flags) -> tuple[tuple[int, int], ...]:
-    """Count the samples chosen by `which`, (M,), of each object that has any: index in `samples.items`, count."""
-    return tuple(Counter(samples.objects[which].tolist()).items()) if which.any() else ()
 
 
 def limits_join(limits: Limits) -> bool:

@@ -12,6 +12,7 @@ from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PointOnTransducer
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_counts import label_object
+from pacinian.scene.sampling.sampler import OFF
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +35,8 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
     """
     outside, weak = list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
+        if not item.pressure > 0.0 or item.envelope == OFF:
+            continue
         label = repr(label_object(item, i))
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > item.bounding_radius:

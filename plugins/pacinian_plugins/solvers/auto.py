@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 # M M N above which another solver is tried if `lagrange` misses the error.
-MAX_LAGRANGE_WORK = 200_000_000
+MIN_DENSE_WORK = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Auto(pc.Solver):
         if (
             simple
             and count <= len(out)
-            and count * count * len(out) > MAX_LAGRANGE_WORK
+            and count * count * len(out) > MIN_DENSE_WORK
             and not budget.spent
         ):
             return self._better(result, propagator, targets, limits, budget, out)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 MAX_CHOLESKY_POINTS = 256  # samples up to which the propagator's own Cholesky factor is fastest
 # least reciprocal condition number with which that factor is used
-MIN_CONDITION = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
+MIN_RECIPROCAL_CONDITION = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
 LIFT = 1e-4  # regularisation if the time is short, relative to trace(B B^H) / M
 
 
@@ -76,7 +76,7 @@ class PseudoInverse(pc.Solver):
     ) -> tuple[Complexes, str] | None:
         B = propagator.B
         M, N = B.shape
-        trusted = max(MIN_CONDITION[B.dtype], 3.0 * (self.rcond or 0.0) ** 2)
+        trusted = max(MIN_RECIPROCAL_CONDITION[B.dtype], 3.0 * (self.rcond or 0.0) ** 2)
         if M <= N and M <= MAX_CHOLESKY_POINTS:
             factor = propagator.factor(0.0)
             if factor.reciprocal_condition > trusted:

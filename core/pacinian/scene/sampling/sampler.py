@@ -213,12 +213,10 @@ class Sampler:
         capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
         boxes = self._boxes(scene, hands, skin)
         found = cull(scene.bounds, t, boxes).tolist()
-        outside = not skin and scene.workspace is not None
-        self.skipped[OBJECTS_OUTSIDE if outside else AWAY_FROM_HANDS] += len(scene.objects) - len(
-            found
-        )
-        if not skin and len(found) < len(scene.objects):
-            self._note_outside(scene, found, counts)
+        culled = len(scene.objects) - len(found)
+        outside = 0 if skin or not culled else self._note_outside(scene, found, counts)
+        self.skipped[AWAY_FROM_HANDS] += culled - outside
+        self.skipped[OBJECTS_OUTSIDE] += outside
         sources = self._sources(scene, t, found, hands, skin)
         for source, _ in sources:
             if self._find_unresolved(source.item, source.place) > 0.0:
@@ -253,8 +251,12 @@ class Sampler:
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
-    def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> None:
-        """Count the samples of objects that need no hand, but lie outside the workspace or too far from the array."""
+    def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:
+        """Count the samples of objects that need no hand, but lie outside the workspace or too far from the array.
+
+        Returns how many objects are outside the workspace and would press.
+        """
+        outside = 0
         for i in sorted(set(range(len(scene.objects))) - set(found)):
             item = scene.objects[i]
             if item.pressure > 0.0 and item.envelope != OFF:
@@ -262,6 +264,8 @@ class Sampler:
                 count = round(estimate_samples(item, spacing))
                 counts.ask(i, count)
                 counts.note(FAR if scene.workspace is None else OUTSIDE, i, count)
+                outside += scene.workspace is not None
+        return outside
 
     def _focal(self, samples: Samples, counts: SampleCounts) -> Samples:
         """Spread the forces of foci over the area that the focus has at each sample."""

@@ -150,10 +150,7 @@ class StatusPublisher:
         }
         try:
             theirs = [fault[:MAX_TEXT] for fault in reported.pop("faults", ())]
-            refused = [
-                f"{name or 'changes'}: {why}"[:MAX_TEXT] for name, why in report.refused.items()
-            ]
-            reported["faults"] = tuple([*refused, *theirs, *self.faults][-MAX_FAULTS:])
+            reported["faults"] = tuple([*theirs, *self.faults][-MAX_FAULTS:])
             reported["fault_count"] = reported.get("fault_count", 0) + self.fault_count
             made = msgspec.convert({**nothing, **reported, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid
@@ -161,7 +158,12 @@ class StatusPublisher:
             made = msgspec.convert({**nothing, **common}, State)
         found = find_cause(made, resumes=ownership.resumes)
         cause, why = found or ("", "")
-        return replace(made, cause=cause, why=why)
+        refused = [f"{name or 'changes'}: {text}" for name, text in report.refused.items()]
+        told = [
+            *(text[:MAX_TEXT] for text in refused),
+            *made.faults,
+        ]  # an object is no cause of a fault
+        return replace(made, cause=cause, why=why, faults=tuple(told[-MAX_FAULTS:]))
 
     def make_next_state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state to publish. Each hand update that reached the device is in exactly one of them."""

@@ -58,7 +58,7 @@ FILES = (
 )
 EARLY = 0.02  # lead time of the fade before a permit expires [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
-MAX_REST = 0.05  # longest time between two reports while the loop rests [s]
+MIN_REST_INTERVAL = 0.05  # least time between two reports while the loop rests [s]
 # Longest time between two ticks while each repeats the frame before [s]. It is short because something that moves by
 # itself may come into reach.
 STILL_INTERVAL = 4e-3
@@ -172,7 +172,7 @@ class RenderLoop:
                     wake.wait(self._find_still_wait(), lambda: True)
                     self.clock.wait_until(due + renderer.period)  # however often it is woken
                 while self.rests:
-                    due = self._reported + max(MAX_REST, self._report_interval)
+                    due = self._reported + max(MIN_REST_INTERVAL, self._report_interval)
                     wake.wait(due - self.clock.now(), lambda: self._has_news)
                     self.run_between()
 

@@ -208,7 +208,7 @@ class SceneReplica:
             force_setattr(item, "motion", motion)
         workspace = self.scene.workspace
         away = workspace.distance(item.pose.position) if workspace else 0.0
-        if away > 0.0 and away > item.bounding_radius:
+        if away > 0.0 and away > item.bounding_radius and name not in self._items:
             self._log.warning("object outside the workspace", object=name, metres=round(away, 3))
         self._given[name] = Given(item.radiation_pressure, item.force, default)
         self._new[name] = self._items[name] = self._apply_settings(item)

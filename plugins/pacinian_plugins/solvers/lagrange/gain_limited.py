@@ -64,7 +64,7 @@ MOST_EQUAL = 80  # steps of `equalise` in the search for the strongest
 SCALE_RESOLUTION = 0.004  # of its share of full drive
 MIN_SCALE = 0.5  # least share of full drive that it tries
 IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
-MAX_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
+MIN_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
 
 
 class PhaseFreeResult(NamedTuple):
@@ -321,7 +321,7 @@ class PhaseFreeSolve:
 
     def _full_drive(self) -> float:
         """Restart the Newton steps from the phases of full drive; return the error."""
-        if self._equalise(MAX_STEPS_3) < MAX_MET_SCALE:
+        if self._equalise(MAX_STEPS_3) < MIN_MET_SCALE:
             self.workspace.y[:] *= 10.0  # hold more transducers at the limit
         return self._newton()[0]
 

@@ -25,7 +25,7 @@ def find_strongest_uniform(
 ) -> None:
     """Attempt multiples of targets p, (M,), and end with the largest that is even enough.
 
-    Even enough is an error of at most `REGION_TOLERANCE`, or `AS_EVEN` times the least error.
+    Even enough is an error of at most `REGION_TOLERANCE`, or `MAX_ERROR_RATIO` times the least error.
     reach: the most that gains can make at each sample, (M,); samples where it is 0 get no target and do not count.
     attempt: solves for targets, (M,), and returns the pressures made, (M,).
     """

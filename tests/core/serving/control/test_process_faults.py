@@ -188,6 +188,7 @@ def test_an_object_that_the_renderer_refuses_is_named(server: Any) -> None:
     told = game.ask(Status)
     assert told.faults == ("stone: `mesh` must be closed", "changes: 2 were damaged")
     assert told.output != "faulted"
+    assert any("not be put" in value for value in told.summarise().values())
 
 
 def test_a_state_that_is_too_long_is_not_published(server: Any) -> None:

@@ -126,7 +126,7 @@ class Dual:
     def impossible(self, y: Complexes, scale: float) -> bool:
         """Return whether y proves that no gains keep the limits of the rows (Farkas' lemma).
 
-        scale: mean square of the rows of A. Gains more than `BEYOND` times what a row needs do not count.
+        scale: mean square of the rows of A. Gains more than `MAX_RELATIVE_GAINS` times what a row needs do not count.
         """
         rows = self.rows
         hard = np.where(rows.soft, 0.0, y)

@@ -32,7 +32,7 @@ MIN_SINGLE_MU = 1e-7
 ARMIJO_SHARE = 1e-4  # least share of the promised ascent that a step must achieve
 ROUNDING = 1e-14  # rounding error of D relative to its terms
 MIN_STEP = 1e-4  # least length of a step, relative to a full step
-MIN_STEP_LENGTH = 0.1  # length of a step below which it has overshot and the doubt grows
+OVERSHOT_LENGTH = 0.1  # length of a step below which it has overshot and the doubt grows
 # Factors by which the doubt grows then, and decays in other steps.
 DOUBT_GROWTH, DOUBT_DECAY = 100.0, 10.0
 
@@ -93,7 +93,7 @@ class Newton:
         """Return the next state: the same point with a new expectation if no step ascends."""
         point, rows, weight = state.point, dual.rows, dual.mu + state.point.nu
         doubt = state.doubt / DOUBT_DECAY
-        if state.length < MIN_STEP_LENGTH:
+        if state.length < OVERSHOT_LENGTH:
             doubt = min(1.0, max(DOUBT_GROWTH * state.doubt, doubt)) if state.doubt else 1.0
         trust = 1.0 - doubt
         ahead = Slopes.of(point.x, trust * state.g, dual.weight, point.nu, dual.limit)

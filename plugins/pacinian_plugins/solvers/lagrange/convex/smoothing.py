@@ -7,7 +7,7 @@ from typing import NamedTuple
 FIRST_COST_SHARE = 0.1  # cost of the smoothing at first, as a share of D
 COST_SHARE = 0.01  # its cost later, as a share of the ascent that the last step promised
 LAST_COST_SHARE = 0.1  # its least cost, as a share of the tolerance
-MIN_DECREASE = 0.1  # least factor by which the smoothing of the gains decreases in one step
+MIN_REMAINING_SHARE = 0.1  # least factor by which the smoothing of the gains decreases in one step
 
 
 class Smoothing(NamedTuple):
@@ -21,5 +21,5 @@ class Smoothing(NamedTuple):
         least, share = LAST_COST_SHARE * tolerance, COST_SHARE * promised
         return Smoothing(
             max(min(self.rows, share), least),
-            max(min(self.gains, max(share, MIN_DECREASE * self.gains)), least),
+            max(min(self.gains, max(share, MIN_REMAINING_SHARE * self.gains)), least),
         )
