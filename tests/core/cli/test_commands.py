@@ -154,7 +154,7 @@ def test_strict_ends_with_1_unless_all_was_as_asked(tmp_path: Path) -> None:
     record, scene = tmp_path / "run.pac", tmp_path / "scene.toml"
     text = '[array]\ntype = "lattice"\nwidth = 0.05\nheight = 0.05\n[sampling]\nbudget = {}\n'
     text += '[[objects]]\ntype = "surface"\nname = "plate"\nradiation_pressure = 0.01\n'
-    text += 'shape = {{ type = "disc", radius = 0.02 }}\npose = {{ position = [0.0, 0.0, 0.1] }}\n'
+    text += 'shape = {{ type = "disc", radius = 0.01 }}\npose = {{ position = [0.0, 0.0, 0.1] }}\n'
     scene.write_text(text.format(256))
     options = "render", str(scene), "--seconds", "0.05", "--strict"
     assert told(*options, "--record", str(record))["as_asked"]
