@@ -9,20 +9,23 @@ namespace Pacinian.Tests
     /// <summary>
     /// A socket that executes commands from standard input, one per line, and prints events as lines of JSON.
     /// Arguments: kind, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of
-    /// connecting and of the handshake [s], `again` to reconnect.
+    /// connecting and of the handshake [s], `again` to reconnect. A Sub starts to connect when it gets its topic.
     /// </summary>
     internal sealed class ZmtpDriver
     {
         private readonly ConcurrentQueue<string> _lines = new ConcurrentQueue<string>();
         private readonly AutoResetEvent _wake = new AutoResetEvent(false);
         private readonly byte[] _into = new byte[1 << 20];
-        private readonly ZmtpSocket _socket;
-        private bool _ends, _ended, _holds;
+        private readonly ZmtpSettings _settings;
+        private readonly string[] _arguments;
+        private ZmtpSocket _socket;
+        private bool _ends, _ended;
 
         private ZmtpDriver(string[] arguments)
         {
             bool plain = arguments[2].Length > 0;
-            ZmtpSettings settings = new ZmtpSettings
+            _arguments = arguments;
+            _settings = new ZmtpSettings
             {
                 Kind = (SocketKind)Enum.Parse(typeof(SocketKind), arguments[0]),
                 User = plain ? "pacinian" : null,
@@ -32,7 +35,10 @@ namespace Pacinian.Tests
                 ConnectTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
                 HandshakeTimeout = double.Parse(arguments[5], CultureInfo.InvariantCulture),
             };
-            _socket = new ZmtpSocket(settings, Endpoint.Read(arguments[1]), arguments[6] == "again", _wake, SteadyClock.Now);
+            if (_settings.Kind == SocketKind.Dealer)
+            {
+                Open();
+            }
         }
 
         private static int Main(string[] arguments)
@@ -46,16 +52,25 @@ namespace Pacinian.Tests
             new Thread(Read) { IsBackground = true }.Start();
             while (!_ends)
             {
+                if (_socket == null)
+                {
+                    _wake.WaitOne();
+                }
+                else
+                {
+                    Step();
+                }
                 string line;
                 while (!_ends && _lines.TryDequeue(out line))
                 {
                     Do(line.Split(' '));
                 }
-                if (!_holds)
-                {
-                    Step();
-                }
             }
+        }
+
+        private void Open()
+        {
+            _socket = new ZmtpSocket(_settings, Endpoint.Read(_arguments[1]), _arguments[6] == "again", _wake, SteadyClock.Now);
         }
 
         private void Step()
@@ -87,13 +102,10 @@ namespace Pacinian.Tests
             {
                 case "send": done = _socket.Send(System.Text.Encoding.ASCII.GetBytes(words[1]), words[1].Length); break;
                 case "large": done = _socket.Send(Pattern(int.Parse(words[1])), int.Parse(words[1])); break;
-                case "subscribe": _socket.Subscribe(System.Text.Encoding.ASCII.GetBytes(words[1])); break;
-                case "cancel": _socket.Cancel(System.Text.Encoding.ASCII.GetBytes(words[1])); break;
-                case "hold": _holds = true; break;
-                case "release": _holds = false; break;
+                case "subscribe": _settings.Topics.Add(System.Text.Encoding.ASCII.GetBytes(words[1])); Open(); break;
                 case "close": _socket.Close(); break;
                 case "room": done = _socket.HasRoom; break;
-                case "end": _socket.Close(); _ends = true; break;
+                case "end": _socket?.Close(); _ends = true; break;
                 default: throw new ArgumentException(words[0]);
             }
             ClientJson.Say("did", words[0], "done", done);

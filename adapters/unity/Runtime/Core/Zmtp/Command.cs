@@ -11,7 +11,7 @@ namespace Pacinian.Zmtp
         public static readonly byte[] Hello = Name("HELLO"), Welcome = Name("WELCOME"), Initiate = Name("INITIATE");
         public static readonly byte[] Ready = Name("READY"), Error = Name("ERROR");
         public static readonly byte[] Ping = Name("PING"), Pong = Name("PONG");
-        public static readonly byte[] Subscribe = Name("SUBSCRIBE"), Cancel = Name("CANCEL");
+        public static readonly byte[] Subscribe = Name("SUBSCRIBE");
         private static readonly byte[] MisspeltError = Name("^RROR");
 
         /// <summary>The largest accepted body of a command; a READY with all its properties has about 100 bytes.</summary>

@@ -84,7 +84,7 @@ namespace Pacinian.Zmtp
             Established = _handshake.Done;
             for (int i = 0; i < _settings.Topics.Count && Established; i++)
             {
-                Subscribe(_settings.Topics[i], true);
+                Subscribe(_settings.Topics[i]);
             }
         }
 
@@ -131,23 +131,6 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>
-        /// Subscribes to messages with this prefix, or cancels that: by a command (RFC 37, "The Publish-Subscribe
-        /// Pattern"), or for a peer of ZMTP 3.0 by a message (RFC 23, the same).
-        /// </summary>
-        public void Subscribe(byte[] topic, bool wanted)
-        {
-            if (_handshake.Minor >= MinorOfCommands)
-            {
-                Output.WriteCommand(wanted ? Command.Subscribe : Command.Cancel, topic, topic.Length);
-                return;
-            }
-            byte[] message = new byte[1 + topic.Length];
-            message[0] = (byte)(wanted ? 1 : 0);
-            Buffer.BlockCopy(topic, 0, message, 1, topic.Length);
-            Output.WriteMessage(message, message.Length);
-        }
-
-        /// <summary>
         /// Sends a heartbeat that is due, and ends a connection that was silent for too long (RFC 37, "Connection
         /// Heartbeating"). ZMTP 3.0 has no heartbeats, so its peers are sent none.
         /// </summary>
@@ -180,6 +163,23 @@ namespace Pacinian.Zmtp
         public void NoteClosed()
         {
             End(Established ? Ending.Gone : Ending.Foreign, "");
+        }
+
+        /// <summary>
+        /// Subscribes to messages with this prefix: by a command (RFC 37, "The Publish-Subscribe Pattern"), or for a peer
+        /// of ZMTP 3.0 by a message (RFC 23, the same).
+        /// </summary>
+        private void Subscribe(byte[] topic)
+        {
+            if (_handshake.Minor >= MinorOfCommands)
+            {
+                Output.WriteCommand(Command.Subscribe, topic, topic.Length);
+                return;
+            }
+            byte[] message = new byte[1 + topic.Length];
+            message[0] = 1;
+            Buffer.BlockCopy(topic, 0, message, 1, topic.Length);
+            Output.WriteMessage(message, message.Length);
         }
 
         private void HandleCommand()

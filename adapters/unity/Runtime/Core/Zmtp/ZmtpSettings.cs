@@ -35,17 +35,6 @@ namespace Pacinian.Zmtp
         /// <summary>The prefixes of messages to which a subscriber subscribes.</summary>
         public readonly List<byte[]> Topics = new List<byte[]>();
 
-        /// <summary>Removes a topic. Returns false if it is not among the topics.</summary>
-        public bool Remove(byte[] topic)
-        {
-            int at = Topics.FindIndex(each => Begins(each, 0, each.Length, topic) && each.Length == topic.Length);
-            if (at >= 0)
-            {
-                Topics.RemoveAt(at);
-            }
-            return at >= 0;
-        }
-
         /// <summary>Returns whether a message with these first bytes is wanted.</summary>
         public bool IsWanted(byte[] data, int offset, int count)
         {

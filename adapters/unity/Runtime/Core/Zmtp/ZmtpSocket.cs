@@ -142,22 +142,6 @@ namespace Pacinian.Zmtp
             return count;
         }
 
-        /// <summary>Subscribes to messages with this prefix, now and after each reconnection.</summary>
-        public void Subscribe(byte[] topic)
-        {
-            _settings.Topics.Add(topic);
-            SendSubscription(topic, true);
-        }
-
-        /// <summary>Cancels one subscription to messages with this prefix.</summary>
-        public void Cancel(byte[] topic)
-        {
-            if (_settings.Remove(topic))
-            {
-                SendSubscription(topic, false);
-            }
-        }
-
         /// <summary>Requests that the wake event be set when something arrives.</summary>
         public void Watch()
         {
@@ -226,15 +210,6 @@ namespace Pacinian.Zmtp
                 _link = null;
                 _due = now + _pause;
                 _pause = Math.Min(2.0 * _pause, LongestPause);
-            }
-        }
-
-        private void SendSubscription(byte[] topic, bool wanted)
-        {
-            if (_connection != null && _connection.Established && Current == Ending.None)
-            {
-                _connection.Subscribe(topic, wanted);
-                _link.Write(_connection.Output);
             }
         }
     }
