@@ -61,12 +61,12 @@ if TYPE_CHECKING:
 class Renderer(Closeable):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
-    scene: a `Scene`, or a function that maps the time since the first tick of `run` [s] to one (since `open` in a loop
-    of your own). The function is called every tick and
-    once before the first, and may set the limits and the solver. The scene can be replaced at any time, from any
-    thread. backend, solver: names or objects. rate: ticks per second [Hz]. limits: kept by every solution. sampler: its
-    budget, spacing and ramps. smoothing: slew-rate limit from row to row. clock: can be replaced in tests. recorder:
-    records every tick; it is closed with the renderer.
+    scene: a `Scene`, or a function that maps the time since the first tick of `run` [s] to one (since `open` in a
+    loop of your own). The function is called every tick and once before the first, and may set the limits and the
+    solver. The scene can be replaced at any time, from any thread. backend, solver: names or objects. rate: ticks
+    per second [Hz]. limits: kept by every solution. sampler: its budget, spacing and ramps. smoothing: slew-rate
+    limit from row to row. clock: can be replaced in tests. recorder: records every tick; it is closed with the
+    renderer.
 
     Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet points, exact samples) and
     objects have different envelopes, each envelope is replaced by its mean over the tick. With quiet zones, a row

@@ -36,8 +36,7 @@ MIN_POWER = 1e-30  # smallest power used as a divisor
 CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
 # Largest ratio of new to old error at which a late solution counts as improved.
 MAX_ERROR_RATIO = 0.99
-# Share of its target below which a sample counts as weaker than asked: smaller differences are hardly felt.
-MISSED_BELOW = 0.9
+MISSED_BELOW = 0.9  # share of its target below which a sample counts as weaker than asked
 MAX_TRIES = 6  # successive solves without improvement after which the next one waits
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
@@ -127,6 +126,8 @@ class SampleSolver:
         self._steps: dict[Step, CachedSolution] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._growth = 1.0
+        # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
+        self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
         self._last: Solved | None = None
         self.fresh = []
         self.cycle.reset()
@@ -255,12 +256,14 @@ class SampleSolver:
             cycle.keep(part, made, t)
             cycle.consider(made)
             self.fresh.append(made)
-        far = self.reach.find_unreachable(samples.positions)
-        reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
+        if self._common[0] is not samples:
+            far = self.reach.find_unreachable(samples.positions)
+            reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
+            self._common = samples, samples if far is None else samples.only(reached), reached
+        _, common, reached = self._common
         return Solved(
             samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
-            common=samples if far is None else samples.only(reached),
-            asked=cycle.asked[reached].copy(), growth=self._growth, hurried=cycle.hurried,
+            common=common, asked=cycle.asked[reached], growth=self._growth, hurried=cycle.hurried,
         )  # fmt: skip
 
     def _solve_part(

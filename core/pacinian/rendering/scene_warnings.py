@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
 
-MAX_OBJECTS = 1000  # most objects that are checked, at some 20 us each
-PLACES = 8  # most places of a path, or of particles, at which a focus is computed
+MAX_OBJECTS = 1000  # most objects that are checked
+PLACES = 8  # places of a path, or of particles, at which a focus is computed
 FAR = 5.0  # distance from the array from which a warning says that positions are in metres [m]
 MAX_NAMED = 3  # most objects in one warning
 
@@ -39,11 +39,11 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
             continue
         label = repr(label_object(item, i))
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
-        if away > item.bounding_radius:
+        if away > 0.0 and away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
         elif item.force is None and (most := _focus(item, session, gain)) < item.pressure:
             far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
-            unit = f" {far:.3g} m away; positions are in metres" if far > FAR else ""
+            unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
             weak.append(
                 f"{label} ({item.pressure:.3g} Pa, where the array makes at most {most:.2g} Pa{unit})"
             )
@@ -74,9 +74,10 @@ def _name(labels: list[str]) -> str:
 def _focus(item: Object, session: Session, gain: float) -> float:
     """Return the radiation pressure of the strongest focus [Pa] at the object's place, or at the weakest of several."""
     places = np.zeros((1, 3))  # of a body, whose samples may lie on the far side
-    if isinstance(item, (Path, Particles)):
-        found = item.sample_surface(item.bounding_radius / PLACES).points
-        places = found[:: -(-len(found) // PLACES)] if len(found) else places
+    if isinstance(item, Particles) and item.positions:
+        places = np.array(item.positions[:: -(-len(item.positions) // PLACES)])
+    elif isinstance(item, Path):
+        places = item.shape.sample_surface(item.shape.length / PLACES).points
     try:
         rows = matrix(session.array, item.pose.points(places), session.medium)
     except PointOnTransducer:

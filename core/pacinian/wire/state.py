@@ -196,7 +196,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
         if restarts := list_counts(self.restarts):
             rows["restarts"] = restarts
         if self.faults:
-            rows["faults"] = f"{self.fault_count}, and objects that could not be put; newest first:"
+            rows["faults"] = f"{self.fault_count}; the last, and objects that could not be put:"
             for i, fault in enumerate(reversed(self.faults[-MAX_LISTED_FAULTS:])):
                 rows[f"  {i + 1}"] = fault
         return rows | {f"client {client.name}": client.describe() for client in self.clients}

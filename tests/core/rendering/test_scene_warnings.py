@@ -84,7 +84,7 @@ def test_paths_and_particles_are_named_too(make: Any) -> None:
 
 def test_a_place_in_millimetres_is_answered_with_the_unit() -> None:
     (text,) = warn(ball((0.0, 0.0, 150.0)))
-    assert "m away; positions are in metres" in text
+    assert "it is 150 m away, and positions are in metres" in text
 
 
 def test_behind_the_array_nothing_can_be_made() -> None:
