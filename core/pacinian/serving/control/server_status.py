@@ -158,11 +158,11 @@ class StatusPublisher:
             made = msgspec.convert({**nothing, **common}, State)
         found = find_cause(made, resumes=ownership.resumes)
         cause, why = found or ("", "")
-        refused = [f"{name or 'changes'}: {text}" for name, text in report.refused.items()]
-        told = [
-            *(text[:MAX_TEXT] for text in refused),
-            *made.faults,
-        ]  # an object is no cause of a fault
+        # not before: an object that could not be put is no cause of a fault
+        refused = [
+            f"{name or 'changes'}: {text}"[:MAX_TEXT] for name, text in report.refused.items()
+        ]
+        told = [*refused, *made.faults]
         return replace(made, cause=cause, why=why, faults=tuple(told[-MAX_FAULTS:]))
 
     def make_next_state(self, now: float, restarts: dict[str, int]) -> State:
