@@ -344,6 +344,27 @@ def test_a_stop_that_fails_in_an_odd_way_is_told(url: str, monkeypatch: pytest.M
         assert (refused["action"], refused["message"]) == ("stop", "OSError: too many open files")
 
 
+def test_a_stop_while_another_is_under_way_is_carried_out_after_it(
+    url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, may_end = threading.Semaphore(0), threading.Semaphore(0)
+
+    def stop(*_: object) -> None:
+        begun.release()
+        assert may_end.acquire(timeout=LIMIT)
+
+    monkeypatch.setattr(server_connection, "emergency_stop", stop)
+    with Page(url) as page:
+        page.say("stop")
+        assert begun.acquire(timeout=LIMIT)
+        for _ in range(5):
+            page.say("stop")
+        page.say("play")  # refused, once all before it has been received
+        page.next("refused")
+        may_end.release(6)
+        assert begun.acquire(timeout=LIMIT)
+
+
 def test_a_state_that_is_not_whole_is_passed_over(fake: Fake, url: str) -> None:
     fake.stream = lambda: state(tick_counts=b"abc")
     with Page(url) as page:

@@ -86,6 +86,8 @@ def request_stop(address: str, secret: str, timeout: float) -> bool:
                     made.send(sign(secret, b"stop", nonce))
                     if verify(secret, b"stopped", made.recv(DATAGRAM_BYTES + 1)) == nonce:
                         return True
+            made.setblocking(False)  # the confirmation may have come while this process stood still
+            return verify(secret, b"stopped", made.recv(DATAGRAM_BYTES + 1)) == nonce
         except (AttributeError, OSError, ValueError):  # no such sockets here, or no such server
             return False
     return False

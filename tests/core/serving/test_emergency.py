@@ -18,7 +18,7 @@ from pacinian.errors import ConnectionLost
 from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.settings import Security
 from pacinian.wire.connection_file import Connection
-from pacinian.wire.control import Arm
+from pacinian.wire.control import Arm, Reset
 from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 from pacinian.wire.replies import Ok
 
@@ -76,6 +76,42 @@ def test_who_has_not_the_secret_is_not_answered_and_does_not_stop(server: Any) -
             stranger.sendto(data, connection.stop.partition(":")[2])
     assert server.permit().stopped == 0
     assert request_stop(connection.stop, connection.secret, PATIENCE), "the server goes on"
+
+
+def test_a_stop_that_is_sent_again_does_not_undo_a_reset(server: Any) -> None:
+    where = server.connection.stop.partition(":")[2]
+    data = sign(server.connection.secret, b"stop", bytes(16))
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.bind("")
+        sender.settimeout(PATIENCE)
+        sender.sendto(data, where)
+        confirmed = sender.recv(DATAGRAM_BYTES)
+        assert isinstance(server.client().hello().ask(Reset), Ok)
+        assert server.permit().stopped == 0
+        sender.sendto(data, where)
+        assert sender.recv(DATAGRAM_BYTES) == confirmed
+        assert server.permit().stopped == 0
+        sender.sendto(sign(server.connection.secret, b"stop", bytes(range(16))), where)
+        sender.recv(DATAGRAM_BYTES)
+        assert server.permit().stopped == 1, "a new stop is carried out"
+
+
+def test_a_confirmation_that_came_while_the_sender_stood_still_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with StopSocket(tmp_path / "stop", "secret") as server:
+        times = iter([0.0, 0.1, 9.0])
+
+        class Stopped(socket.socket):
+            def recv(self, size: int) -> bytes:  # type: ignore[override]
+                if self.gettimeout() == 0.0:
+                    return super().recv(size)
+                server.confirm(server.receive())
+                raise TimeoutError  # as Python does if the time has passed before it looks
+
+        monkeypatch.setattr("time.perf_counter", lambda: next(times))
+        monkeypatch.setattr("socket.socket", Stopped)
+        assert request_stop(server.address, "secret", 1.0)
 
 
 def test_where_that_way_is_not_there_it_goes_by_a_connection(server: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from pacinian.wire.replies import Error, Ok
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 MAX_PENDING = 256  # stops of each kind that wait for silence
+MAX_REMEMBERED = 1024  # confirmed stops whose repetitions are recognised
 MAX_SILENCING_TIME = 0.5  # time for which a stop waits [s]
 NOT_SILENCED = "all sound was ended, but no guard has confirmed that the device is silent"
 ADVICE = "if the array sounds, switch it off"
@@ -24,6 +26,7 @@ class PendingStops:
     def __init__(self) -> None:
         self.sounding_until = -float("inf")
         self._datagrams: dict[bytes, tuple[Any, float]] = {}  # sender and time [s], by nonce
+        self._confirmed: deque[bytes] = deque(maxlen=MAX_REMEMBERED)  # nonces
         self._messages: list[tuple[bytes, int, float]] = []  # peer, id and time [s]
 
     def __bool__(self) -> bool:
@@ -34,6 +37,13 @@ class PendingStops:
         for nonce, sender in requests:
             if nonce in self._datagrams or len(self._datagrams) < MAX_PENDING:
                 self._datagrams[nonce] = sender, now
+
+    def is_repeated(self, request: tuple[bytes, Any]) -> bool:
+        """Return whether a connectionless stop is a confirmed one that its sender sent again.
+
+        It must not be carried out again, because the output may have been reset since.
+        """
+        return request[0] in self._confirmed
 
     def add_message(self, peer: bytes, number: int, now: float) -> None:
         """Add a stop that came over a connection. number: its id. With too many, it is answered at the next round."""
@@ -47,6 +57,7 @@ class PendingStops:
         replies: list[tuple[bytes, Ok | Error]] = []
         if silent and self._datagrams:
             confirm([(nonce, sender) for nonce, (sender, _) in self._datagrams.items()])
+            self._confirmed.extend(self._datagrams)
         self._datagrams = {
             nonce: (sender, since)
             for nonce, (sender, since) in self._datagrams.items()

@@ -180,7 +180,10 @@ class ControlLoop:
 
     def _stop(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
-        if requests := self._doors.stop.receive():
+        received = self._doors.stop.receive()
+        repeated = [each for each in received if self._stops.is_repeated(each)]
+        self._doors.stop.confirm(repeated)
+        if requests := [each for each in received if each not in repeated]:
             stopped = self.sessions.lease.permit.stopped
             self.sessions.lease.stop()
             self._settle()

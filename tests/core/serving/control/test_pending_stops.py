@@ -41,6 +41,15 @@ def test_all_are_confirmed_once_it_is_silent_and_only_once() -> None:
     assert not told.stops
 
 
+def test_a_confirmed_stop_is_known_and_one_that_waits_is_not() -> None:
+    told = Told()
+    told.stops.add_datagrams([(b"n", 1)], 0.0)
+    assert not told.stops.is_repeated((b"n", 1))
+    told.answer(True, 0.1)
+    assert told.stops.is_repeated((b"n", 2))
+    assert not told.stops.is_repeated((b"m", 1))
+
+
 def test_who_waits_too_long_is_told_to_switch_the_array_off() -> None:
     told = Told()
     told.stops.add_datagrams([(b"n", 1)], 0.0)
