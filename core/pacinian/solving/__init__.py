@@ -13,6 +13,7 @@ What solvers share
     phases.py             free phases of isolated points
     regions.py            joint phases of the samples of one surface
     skin_phases.py        joint phases on skin
+    back_propagation.py   gains for many points if the deadline leaves no time for the Gram matrix
     corrections.py        larger amplitudes where regularisation leaves pressure missing
     least_squares.py      gains of least norm for any shape and rank of B
     quiet_subspace.py     gains that leave quiet zones quiet: computed once for each set of zones

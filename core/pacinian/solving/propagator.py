@@ -197,6 +197,12 @@ class Propagator:
         return made
 
     @property
+    def has_gram(self) -> bool:
+        """Whether `gram` is cached, or only needs an update of a few rows."""
+        few = len(self._stale) / MAX_UPDATE_SHARE
+        return self._gram is not None and (not self._moved or int(self._stale.sum()) <= few)
+
+    @property
     def power(self) -> float:
         """trace(B B^H) / M [Pa^2]: mean square pressure if all transducers at full drive add up incoherently."""
         return float(self.powers.sum()) / max(1, len(self._points))

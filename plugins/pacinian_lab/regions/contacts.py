@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+import msgspec
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
@@ -18,6 +20,7 @@ from pacinian.scene.shapes import Box, Sphere
 from pacinian.session import Session
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.methods import FREE, OURS
+from pacinian_lab.regions.shapes import SHAPES
 from pacinian_lab.regions.skin import measure_felt
 from pacinian_lab.solvers.problems import AIR
 
@@ -33,6 +36,15 @@ PRESSURE = 6.0  # [Pa]
 # of a loop whose clock is set by hand, so that it has all the time it needs; [s]
 TICKS, PERIOD = 16, 1e-3
 BUDGET = 2000  # maximum number of foci
+# shapes of `shapes.SHAPES`
+FLAT = (
+    "disc, 30 mm",
+    "ring, 24 to 40 mm",
+    "strip, 8 x 30 mm",
+    "letter H",
+    "letter S",
+    "rectangle, 43 x 31 mm",
+)
 PALM, FINGERTIP = (0.0, 0.0, 0.195), (0.001, 0.0845, 0.2045)  # [m] skin under an open hand
 
 
@@ -64,6 +76,16 @@ def _press(shape: SolidShape, place: Vector, top: float, depth: float) -> Scene:
     return Scene((item,), hands=(Hand.open("right", Pose((0.0, 0.0, 0.21))),))
 
 
+def _touch(name: str) -> Scene:
+    """Return an open hand whose palm has sunk 3 mm into a flat shape of the other benchmark."""
+    (item,) = SHAPES[name]().items
+    x, y, z = PALM
+    flat = msgspec.structs.replace(
+        item, pose=Pose((x, y, z + 0.003)), radiation_pressure=PRESSURE, name="object"
+    )
+    return Scene((flat,), hands=(Hand.open("right", Pose((0.0, 0.0, 0.21))),))
+
+
 CONTACTS: dict[str, Callable[[], Scene]] = {
     "ball of 30 mm radius at the palm": lambda: _press(Sphere(0.03), PALM, 0.03, 0.004),
     "ball of 20 mm radius at the palm": lambda: _press(Sphere(0.02), PALM, 0.02, 0.003),
@@ -72,6 +94,7 @@ CONTACTS: dict[str, Callable[[], Scene]] = {
     "edge of a box at a fingertip": lambda: _press(
         Box((0.04, 0.03, 0.01)), (FINGERTIP[0], FINGERTIP[1] - 0.015, FINGERTIP[2]), 0.005, 0.003
     ),
+    **{f"{name}, at the palm": partial(_touch, name) for name in FLAT},
 }
 """Scenes by name, in the order of the table."""
 

@@ -11,6 +11,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import check_integer
 from pacinian.native.solving import gerchberg_saxton, limit_gains, peak
+from pacinian.solving.back_propagation import affords_gram
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -53,10 +54,9 @@ class GsPat(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        M, B = len(targets.amplitudes), propagator.B
-        tall = len(out) < M  # fewer transducers than points: multiply through them instead of by R
-        parts = B.view(B.real.dtype)
-        d = np.einsum("mn,mn->m", parts, parts, dtype=np.float64)  # diagonal of B B^H
+        M, d = len(targets.amplitudes), propagator.powers  # diagonal of B B^H
+        # with fewer transducers than points, or without time for R, multiply through the transducers instead
+        tall = len(out) < M or not affords_gram(propagator, budget)
         t = np.where(d > 0.0, targets.amplitudes, 0.0)
         if not (scale := float(t.max())):
             return pc.Result(note="no transducer reaches the points")

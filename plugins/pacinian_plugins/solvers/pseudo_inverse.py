@@ -10,6 +10,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import check_number
+from pacinian.solving.back_propagation import BACK_PROPAGATED, affords_gram, back_propagate
 from pacinian.solving.least_squares import LeastSquares
 from pacinian.solving.phases import choose_phases
 
@@ -57,6 +58,10 @@ class PseudoInverse(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the least-squares gains; see `pacinian.Solver.solve`."""
+        if not affords_gram(propagator, budget):
+            phases = None if warm is None else warm.phases
+            steps = back_propagate(propagator, targets, limits, phases, budget, out)
+            return pc.Result(iterations=steps, late=True, note=BACK_PROPAGATED)
         if targets.free.any():
             p = choose_phases(propagator, targets, None if warm is None else warm.phases)
         else:

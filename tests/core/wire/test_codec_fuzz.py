@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.errors import WireError
-from pacinian.wire.codec import (
-    encode,
-    id_of,
-)
+from pacinian.wire.codec import encode, id_of
+from pacinian.wire.commands import Envelopes, Put
+from pacinian.wire.control import Select
+from pacinian.wire.convert import envelope_to_scene, technique_to_scene, to_scene
 from pacinian_lab.vectors.examples import make_examples
 from pacinian_lab.vectors.vectors import DECODE
 
@@ -53,17 +53,32 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 ALL = [(socket, plain, list(places(plain))) for socket, plain in PLAIN]
 
 
+def convert(message: Any) -> None:
+    match message:
+        case Put(objects=objects):
+            for name, item in objects.items():
+                to_scene(name, item)
+        case Envelopes(envelope=envelope):
+            envelope_to_scene(envelope)
+        case Select(technique=technique) if technique is not None:
+            technique_to_scene(technique)
+
+
 def survives(data: bytes) -> None:
-    """Check that decoders either read bytes, and read their own encoding equally, or raise WireError with a path."""
+    """Check that decoders either read bytes, and read their own encoding equally, or raise WireError with a path.
+
+    What they read becomes objects of the scene, or the conversion raises WireError with a path.
+    """
     assert 0 <= id_of(data) < 2**32
     for decode in DECODE.values():
         try:
             message = decode(data)
+            again = encode(message)
+            assert encode(decode(again)) == again
+            convert(message)
         except WireError as error:
             told = error
         else:
-            again = encode(message)
-            assert encode(decode(again)) == again
             continue
         assert told.path.startswith("$")
         assert len(told.path) <= 200

@@ -13,6 +13,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.native import solving as kernels
+from pacinian.solving.back_propagation import BACK_PROPAGATED, affords_gram, back_propagate
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
@@ -47,7 +48,8 @@ class Lagrange(pc.Solver):
     Under the gain limit alone, phases and gains are found together (`gain_limited`). Then the other limits are
     checked. If one is broken, or if there are more samples than transducers, `constrained` solves a sequence of
     convex problems, one for each choice of phases. If no limit is reached, the solution is the regularised
-    pseudo-inverse. Targets with regions have all their phases given and are solved by `regions`.
+    pseudo-inverse. Targets with regions have all their phases given and are solved by `regions`. If the deadline leaves
+    no time for B B^H, the gains are those of `back_propagate`.
     `scale="max"`: the largest multiple of the targets; for regions, the largest even one.
     """
 
@@ -84,6 +86,10 @@ class Lagrange(pc.Solver):
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
+        if not affords_gram(propagator, budget):
+            phases = None if warm is None else warm.phases
+            steps = back_propagate(propagator, targets, limits, phases, budget, out)
+            return pc.Result(iterations=steps, late=True, note=BACK_PROPAGATED)
         if len(targets.amplitudes) > len(out) or (
             problem.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):

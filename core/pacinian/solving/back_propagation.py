@@ -1,0 +1,80 @@
+"""Back-propagation: gains for many points if the deadline leaves no time for the Gram matrix.
+
+The Gram matrix costs M times as much as a product with B, so its time is found by computing a small part of it.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.native import solving as kernels
+from pacinian.solving.phases import initial_phases
+from pacinian.solving.propagator import MIN_PARALLEL_ROWS, gram_matrix
+
+if TYPE_CHECKING:
+    from pacinian.solving.problem import Budget, Limits, Targets
+    from pacinian.solving.propagator import Propagator
+    from pacinian.types import Complexes, Floats, Gains
+
+BACK_PROPAGATED = "back-propagated: no time for the Gram matrix"
+TRIAL_SHARE = 32  # one column in so many is tried
+MAX_STEPS = 100  # steps after which more have little effect
+
+
+def affords_gram(propagator: Propagator, budget: Budget) -> bool:
+    """Return whether the Gram matrix can be computed before the deadline."""
+    M, N = propagator.B.shape
+    if budget.endless or M < MIN_PARALLEL_ROWS or propagator.has_gram:
+        return True
+    begin = budget.clock()
+    gram_matrix(propagator.B[:, : max(1, N // TRIAL_SHARE)])
+    seconds = TRIAL_SHARE * (budget.clock() - begin)
+    return budget.affords(seconds / min(os.cpu_count() or 1, 1 + N // 512))
+
+
+def back_propagate(
+    propagator: Propagator,
+    targets: Targets,
+    limits: Limits,
+    start: Floats | None,
+    budget: Budget,
+    out: Gains,
+) -> int:
+    """Write gains by weighted Gerchberg-Saxton steps, as many as the deadline permits; return their number.
+
+    One step is g = B^H D^-1 (w p), with D the diagonal of B B^H. Then p takes the phases of B g, and w is multiplied by
+    the square root of |p| / |B g|. A step costs two products with B. The gains are scaled as a whole to the targets and
+    clipped to the gain limit; `scale="max"` scales all of them to the limit.
+
+    start: phases to start from [rad], (M,); spread ones if None. out: (N,). Targets that no sound reaches get none.
+    """
+    first, _ = initial_phases(len(targets.amplitudes), start)
+    power, t = propagator.powers, targets.amplitudes
+    heard = (power > 0.0) & (t > 0.0)
+    t = np.where(heard, t, 0.0)
+    out[:] = 0.0
+    if not heard.any():
+        return 0
+    w = np.where(heard, 1.0 / np.where(heard, power, 1.0), 0.0)
+    phases = np.where(targets.free, first, targets.phases)
+    for step in range(1, MAX_STEPS + 1):
+        p: Complexes = w * t * np.exp(1j * phases)
+        g = propagator.adjoint(p)
+        made = propagator.apply(g)
+        size = np.abs(made)
+        phases = np.where(targets.free & (size > 0.0), np.angle(made), phases)
+        if step == MAX_STEPS or budget.spent:
+            break
+        mean = float(size @ t) / float(t @ t)
+        w *= np.where(size > 0.0, np.sqrt(mean * t / np.where(size > 0.0, size, 1.0)), 1.0)
+    best = np.vdot(made, t * np.exp(1j * phases)) / (float(np.vdot(made, made).real) or 1.0)
+    largest = float(np.abs(g).max())
+    if targets.scale == "max":
+        best *= (limits.gain or 1.0) / (largest * abs(best) or 1.0)
+    out[:] = g * complex(best)
+    if limits.gain is not None:
+        kernels.limit_gains(out, 1.0, limits.gain)
+    return step

@@ -1,0 +1,127 @@
+"""With too little time for the Gram matrix, solvers give what a few products with B can give."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.acoustics.propagation import matrix
+from pacinian.session import Session
+from pacinian.solving.back_propagation import (
+    BACK_PROPAGATED,
+    MAX_STEPS,
+    TRIAL_SHARE,
+    affords_gram,
+    back_propagate,
+)
+from pacinian.solving.problem import Targets
+from pacinian.solving.propagator import MIN_PARALLEL_ROWS, Propagator
+
+AIR, UNIT = pc.Air(), pc.autd(1, 1)
+M = MIN_PARALLEL_ROWS + 12
+DENSE = "lagrange", "gs-pat", "pseudo-inverse", "auto"
+
+
+def place(count: int, seed: int = 1) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.column_stack(
+        [
+            rng.uniform(0.03, 0.15, count),
+            rng.uniform(0.01, 0.13, count),
+            rng.uniform(0.15, 0.25, count),
+        ]
+    )
+
+
+def relative_error(gains: np.ndarray, t: np.ndarray, q: np.ndarray) -> float:
+    made = np.abs(matrix(UNIT, q, AIR) @ gains.astype(np.complex128))
+    return float(np.linalg.norm(made - t) / np.linalg.norm(t))
+
+
+@pytest.mark.parametrize("solver", DENSE)
+@pytest.mark.parametrize("scale", ["exact", "max"])
+def test_no_gram_matrix_is_computed_if_its_time_is_too_long(solver: str, scale: str) -> None:
+    q, t = place(M), np.full(M, 20.0)
+    session = Session(UNIT, AIR, solver)
+    solution = session.solve(q, t, scale=scale, deadline=0.0)
+    assert session.propagator.work.grams_built == 0
+    assert solution.late
+    assert np.abs(solution.gains).max() <= 1.0
+    if scale == "exact":
+        assert relative_error(solution.gains, t, q) < 0.8
+    else:
+        assert np.abs(solution.gains).max() == pytest.approx(1.0)
+    assert session.solve(place(M, 2), t).status.name != "DEADLINE", "there is time again"
+
+
+def test_few_points_are_solved_as_ever() -> None:
+    few = MIN_PARALLEL_ROWS - 1
+    session = Session(UNIT, AIR, "lagrange")
+    session.solve(place(few), 5.0, deadline=0.0)
+    assert session.propagator.work.grams_built == 1
+
+
+def test_the_time_of_the_matrix_is_that_of_a_part_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    propagator = Propagator(UNIT, AIR)
+    propagator.set_points(place(M))
+    for seconds, affords in ((TRIAL_SHARE + 1.9, False), (TRIAL_SHARE + 2.1, True)):
+        # each reading of the clock is a second after the last one; the part ends after one, and the third is "now"
+        readings = itertools.count()
+        budget = pc.Budget(seconds, lambda readings=readings: float(next(readings)))
+        assert affords_gram(propagator, budget) is affords
+    _ = propagator.gram
+    assert affords_gram(propagator, pc.Budget(0.0)), "it is there already"
+    assert affords_gram(propagator, pc.Budget())
+
+
+def test_more_steps_are_better_and_are_those_of_gerchberg_and_saxton() -> None:
+    q, t = place(24, 3), np.linspace(40.0, 80.0, 24)
+    propagator = Propagator(UNIT, AIR)
+    propagator.set_points(q)
+    B = matrix(UNIT, q, AIR)
+    errors = []
+    for steps in (1, 2, 5, MAX_STEPS):
+        readings = itertools.count()
+        budget = pc.Budget(steps - 0.5, lambda readings=readings: float(next(readings) + 1))
+        out = np.empty(len(UNIT), np.complex64)
+        assert (
+            back_propagate(propagator, Targets.make_unchecked(t), pc.Limits(), None, budget, out)
+            == steps
+        )
+        errors.append(relative_error(out, t, q))
+        expected = alternate(B, t, steps)
+        assert np.linalg.norm(out - expected) < 1e-3 * np.linalg.norm(expected)
+    assert errors[-1] < 0.6 * errors[0]
+
+
+def alternate(B: np.ndarray, t: np.ndarray, steps: int) -> np.ndarray:
+    """Take weighted Gerchberg-Saxton steps with dense matrices in double precision."""
+    back = B.conj().T / (np.abs(B) ** 2).sum(axis=1)
+    m, w = np.arange(len(t)), np.ones(len(t))
+    p = t * np.exp(1j * np.pi * m * m / len(t))
+    for step in range(steps):
+        g = back @ (w * p)
+        made = B @ g
+        p = t * made / np.abs(made)
+        if step < steps - 1:
+            w *= np.sqrt(t / np.abs(made))
+    g = g * (np.vdot(made, p) / np.vdot(made, made).real)
+    return g / np.maximum(1.0, np.abs(g))
+
+
+def test_points_that_are_not_asked_for_get_nothing() -> None:
+    propagator = Propagator(UNIT, AIR)
+    propagator.set_points(place(4))
+    out = np.ones(len(UNIT), np.complex64)
+    silent = Targets.make_unchecked(np.zeros(4))
+    assert back_propagate(propagator, silent, pc.Limits(), None, pc.Budget(), out) == 0
+    assert not out.any()
+
+
+def test_the_note_says_why() -> None:
+    solution = Session(UNIT, AIR, "lagrange").solve(place(M), 20.0, deadline=0.0)
+    assert BACK_PROPAGATED in solution.note
