@@ -17,7 +17,7 @@ from pacinian.solving.propagator import MIN_PARALLEL_ROWS, gram_matrix
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits, Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Complexes, Floats, Gains
+    from pacinian.types import Floats, Gains
 
 BACK_PROPAGATED = "back-propagated: no time for the Gram matrix"
 TRIAL_SHARE = 32  # one column in so many is tried
@@ -61,8 +61,7 @@ def back_propagate(
     w = np.where(heard, 1.0 / np.where(heard, power, 1.0), 0.0)
     phases = np.where(targets.free, first, targets.phases)
     for step in range(1, MAX_STEPS + 1):
-        p: Complexes = w * t * np.exp(1j * phases)
-        g = propagator.adjoint(p)
+        g = propagator.adjoint(np.asarray(w * t * np.exp(1j * phases), np.complex128))
         made = propagator.apply(g)
         size = np.abs(made)
         phases = np.where(targets.free & (size > 0.0), np.angle(made), phases)
