@@ -60,7 +60,9 @@ def back_propagate(
         return 0
     w = np.where(heard, 1.0 / np.where(heard, power, 1.0), 0.0)
     phases = np.where(targets.free, first, targets.phases)
-    for step in range(1, MAX_STEPS + 1):
+    step = 0
+    while True:
+        step += 1
         g = propagator.adjoint(np.asarray(w * t * np.exp(1j * phases), np.complex128))
         made = propagator.apply(g)
         size = np.abs(made)
