@@ -12,7 +12,7 @@ import numpy as np
 
 from pacinian.native import solving as kernels
 from pacinian.solving.phases import initial_phases
-from pacinian.solving.propagator import MIN_PARALLEL_ROWS, gram_matrix
+from pacinian.solving.propagator import TILE, gram_matrix
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits, Targets
@@ -20,19 +20,26 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 BACK_PROPAGATED = "back-propagated: no time for the Gram matrix"
-TRIAL_SHARE = 32  # one column in so many is tried
+MIN_ROWS = 256  # rows of B from which the time for the Gram matrix is estimated
+TRIAL_ROWS, TRIAL_COLUMNS = 128, 256  # part of B whose Gram matrix is computed for that
+TRIALS = 2  # another program may have had the core in the first
 MAX_STEPS = 100  # steps after which more have little effect
 
 
 def affords_gram(propagator: Propagator, budget: Budget) -> bool:
-    """Return whether the Gram matrix can be computed before the deadline."""
-    M, N = propagator.B.shape
-    if budget.endless or M < MIN_PARALLEL_ROWS or propagator.has_gram:
+    """Return whether the Gram matrix, B B^H or B^H B, whichever is smaller, can be computed before the deadline."""
+    few, many = sorted(propagator.B.shape)
+    if budget.endless or few < MIN_ROWS or propagator.has_gram:
         return True
-    begin = budget.clock()
-    gram_matrix(propagator.B[:, : max(1, N // TRIAL_SHARE)])
-    seconds = TRIAL_SHARE * (budget.clock() - begin)
-    return budget.affords(seconds / min(os.cpu_count() or 1, 1 + N // 512))
+    part = propagator.B[:TRIAL_ROWS, :TRIAL_COLUMNS]
+    workers = min(os.cpu_count() or 1, 1 + many // TILE)
+    multiple = (few / TRIAL_ROWS) ** 2 * many / TRIAL_COLUMNS / workers
+    for _ in range(TRIALS):
+        begin = budget.clock()
+        gram_matrix(part)
+        if budget.affords(multiple * (budget.clock() - begin)):
+            return True
+    return False
 
 
 def back_propagate(

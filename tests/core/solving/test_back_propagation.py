@@ -13,15 +13,17 @@ from pacinian.session import Session
 from pacinian.solving.back_propagation import (
     BACK_PROPAGATED,
     MAX_STEPS,
-    TRIAL_SHARE,
+    MIN_ROWS,
+    TRIAL_COLUMNS,
+    TRIAL_ROWS,
     affords_gram,
     back_propagate,
 )
 from pacinian.solving.problem import Targets
-from pacinian.solving.propagator import MIN_PARALLEL_ROWS, Propagator
+from pacinian.solving.propagator import Propagator
 
-AIR, UNIT = pc.Air(), pc.autd(1, 1)
-M = MIN_PARALLEL_ROWS + 12
+AIR, UNIT, FOUR = pc.Air(), pc.autd(1, 1), pc.autd(2, 2)
+M = MIN_ROWS
 DENSE = "lagrange", "gs-pat", "pseudo-inverse", "auto"
 
 
@@ -36,8 +38,8 @@ def place(count: int, seed: int = 1) -> np.ndarray:
     )
 
 
-def relative_error(gains: np.ndarray, t: np.ndarray, q: np.ndarray) -> float:
-    made = np.abs(matrix(UNIT, q, AIR) @ gains.astype(np.complex128))
+def relative_error(array: pc.Array, gains: np.ndarray, t: np.ndarray, q: np.ndarray) -> float:
+    made = np.abs(matrix(array, q, AIR) @ gains.astype(np.complex128))
     return float(np.linalg.norm(made - t) / np.linalg.norm(t))
 
 
@@ -45,37 +47,49 @@ def relative_error(gains: np.ndarray, t: np.ndarray, q: np.ndarray) -> float:
 @pytest.mark.parametrize("scale", ["exact", "max"])
 def test_no_gram_matrix_is_computed_if_its_time_is_too_long(solver: str, scale: str) -> None:
     q, t = place(M), np.full(M, 20.0)
-    session = Session(UNIT, AIR, solver)
+    session = Session(FOUR, AIR, solver)
     solution = session.solve(q, t, scale=scale, deadline=0.0)
     assert session.propagator.work.grams_built == 0
     assert solution.late
     assert np.abs(solution.gains).max() <= 1.0
     if scale == "exact":
-        assert relative_error(solution.gains, t, q) < 0.8
+        assert relative_error(FOUR, solution.gains, t, q) < 0.8
     else:
         assert np.abs(solution.gains).max() == pytest.approx(1.0)
     assert session.solve(place(M, 2), t).status.name != "DEADLINE", "there is time again"
 
 
 def test_few_points_are_solved_as_ever() -> None:
-    few = MIN_PARALLEL_ROWS - 1
-    session = Session(UNIT, AIR, "lagrange")
+    few = MIN_ROWS - 1
+    session = Session(FOUR, AIR, "lagrange")
     session.solve(place(few), 5.0, deadline=0.0)
     assert session.propagator.work.grams_built == 1
 
 
 def test_the_time_of_the_matrix_is_that_of_a_part_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 1)
-    propagator = Propagator(UNIT, AIR)
+    propagator = Propagator(FOUR, AIR)
     propagator.set_points(place(M))
-    for seconds, affords in ((TRIAL_SHARE + 1.9, False), (TRIAL_SHARE + 2.1, True)):
-        # each reading of the clock is a second after the last one; the part ends after one, and the third is "now"
+    multiple = (M / TRIAL_ROWS) ** 2 * len(FOUR) / TRIAL_COLUMNS  # all of B B^H over the part
+    for seconds, affords, read in (
+        (multiple + 2.1, True, 3),
+        (multiple + 5.1, True, 3),
+        (multiple + 1.9, False, 6),
+    ):
+        # each reading of the clock is a second after the last one: a trial takes a second, and the third is "now"
         readings = itertools.count()
         budget = pc.Budget(seconds, lambda readings=readings: float(next(readings)))
         assert affords_gram(propagator, budget) is affords
+        assert next(readings) == read
     _ = propagator.gram
     assert affords_gram(propagator, pc.Budget(0.0)), "it is there already"
-    assert affords_gram(propagator, pc.Budget())
+
+
+def test_a_part_that_took_long_by_chance_is_tried_again() -> None:
+    propagator = Propagator(FOUR, AIR)
+    propagator.set_points(place(M))
+    readings = iter([0.0, 9.0, 9.0, 9.0, 9.0, 9.0])
+    assert affords_gram(propagator, pc.Budget(10.0, lambda: next(readings)))
 
 
 def test_more_steps_are_better_and_are_those_of_gerchberg_and_saxton() -> None:
@@ -92,7 +106,7 @@ def test_more_steps_are_better_and_are_those_of_gerchberg_and_saxton() -> None:
             back_propagate(propagator, Targets.make_unchecked(t), pc.Limits(), None, budget, out)
             == steps
         )
-        errors.append(relative_error(out, t, q))
+        errors.append(relative_error(UNIT, out, t, q))
         expected = alternate(B, t, steps)
         assert np.linalg.norm(out - expected) < 1e-3 * np.linalg.norm(expected)
     assert errors[-1] < 0.6 * errors[0]
@@ -123,5 +137,5 @@ def test_points_that_are_not_asked_for_get_nothing() -> None:
 
 
 def test_the_note_says_why() -> None:
-    solution = Session(UNIT, AIR, "lagrange").solve(place(M), 20.0, deadline=0.0)
+    solution = Session(FOUR, AIR, "lagrange").solve(place(M), 20.0, deadline=0.0)
     assert BACK_PROPAGATED in solution.note
