@@ -79,6 +79,8 @@ class Session:
         self.clock = clock
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
+        self.relaxes = True
+        """Whether the phases of regions on skin relax, if there is no deadline."""
         self.corrections = MAX_CORRECTIONS
         """Most solves that correct what a solve for regions has left missing; 0 for its optimum in least squares."""
         self.last: Solution | None = None
@@ -86,7 +88,7 @@ class Session:
         self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
         self._base: Solution | None = None  # solved by a solver; its gains are in _work
-        self._solved_with: tuple[Solver, Limits, int, float] | None = None
+        self._solved_with: tuple[Solver, Limits, int, float, bool] | None = None
 
     @property
     def solver(self) -> Solver:
@@ -176,7 +178,7 @@ class Session:
         if targets.regions is not None and budget.endless:
             made = self._correct_regions(made, limits, start, solver)
         self.last = self._base = made
-        self._solved_with = (solver, limits, self.propagator.version, self.tilt)
+        self._solved_with = solver, limits, self.propagator.version, self.tilt, self.relaxes
         return self.last
 
     def forget(self) -> None:
@@ -263,9 +265,8 @@ class Session:
     def _multiple(self, targets: Targets, limits: Limits, solver: Solver) -> float:
         """Return the c for which c times the last solved gains are the solution; NaN if there is none."""
         base = self._base
-        if base is None or self._solved_with != (
-            solver, limits, self.propagator.version, self.tilt
-        ):  # fmt: skip
+        now = solver, limits, self.propagator.version, self.tilt, self.relaxes
+        if base is None or self._solved_with != now:
             return math.nan
         c = targets.multiple(base.targets)
         if c == 1.0:
@@ -315,7 +316,9 @@ class Session:
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:
-                asked = settle_phases(propagator, targets, warm, self.tilt, relax=budget.endless)
+                asked = settle_phases(
+                    propagator, targets, warm, self.tilt, relax=self.relaxes and budget.endless
+                )
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         check_kind(f"{solver.name}.solve(...)", result, Result)

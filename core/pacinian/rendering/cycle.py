@@ -19,6 +19,7 @@ from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.bands import Bands
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
+from pacinian.solving.corrections import MAX_CORRECTIONS
 
 if TYPE_CHECKING:
     from pacinian.acoustics.skin_facing import SkinFacing
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
 MIN_REPETITION_RATE = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
 MAX_FRAMES = 4  # default limit of the frames in a cycle
 TILTS = -0.15, 0.15  # of the waves of two frames, see `Session.tilt`
+# Fraction of transducers at their limit above which bands in free air, each with several times the target, are worse
+# than fewer samples. On skin, bands are better all the same.
+MAX_BAND_SATURATION = 0.1
+BANDS_AGAIN_BELOW = 0.02  # fraction with one frame below which there are bands again
 TWO_FRAMES_FROM = 0.02  # fraction of transducers at their limit from which two frames are used
 ONE_FRAME_BELOW = 0.01  # fraction below which one frame is used again
 ONE_FRAME_LATE_SHARE = 0.5  # fraction of late solves above which only one frame is used
@@ -86,7 +91,8 @@ class Cycle:
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
-        self._bands, self._banded, self._tilted, self._turn = Bands(), False, False, 0
+        self._bands, self._banded, self._overdriven = Bands(), False, False
+        self._on_skin, self._tilted, self._turn = False, False, 0
         self.samples = no_samples()
         """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
@@ -109,16 +115,26 @@ class Cycle:
         """Largest number of frames for which there is time at present."""
         return 1 if self._hurried else self.most
 
+    @property
+    def max_bands(self) -> int:
+        """Largest number of bands for the next samples."""
+        return 1 if self._overdriven else self.allowed
+
     def begin(self, samples: Samples, most: int | None = None) -> None:
         """Render these samples from now on. most: largest number of frames; `self.most` by default."""
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved, self._given_up = True, False
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
-        self._shares = self._bands.shares(samples, self.budget, most)
-        self._banded = self._shares.shape[1] > 1
-        self._tilted = self._tilted and not self._banded and most >= len(TILTS)
+        self._shares = self._bands.shares(samples, self.budget, min(most, self.max_bands))
+        self._banded, self._on_skin = self._shares.shape[1] > 1, samples.capsules is not None
+        self._tilted = self._tilted and self._may_tilt
         self._arrange()
+
+    @property
+    def _may_tilt(self) -> bool:
+        """Whether two waves may render these samples. On skin, one wave whose phases relax is better."""
+        return not self._banded and not self._on_skin and self._wanted >= len(TILTS)
 
     def forget(self) -> None:
         """Discard what the frames played: while one frame renders all samples, that grows old."""
@@ -137,7 +153,11 @@ class Cycle:
             self._hurried = self._late > (
                 RECOVERED_LATE_SHARE if self._hurried else ONE_FRAME_LATE_SHARE
             )
-        if self._banded or self._wanted < len(TILTS) or solution.late:
+        if self._banded and not self._on_skin and all(part.tries > 1 for part in self.parts):
+            self._overdriven = self._overdriven or solution.saturation > MAX_BAND_SATURATION
+        elif not self._banded and solution.saturation < BANDS_AGAIN_BELOW:
+            self._overdriven = False
+        if solution.late or not self._may_tilt:
             return
         tilted = solution.saturation >= (ONE_FRAME_BELOW if self._tilted else TWO_FRAMES_FROM)
         if tilted != self._tilted:
@@ -162,6 +182,9 @@ class Cycle:
         for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
             part.rounds = part.tries = 0
             part.session.tilt = tilt
+            # A band makes only a part of some samples. Corrections would raise these, and phases would relax for them.
+            part.session.relaxes = not self._banded
+            part.session.corrections = 0 if self._banded else MAX_CORRECTIONS
 
     def due(self, t: float) -> Part | None:
         """Return the part to solve at time t [s], which is the one solved least recently; None if there is none."""

@@ -447,7 +447,7 @@ class Pipeline:
     def _set_sampler(self, limits: Limits, solver: Solver) -> None:
         """Set what the sampler must know of a tick's limits and solver."""
         alone = limits_join(limits)
-        self.sampler.bands = 1 if alone else self.solver.cycle.allowed
+        self.sampler.bands = 1 if alone else self.solver.cycle.max_bands
         self.sampler.surround = solver.surrounds and not alone
         self.sampler.max_uniform_points = 0.0 if alone else solver.max_uniform_points
 

@@ -15,6 +15,7 @@ from pacinian.gallery import SCENES
 from pacinian.rendering.cycle import split_frames
 from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.contacts import CONTACTS
 from pacinian_plugins.backends.simulated import Simulated
 
 from .manual_background import solve_beside
@@ -90,6 +91,48 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     told = renderer.report.compute_felt(1)["surface"]
     assert told.force == pytest.approx(1.0, abs=0.1)
     assert told.holes == 0.0
+
+
+@pytest.mark.parametrize(("side", "pressure", "error"), [(0.07, 0.3, 0.1), (0.075, 3.0, 0.12)])
+def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error: float) -> None:
+    scene = pc.Scene((surface(NINE, pc.Rectangle(side, side), pressure),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
+    mean = press(NINE, sent(renderer, 40, 4), square(side)).mean(axis=0)
+    assert len(renderer.sounding) == 2
+    assert off(mean, pressure) < error
+    assert mean.max() < 1.6 * pressure
+
+
+def test_bands_that_the_array_cannot_make_become_fewer_samples() -> None:
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.07, 0.07), 6.0),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
+    mean = press(NINE, sent(renderer, 60, 4), square(0.07)).mean(axis=0)
+    assert len(renderer.samples) <= renderer.sampler.budget
+    assert off(mean, 6.0) < 0.25, "in bands 0.38"
+    weak = replace(scene.objects[0], radiation_pressure=1.0)
+    with renderer:
+        renderer.scene = pc.Scene((weak,))
+        for k in range(60, 120):
+            renderer.tick(k * PERIOD)
+    assert len(renderer.samples) > renderer.sampler.budget, "there are bands again"
+
+
+def test_on_skin_one_wave_is_better_than_two() -> None:
+    """A ball at the limit of one unit: with two waves, the skin beside it got 5 times the mean pressure."""
+    scene = CONTACTS["ball of 20 mm radius at the palm"]()
+    spill = {}
+    for most in (1, 4):
+        renderer = pc.Renderer(
+            ONE, scene, clock=ManualClock(), adaptive=False, max_cycle_frames=most
+        )
+        with renderer:
+            for k in range(16):
+                renderer.tick(k * PERIOD)
+            assert renderer.solution is not None
+            assert renderer.solution.saturation > 0.02
+            assert len(renderer.sounding) == 1
+        spill[most] = renderer.sounding
+    assert np.array_equal(spill[1], spill[4])
 
 
 def strongest(array: pc.Array, shape: Any) -> float:
