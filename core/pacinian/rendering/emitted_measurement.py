@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.neighbours import find_nearest
+from pacinian.scene.sampling.samples import BESIDE
+from pacinian.solving.felt_regions import BESIDE as DISTANCES
 from pacinian.solving.felt_regions import FeltPlaces, FeltSums
 from pacinian.solving.propagator import Propagator
 
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.types import Floats, Gains
 
+MIN_DISTANCE = DISTANCES[0]  # of a place beside a region from its samples [m]
 PLACES = 24  # places between samples in one measurement; many measurements are added
 
 
@@ -30,11 +34,18 @@ class Probe:
         self._heard: Floats = np.empty(0)
 
     def look(
-        self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
+        self,
+        samples: Samples,
+        targets: Targets,
+        facing: SkinFacing | None,
+        gains: Gains,
+        p: Floats,
     ) -> dict[str, FeltSums]:
         """Return sums of what is felt of each object that has regions, by the object's name.
 
-        targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose mean is felt.
+        On skin, the silent samples 3 mm and more beside a region count as places beside it, because the highest
+        pressure lies at few places. targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose
+        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as of `hear`.
         """
         if (regions := targets.regions) is None:
             return {}
@@ -47,6 +58,14 @@ class Probe:
         ):
             item = samples.items[samples.objects[np.flatnonzero(regions == number)[0]]]
             found[name_of(item)] = found.get(name_of(item), FeltSums()).plus(sums)
+        silent = np.flatnonzero(samples.regions == BESIDE)
+        pressing = samples.positions[(samples.regions >= 0) & (targets.amplitudes > 0.0)]
+        if len(silent) and len(pressing):
+            away = find_nearest(pressing, samples.positions[silent])[0]
+            for m in silent[away >= MIN_DISTANCE]:
+                name = name_of(samples.items[samples.objects[m]])
+                if name in found:
+                    found[name] = found[name].plus(FeltSums(beside=float(p[m] ** 2)))
         return found
 
     def hear(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:

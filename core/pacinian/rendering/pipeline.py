@@ -476,7 +476,7 @@ class Pipeline:
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)
             p = self._job_probe.hear(samples.positions, facing, gains) if heard is None else heard
-            felt = self._job_probe.look(samples, targets, facing, gains)
+            felt = self._job_probe.look(samples, targets, facing, gains, p)
             return Measurement(targets.relative_error(p), felt)
 
         return measure

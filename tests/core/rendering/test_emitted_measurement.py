@@ -11,6 +11,8 @@ import pacinian as pc
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.contacts import CONTACTS
+from pacinian_lab.regions.skin import measure_felt
 
 AIR, ARRAY = pc.Air(), pc.autd()
 MIDDLE = ARRAY.centre + np.array([0.0, 0.0, 0.2])
@@ -35,7 +37,11 @@ def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, look
     probe, sums = Probe(session), dict[str, FeltSums]()
     for _ in range(looks):
         for name, found in probe.look(
-            samples, solution.targets, session.propagator.facing, solution.gains[None]
+            samples,
+            solution.targets,
+            session.propagator.facing,
+            solution.gains[None],
+            np.abs(solution.sound_pressure),
         ).items():
             sums[name] = sums.get(name, FeltSums()).plus(found)
     return {name: all_.felt for name, all_ in sums.items()}
@@ -78,6 +84,21 @@ def test_unevenness_between_good_samples_is_found() -> None:
     assert not found.even
 
 
+@pytest.mark.parametrize(
+    "name", ["ball of 10 mm radius at the palm", "ball of 12 mm radius at a fingertip"]
+)
+def test_pressure_on_skin_beside_a_contact_is_not_overlooked(name: str) -> None:
+    nine, scene = pc.autd(3, 3), CONTACTS[name]()
+    with pc.Renderer(nine, scene, medium=AIR, clock=ManualClock(), adaptive=False) as renderer:
+        for k in range(70):
+            renderer.tick(k * 1e-3)
+        told = renderer.report.compute_felt()["object"].spill
+        true = measure_felt(nine, AIR, scene, 0.07, renderer.sounding)
+    assert true is not None
+    assert true.spill > 0.5
+    assert told > 0.4 * true.spill
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
     session = pc.Session(ARRAY, AIR)
@@ -94,7 +115,8 @@ def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
 def test_points_have_none_and_the_report_has_each_object() -> None:
     point = pc.Point(position=(MIDDLE[0] + 0.03, MIDDLE[1], MIDDLE[2]), radiation_pressure=3.0)
     session, samples, solution = solved(point)
-    assert Probe(session).look(samples, solution.targets, None, solution.gains[None]) == {}
+    p = np.abs(solution.sound_pressure)
+    assert Probe(session).look(samples, solution.targets, None, solution.gains[None], p) == {}
     scene = pc.Scene((point, disc(-0.01, 1.0, "disc")))
     with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
         summary = renderer.run(2.0).summary()
