@@ -6,12 +6,13 @@ from typing import Any
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian.cli.run_output import check_picture_path
 
 
 @click.command()
 @click.option(
-    "--seconds", type=click.FloatRange(0.1, 3600), default=10.0, show_default=True, help="Duration."
+    "--seconds", type=FiniteRange(0.1, 3600), default=10.0, show_default=True, help="Duration."
 )
 @click.option(
     "--units",
@@ -22,7 +23,7 @@ from pacinian.cli.run_output import check_picture_path
 )
 @click.option(
     "--rate",
-    type=click.FloatRange(1, 20_000),
+    type=FiniteRange(1, 20_000),
     default=1000.0,
     show_default=True,
     help="Ticks per second.",

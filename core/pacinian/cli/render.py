@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian.cli.run_output import check_picture_path
 
 
@@ -14,7 +15,7 @@ from pacinian.cli.run_output import check_picture_path
 @click.argument("scene", type=click.Path(path_type=Path))
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.0),
+    type=FiniteRange(0.0, 1e9),
     default=5.0,
     show_default=True,
     help="Duration; 0 to run until Ctrl-C.",
@@ -48,7 +49,8 @@ def render(
 ) -> None:
     """Render a scene file on an array.
 
-    It is TOML or JSON; `pacinian schema` prints its schema.
+    It is TOML or JSON; `pacinian schema` prints its schema. The exit code is 1 after a fault, or if the picture that
+    was asked for could not be drawn.
     """
     from msgspec.structs import replace
 
@@ -78,3 +80,5 @@ def render(
     extra["picture"] = picture(renderer, out, scene.name, quiet=as_json)
     remedy = "give the scene file a lower `rate`, a smaller `array` or fewer objects"
     print_summary(summary(renderer, extra, others), as_json, remedy)
+    if out and not extra["picture"]:
+        raise SystemExit(1)

@@ -38,7 +38,7 @@ def progress(
 
 
 def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
-    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn.
+    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn, which is said.
 
     quiet: whether to say nothing before.
     """
@@ -187,7 +187,7 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
         "solver, backend": f"{figures['solver']}, {figures['backend']}",
         "ticks": f"{figures['ticks']:,} at {figures['rate']:g} Hz, {_late(figures)}",
         "tick time": f"{_times(figures)}, max {figures['tick_max_ms']:.2f} ms",
-        "error": f"{figures['error_at_samples']:.2%} of the target sound pressures, as emitted at the samples",
+        "error": _error(figures["error_at_samples"]),
         **{
             f"felt of {name}": str(FeltRegion(**felt))
             for name, felt in list(figures["felt"].items())[:MAX_LISTED]
@@ -217,6 +217,12 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
         console.print(Text(pace, style="green" if pace.endswith("on time.") else "yellow"))
     if figures.get("picture"):
         console.print(Text(f"Picture: {Path(figures['picture']).resolve()}"), soft_wrap=True)
+
+
+def _error(error: float | None) -> str:
+    if error is None:
+        return "not measured, because nothing was emitted long enough"
+    return f"{error:.2%} of the target sound pressures, as emitted at the samples"
 
 
 def _late(figures: dict[str, Any]) -> str:

@@ -7,6 +7,7 @@ import json
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.finite_range import FiniteRange
 from pacinian.errors import ServerError
 
 NOT_CONFIRMED = "The stop is not confirmed: if the array sounds, switch it off."
@@ -17,7 +18,7 @@ STOPPED = "stopped: silent until a client resets it, in Python by `pacinian.Clie
 @CONNECTION
 @click.option(
     "--timeout",
-    type=click.FloatRange(0.01, 60),
+    type=FiniteRange(0.01, 60),
     default=2.0,
     show_default=True,
     help="Seconds to wait for the server's confirmation.",

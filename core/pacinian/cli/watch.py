@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.finite_range import FiniteRange
 from pacinian.cli.status import make_table, plain
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ REFRESH = 0.1  # period of redraws [s]
 @CONNECTION
 @click.option(
     "--seconds",
-    type=click.FloatRange(0),
+    type=FiniteRange(0),
     default=math.inf,
     help="Duration.  [default: until Ctrl-C]",
 )

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 FORMAT = "pacinian recording"
 VERSION = 4
 MAX_MAP_BYTES = 1 << 28  # largest size of one map [bytes]
+MAX_NORMAL_ERROR = 1e-6  # largest deviation of the length of a normal from 1
 MAX_TIME = 1e12  # largest plausible time of a tick [s]
 
 
@@ -65,10 +66,11 @@ class Tick:
 
 
 class Recorder:
-    """Writes a recording. Raises RecordingError if the file cannot be created.
+    """Writes a recording of one run. Raises RecordingError if the file cannot be written, or is no recording.
 
-    Pass it to a `Renderer`, which opens and closes it. unrecorded: why a scene could not be written, for example
-    because it contains a Python function; "" if all could. Frames are written in any case.
+    Pass it to a `Renderer`, which opens and closes it. An earlier recording in the file stays until the run begins.
+    unrecorded: why a scene could not be written, for example because it contains a Python function; "" if all could.
+    Frames are written in any case.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -78,13 +80,27 @@ class Recorder:
         self._writer, self._begins = Writer(), True
         self._sample_counts: SampleCounts | None = None  # as written last
         self._deviations: Reasons = {}
+        self._file: IO[bytes] | None = None
+        if self.path.is_file() and self.path.stat().st_size and not is_recording(self.path):
+            problem = "is no recording, and is not overwritten: give another name, or delete it"
+            raise RecordingError(self.path, problem)
         try:
-            self._file: IO[bytes] = self.path.open("wb")
+            new = not self.path.exists()
+            if new or self.path.is_file() or self.path.is_dir():
+                self.path.open("ab").close()
+            if new:
+                self.path.unlink()
         except (OSError, ValueError) as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
 
     def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:
-        """Write the header. settings: further settings that a replay needs."""
+        """Write the header, in place of an earlier recording. settings: further settings that a replay needs."""
+        if self._file is not None:
+            raise RecordingError(self.path, "has a run already: make a new Recorder for each run")
+        try:
+            self._file = self.path.open("wb")
+        except OSError as error:
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
         self._write(
             {
                 "format": FORMAT,
@@ -148,11 +164,13 @@ class Recorder:
     def close(self) -> None:
         """End the file; may be called twice."""
         try:
-            self._file.close()
+            if self._file is not None:
+                self._file.close()
         except OSError as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
 
     def _write(self, values: dict[str, Any]) -> None:
+        assert self._file is not None, "begin comes first"
         try:
             self._file.write(self._pack(values))
         except (OSError, ValueError) as error:
@@ -200,6 +218,9 @@ class Recording:
                 raise ValueError("positions and normals do not fit")
             if not (np.isfinite(self.positions).all() and np.isfinite(self.normals).all()):
                 raise ValueError("positions and normals are not finite")
+            sizes = np.linalg.norm(np.clip(self.normals, -2.0, 2.0), axis=1)
+            if not (np.abs(sizes - 1.0) < MAX_NORMAL_ERROR).all():
+                raise ValueError("normals must be unit vectors")
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             raise RecordingError(self.path, f"has a damaged header: {error}") from error
 

@@ -57,6 +57,8 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains
 
+MAX_DURATION = 1e9  # of a run [s]
+
 
 class Renderer(Closeable):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
@@ -319,7 +321,11 @@ class Renderer(Closeable):
         matters. Scene time 0 is the first tick since `open`. Ctrl-C ends the run and sets `report.interrupted`.
         """
         max_lag = check_number("max_lag", max_lag, low=0.0)
-        duration = None if duration is None else check_number("duration", duration, low=0.0)
+        duration = (
+            None
+            if duration is None
+            else check_number("duration", duration, low=0.0, high=MAX_DURATION)
+        )
         was_open, interrupted = self._opened, False
         try:
             self.open()

@@ -157,7 +157,7 @@ class Report:
         return float(np.median(self.errors)) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
-        """Return the report as plain values, for JSON."""
+        """Return the report as plain values, for JSON. `error_at_samples` is None if nothing was measured."""
         return {
             "ticks": self.ticks,
             "late_ticks": self.late_ticks,
@@ -165,7 +165,7 @@ class Report:
             "tick_p99_ms": self.tick_ms(99),
             "tick_max_ms": self.tick_ms(100),
             "stages_ms": {k: 1e3 * v / max(1, self.ticks) for k, v in self.stages.items()},
-            "error_at_samples": self.error,
+            "error_at_samples": self.error if self._measured else None,
             "felt": {name: felt._asdict() for name, felt in self.compute_felt().items()},
             "solves": self.solves,
             "frames_sent": self.frames_sent,
@@ -199,7 +199,9 @@ class Report:
         rows = {
             "late": f"{self.late_ticks} ({self.late_share:.1%})",
             "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
-            "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted",
+            "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted"
+            if self._measured
+            else "not measured",
             **{
                 f"felt of {name}": str(felt)
                 for name, felt in list(self.compute_felt().items())[:MAX_LISTED]

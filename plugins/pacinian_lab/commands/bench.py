@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_batches import batches
 from pacinian_lab.commands.bench_devices import devices
 from pacinian_lab.commands.bench_examples import examples
@@ -71,12 +72,12 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
 )
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.0, 600.0),
+    type=FiniteRange(0.0, 600.0),
     help="Time to measure each solver on each problem.  [default: 0.1]",
 )
 @click.option(
     "--limit",
-    type=click.FloatRange(0.1),
+    type=FiniteRange(0.1),
     default=60.0,
     show_default=True,
     help="Give up a solver on a problem after this many seconds.",

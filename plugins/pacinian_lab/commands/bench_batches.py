@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 if TYPE_CHECKING:
     from pacinian_lab.solvers.batches import Row
 
@@ -41,7 +43,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.0, 600.0),
+    type=FiniteRange(0.0, 600.0),
     default=2.0,
     show_default=True,
     help="Time to measure each contestant.",

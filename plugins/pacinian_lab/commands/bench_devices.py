@@ -7,11 +7,13 @@ from dataclasses import asdict
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 
 @click.command()
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.01, 600.0),
+    type=FiniteRange(0.01, 600.0),
     default=10.0,
     show_default=True,
     help="Time to hold each rate.",

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 
 @click.command()
 @click.option(
@@ -19,7 +21,7 @@ import click
     help="Threads of each package.",
 )
 @click.option(
-    "--seconds", type=click.FloatRange(0.0, 60.0), default=0.5, show_default=True,
+    "--seconds", type=FiniteRange(0.0, 60.0), default=0.5, show_default=True,
     help="Time to measure each way of making each example.",
 )  # fmt: skip
 @click.option("--markdown", is_flag=True, help="One table in Markdown.")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 if TYPE_CHECKING:
     from pacinian_lab.server.faults.run import Row
 
@@ -67,7 +69,7 @@ def faults(repeats: int, words: tuple[str, ...], busy: int, as_json: bool) -> No
     help="Total number of messages.",
 )
 @click.option(
-    "--seconds", type=click.FloatRange(1.0), default=300.0, show_default=True,
+    "--seconds", type=FiniteRange(1.0), default=300.0, show_default=True,
     help="Stop sending after this time.",
 )  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the mutations.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import side
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.option(
     "--seconds",
-    type=click.FloatRange(1.0, 600.0),
+    type=FiniteRange(1.0, 600.0),
     default=5.0,
     show_default=True,
     help="Length of each window.",

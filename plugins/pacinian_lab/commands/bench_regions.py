@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian_lab.regions.peers import Peers
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     help="Also measure this solver; repeatable.",
 )
 @click.option(
-    "--strength", "strengths", multiple=True, type=click.FloatRange(0.0, 10.0, min_open=True),
+    "--strength", "strengths", multiple=True, type=FiniteRange(0.0, 10.0, min_open=True),
     help="Fraction of the strongest even field; repeatable.  [default: 0.25, 0.5, 1]",
 )  # fmt: skip
 @click.option(

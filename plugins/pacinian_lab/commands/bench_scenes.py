@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -40,7 +42,7 @@ def names(
 )
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.02, 600.0),
+    type=FiniteRange(0.02, 600.0),
     default=5.0,
     show_default=True,
     help="Time to run each scene; the dummy loop runs as long again.",

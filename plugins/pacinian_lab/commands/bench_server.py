@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
+
 if TYPE_CHECKING:
     from pacinian_lab.server.latency_sender import Times
     from pacinian_lab.server.load import Final, Row
@@ -27,7 +29,7 @@ def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
 @click.argument("what", type=click.Choice(["latency", "load", "all"]), default="all")
 @click.option(
     "--seconds",
-    type=click.FloatRange(1.0, 3600.0),
+    type=FiniteRange(1.0, 3600.0),
     default=60.0,
     show_default=True,
     help="Time to measure each rate; runs for comparison take a quarter.",

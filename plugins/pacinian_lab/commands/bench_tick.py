@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_scenes import names
 from pacinian_lab.commands.bench_server import side
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.1, 600.0),
+    type=FiniteRange(0.1, 600.0),
     default=5.0,
     show_default=True,
     help="Time to tick each scene; a loop that only sleeps runs as long again.",

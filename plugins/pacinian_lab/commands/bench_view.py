@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import side
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def program(context: click.Context, parameter: click.Parameter, name: str) -> st
 @click.command()
 @click.option(
     "--seconds",
-    type=click.FloatRange(2.0, 600.0),  # the server sends quantiles once per second
+    type=FiniteRange(2.0, 600.0),  # the server sends quantiles once per second
     default=8.0,
     show_default=True,
     help="Length of each window.",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import side
 from pacinian_lab.server import soak_drift
 
@@ -22,7 +23,7 @@ SHORT = 10.0  # [s]
 
 @click.command()
 @click.option(
-    "--minutes", type=click.FloatRange(0.05, 10_000.0), default=20.0, show_default=True,
+    "--minutes", type=FiniteRange(0.05, 10_000.0), default=20.0, show_default=True,
     help="Length of the run.",
 )  # fmt: skip
 @click.option("--short", is_flag=True, help="About 10 seconds instead.")

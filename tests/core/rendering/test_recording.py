@@ -404,6 +404,39 @@ def test_a_missing_file_and_one_that_cannot_be_written_are_named(tmp_path: Path)
             pc.Recorder(path)
 
 
+def test_an_earlier_recording_stays_until_a_run_begins_and_other_files_are_not_touched(
+    tmp_path: Path,
+) -> None:
+    path, scene = tmp_path / "run.pac", tmp_path / "scene.toml"
+    renderer, _ = make(path)
+    renderer.run(0.01)
+    before = path.read_bytes()
+    pc.Recorder(path)
+    assert path.read_bytes() == before
+    again, _ = make(path)
+    again.run(0.005)
+    assert len(pc.Recording(path)) == 5
+    pc.Recorder(tmp_path / "never")
+    assert not (tmp_path / "never").exists()
+    scene.write_text("[[objects]]\n")
+    with pytest.raises(pc.RecordingError, match="is not overwritten"):
+        pc.Recorder(scene)
+    assert scene.read_text() == "[[objects]]\n"
+
+
+@pytest.mark.parametrize("value", [0.0, 10.0, 1e6, -1e30, 1e200])
+def test_normals_that_are_no_unit_vectors_are_damage(tmp_path: Path, value: float) -> None:
+    path = tmp_path / "run.pac"
+    renderer, _ = make(path)
+    renderer.run(0.005)
+    normals = pc.Recording(path).normals
+    changed = normals.copy()
+    changed[0] = value, 0.0, 0.0
+    path.write_bytes(path.read_bytes().replace(normals.astype("<f8").tobytes(), changed.tobytes()))
+    with pytest.raises(pc.RecordingError, match="unit vectors"):
+        pc.Recording(path)
+
+
 def test_a_newer_version_says_what_to_do(tmp_path: Path) -> None:
     path = tmp_path / "run.pac"
     path.write_bytes(msgpack.packb({"format": "pacinian recording", "version": 99}))
@@ -414,7 +447,7 @@ def test_a_newer_version_says_what_to_do(tmp_path: Path) -> None:
 def test_a_recorder_is_for_one_run_of_a_renderer(tmp_path: Path) -> None:
     renderer, _ = make(tmp_path / "run.pac")
     renderer.run(0.01)
-    with pytest.raises(pc.RecordingError, match="closed"):
+    with pytest.raises(pc.RecordingError, match="a new Recorder"):
         renderer.run(0.01)
     assert len(list(pc.Recording(tmp_path / "run.pac"))) == 10
 
