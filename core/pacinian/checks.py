@@ -21,6 +21,7 @@ MAX_ANGLE = 2.0 * math.pi * (1.0 + 1e-9)  # largest angle, one turn and rounding
 
 def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
     """Return `value` as finite float64 of the given shape, where None allows any length. Raises ArgumentError."""
+    refuse_masked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype != np.float64 and array.dtype.kind not in "biufO" and array.size:
@@ -41,6 +42,12 @@ def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) ->
     if not np.isfinite(array).all():
         raise ArgumentError(name, "must be finite, without NaN or infinity")
     return array
+
+
+def refuse_masked(name: str, value: object) -> None:
+    """Refuse an array of `numpy.ma` that hides values, because NumPy would use these. Raises ArgumentError."""
+    if hasattr(value, "filled") and np.any(getattr(value, "mask", False)):
+        raise ArgumentError(name, "has masked values: leave these out, or fill them")
 
 
 def check_number(

@@ -13,7 +13,7 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.checks import MAX_LENGTH, check_kind, check_near, check_numbers
+from pacinian.checks import MAX_LENGTH, check_kind, check_near, check_numbers, refuse_masked
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry
@@ -197,6 +197,7 @@ class Session:
         if last is None or with_ is None:
             raise ArgumentError("gains", "cannot be certified: nothing has been solved yet")
         limits, N = with_[1], len(self.array)
+        refuse_masked("gains", gains)
         g = np.asarray(gains)
         if g.shape != (N,) or g.dtype.kind not in "iufc" or not np.isfinite(g).all():
             raise ArgumentError("gains", f"must be {N} finite numbers")
@@ -436,6 +437,7 @@ def _compute_objective(
 
 def _as_rows(points: ArrayLike) -> ArrayLike:
     """Return one point of shape (3,) as an array of shape (1, 3), and anything else as it is."""
+    refuse_masked("points", points)
     try:
         given = np.asarray(points)
     except ValueError:  # ragged, which the caller refuses

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import pacinian as pc
 from pacinian import checks
 from pacinian.errors import ArgumentError
 
@@ -125,3 +126,31 @@ def test_names_are_a_list_or_a_text_with_commas(given: object) -> None:
 @pytest.mark.parametrize("given", [["A", "A"], "A,,B", [1], 3, None, {"A": 1}])
 def test_names_that_are_none_are_refused(given: object) -> None:
     assert "different names" in refused(checks.check_names, given)
+
+
+HIDES = np.ma.array([1.0, 9e9], mask=[0, 1])
+
+
+@pytest.mark.parametrize(
+    "name", ["positions", "normals", "points", "amplitudes", "phases", "regions", "gains"]
+)
+def test_masked_values_are_refused_wherever_numbers_are_taken(name: str) -> None:
+    array = pc.autd()
+    masked: Any = np.ma.array(np.full((2, 3), 0.1), mask=np.eye(2, 3))
+    places = [[0.0, 0.0, 0.15], [0.03, 0.0, 0.15]]
+    session = pc.Session(array)
+    session.solve(places, [1.0, 2.0])
+    gains: Any = np.ma.array(np.ones(len(array), complex), mask=np.arange(len(array)) == 3)
+    use: dict[str, Any] = {
+        "positions": lambda: pc.Array(masked),
+        "normals": lambda: pc.Array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]], masked),
+        "points": lambda: session.solve(masked, [1.0, 2.0]),
+        "amplitudes": lambda: session.solve(places, HIDES),
+        "phases": lambda: session.solve(places, [1.0, 2.0], HIDES),
+        "regions": lambda: session.solve(places, [1.0, 2.0], regions=HIDES.astype(int)),
+        "gains": lambda: session.certify(gains),
+    }
+    with pytest.raises(pc.ArgumentError, match="masked"):
+        use[name]()
+    shown = np.ma.array([1.0, 2.0], mask=False)
+    assert session.solve(places, shown).error < 0.01

@@ -19,6 +19,7 @@ from pacinian.checks import (
     check_near,
     check_number,
     check_numbers,
+    refuse_masked,
 )
 from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
@@ -73,6 +74,7 @@ class Array:
                 "make phases wrong: choose an origin closer to the array",
             )
         check_near("positions", r, r.mean(axis=0))
+        refuse_masked("normals", normals)
         try:
             n = check_numbers(
                 "normals", np.broadcast_to(np.asarray(normals, dtype=np.float64), r.shape), r.shape

@@ -7,6 +7,8 @@ from dataclasses import asdict
 
 import click
 
+CUT_SHORT = "the recording is cut short: it ends within a tick, so later ticks are missing"
+
 
 @click.command()
 @click.argument("recording")
@@ -37,6 +39,8 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
         raise click.UsageError("--strict plays on a backend: give one of --again and --strict")
     backend = backend or "simulated"
     opened = Recording(recording)
+    if opened.cut_short:
+        click.echo(CUT_SHORT, err=True)
     if again:
         from pacinian.rendering.rerender import rerender
 

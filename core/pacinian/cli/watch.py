@@ -28,16 +28,16 @@ REFRESH = 0.1  # period of redraws [s]
 @click.option(
     "--seconds",
     type=FiniteRange(0),
-    default=math.inf,
+    default=None,
     help="Duration.  [default: until Ctrl-C]",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object per state, one per line.")
-def watch(connection: str | None, seconds: float, as_json: bool) -> None:
+def watch(connection: str | None, seconds: float | None, as_json: bool) -> None:
     """Show the status of a server continuously."""
     from pacinian.client.client import Client
 
     with Client(connection, name="pacinian watch") as client:
-        states = _states(client, seconds)
+        states = _states(client, math.inf if seconds is None else seconds)
         if as_json:
             for state in states:
                 click.echo(json.dumps(plain(state)))

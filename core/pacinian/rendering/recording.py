@@ -271,15 +271,26 @@ class Recording:
 
     def __len__(self) -> int:
         """Return the number of ticks, without a last one that is cut short. Raises RecordingError."""
+        return max(0, self._count_maps()[0] - 1)  # without the header
+
+    @property
+    def cut_short(self) -> bool:
+        """Whether the file ends within a tick, because it was written or copied in part. Raises RecordingError."""
+        return self._count_maps()[1] < self.path.stat().st_size
+
+    def _count_maps(self) -> tuple[int, int]:
+        """Return the number of whole maps in the file, and their size [bytes]."""
         count = 0
         try:
             with self.path.open("rb") as file:
                 maps = msgpack.Unpacker(file, max_buffer_size=MAX_MAP_BYTES)
-                while True:
-                    maps.skip()
-                    count += 1
-        except msgpack.OutOfData:
-            return max(0, count - 1)  # without the header
+                whole = 0
+                try:
+                    while True:
+                        maps.skip()
+                        count, whole = count + 1, maps.tell()
+                except msgpack.OutOfData:
+                    return count, whole
         except OSError as error:
             raise RecordingError(self.path, f"cannot be read: {error.strerror}") from error
         except Exception as error:  # damaged bytes can raise anything

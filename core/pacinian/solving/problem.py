@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from pacinian.checks import check_kind, check_number, check_numbers
+from pacinian.checks import check_kind, check_number, check_numbers, refuse_masked
 from pacinian.errors import ArgumentError
 from pacinian.solving.quiet_zone import Zone
 
@@ -81,6 +81,7 @@ class Targets:
         phi = _make_free_phases(count)
         if phases is not None:
             phi = phi.copy()
+            refuse_masked("phases", phases)
             try:
                 given = np.asarray(phases)
                 if given.dtype.kind == "c":
@@ -180,6 +181,7 @@ def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
     """
     if regions is None:
         return None
+    refuse_masked("regions", regions)
     if isinstance(regions, np.ndarray) and _fits(regions, count):
         from pacinian.native import solving as kernels
 

@@ -12,11 +12,13 @@ from typing import Any, ClassVar
 import msgpack
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.cli.main import cli
 from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import Rerendering, rerender
 from pacinian.rendering.smoothing import Smoothing
@@ -422,6 +424,22 @@ def test_an_earlier_recording_stays_until_a_run_begins_and_other_files_are_not_t
     with pytest.raises(pc.RecordingError, match="is not overwritten"):
         pc.Recorder(scene)
     assert scene.read_text() == "[[objects]]\n"
+
+
+def test_a_recording_that_ends_within_a_tick_is_cut_short(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    renderer, _ = make(path)
+    renderer.run(0.01)
+    whole = path.read_bytes()
+    assert not pc.Recording(path).cut_short
+    for size in (len(whole) - 1, len(whole) // 2):
+        path.write_bytes(whole[:size])
+        recording = pc.Recording(path)
+        assert recording.cut_short
+        assert len(recording) == len(list(recording)) < 10
+        done = CliRunner().invoke(cli, ["replay", str(path)])
+        assert done.exit_code == 0, done.output
+        assert "cut short" in done.stderr
 
 
 @pytest.mark.parametrize("value", [0.0, 10.0, 1e6, -1e30, 1e200])
