@@ -79,8 +79,8 @@ class Session:
         self.clock = clock
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
-        self.relaxes = True
-        """Whether the phases of regions on skin relax, if there is no deadline."""
+        self.refines = True
+        """Whether solves for regions without a deadline relax the phases on skin, and make corrections."""
         self.corrections = MAX_CORRECTIONS
         """Most solves that correct what a solve for regions has left missing; 0 for its optimum in least squares."""
         self.last: Solution | None = None
@@ -178,7 +178,7 @@ class Session:
         if targets.regions is not None and budget.endless:
             made = self._correct_regions(made, limits, start, solver)
         self.last = self._base = made
-        self._solved_with = solver, limits, self.propagator.version, self.tilt, self.relaxes
+        self._solved_with = solver, limits, self.propagator.version, self.tilt, self.refines
         return self.last
 
     def forget(self) -> None:
@@ -266,7 +266,7 @@ class Session:
     def _multiple(self, targets: Targets, limits: Limits, solver: Solver) -> float:
         """Return the c for which c times the last solved gains are the solution; NaN if there is none."""
         base = self._base
-        now = solver, limits, self.propagator.version, self.tilt, self.relaxes
+        now = solver, limits, self.propagator.version, self.tilt, self.refines
         if base is None or self._solved_with != now:
             return math.nan
         c = targets.multiple(base.targets)
@@ -318,7 +318,7 @@ class Session:
         if targets.norm and ready:
             if targets.regions is not None:
                 asked = settle_phases(
-                    propagator, targets, warm, self.tilt, relax=self.relaxes and budget.endless
+                    propagator, targets, warm, self.tilt, relax=self.refines and budget.endless
                 )
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
@@ -375,7 +375,7 @@ class Session:
         assert first.asked_phases is not None
         asked, best, error = targets.amplitudes, first, first.error
         iterations = first.iterations
-        for _ in range(self.corrections):
+        for _ in range(self.corrections if self.refines else 0):
             asked = correct_amplitudes(asked, targets.amplitudes, best.sound_pressure)
             kept, gains = self._work.copy(), np.empty_like(first.gains)
             made = self._solve_anew(

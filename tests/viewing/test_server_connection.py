@@ -361,8 +361,12 @@ def test_a_stop_while_another_is_under_way_is_carried_out_after_it(
             page.say("stop")
         page.say("play")  # refused, once all before it has been received
         page.next("refused")
-        may_end.release(6)
+        may_end.release()
         assert begun.acquire(timeout=LIMIT)
+        may_end.release(6)
+        page.say("play")
+        page.next("refused")
+        assert not begun.acquire(blocking=False), "the other presses are one stop"
 
 
 def test_a_state_that_is_not_whole_is_passed_over(fake: Fake, url: str) -> None:

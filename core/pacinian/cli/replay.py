@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from pacinian.rendering.recording import Recording
 
 CUT_SHORT = "the recording is cut short: it ends within a tick, so later ticks are missing"
 
@@ -39,12 +43,11 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
         raise click.UsageError("--strict plays on a backend: give one of --again and --strict")
     backend = backend or "simulated"
     opened = Recording(recording)
-    if opened.cut_short:
-        click.echo(CUT_SHORT, err=True)
     if again:
         from pacinian.rendering.rerender import rerender
 
         found = rerender(opened)
+        _warn(opened)
         if as_json:
             click.echo(json.dumps({"recording": recording, **asdict(found)}))
         else:
@@ -54,6 +57,7 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}
     frames, late = play(opened, make(backend, **options), opened.array, strict=strict)
+    _warn(opened)
     if as_json:
         figures = {"recording": recording, "backend": backend, "frames": frames, "late": late}
         click.echo(json.dumps(figures))
@@ -62,3 +66,9 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
             f"{frames} frames of {len(opened.positions)} transducers played on {backend}, {late} late"
         )
     raise SystemExit(1 if strict and late else 0)
+
+
+def _warn(recording: Recording) -> None:
+    """Say so if ticks are missing at the end of a recording."""
+    if recording.cut_short:
+        click.echo(CUT_SHORT, err=True)

@@ -1,9 +1,9 @@
 """Cycles: several frames that render a region in turn, so that their mean meets the target.
 
 Skin integrates pressures that repeat fast enough. Therefore a region that is too large for one solve is rendered in
-bands, one after the other. A region that the array renders unevenly is rendered in two frames, whose waves come from
-different sides and have different errors. In a cycle of K frames, each is solved for the rest that the others leave:
-K P - sum_j P_j, where P is the target of the cycle and frame j produces P_j.
+bands, one after the other. A region in free air that the array renders unevenly is rendered in two frames, whose waves
+come from different sides and have different errors. In a cycle of K frames, each is solved for the rest that the
+others leave: K P - sum_j P_j, where P is the target of the cycle and frame j produces P_j.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.bands import Bands
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
-from pacinian.solving.corrections import MAX_CORRECTIONS
 
 if TYPE_CHECKING:
     from pacinian.acoustics.skin_facing import SkinFacing
@@ -31,7 +30,7 @@ MIN_REPETITION_RATE = 500.0  # repetition rate from which pressures up to some 6
 MAX_FRAMES = 4  # default limit of the frames in a cycle
 TILTS = -0.15, 0.15  # of the waves of two frames, see `Session.tilt`
 # Fraction of transducers at their limit above which bands in free air, each with several times the target, are worse
-# than fewer samples. On skin, bands are better all the same.
+# than fewer samples. On skin, bands are better all the same. While a region moves, its bands stay.
 MAX_BAND_SATURATION = 0.1
 BANDS_AGAIN_BELOW = 0.02  # fraction with one frame below which there are bands again
 TWO_FRAMES_FROM = 0.02  # fraction of transducers at their limit from which two frames are used
@@ -82,6 +81,8 @@ class Cycle:
         self, session: Session, most: int = 1, budget: int = 256, peak: float = math.inf
     ) -> None:
         self.most, self.budget, self.peak = most, budget, peak
+        self.coarsens = True
+        """Whether a region may have fewer samples than its spacing asks for; the loop sets this."""
         self._first = Part(session, ReachabilityFilter(session))
         self.reset()
 
@@ -153,7 +154,8 @@ class Cycle:
             self._hurried = self._late > (
                 RECOVERED_LATE_SHARE if self._hurried else ONE_FRAME_LATE_SHARE
             )
-        if self._banded and not self._on_skin and all(part.tries > 1 for part in self.parts):
+        settled = self._banded and all(part.tries > 1 for part in self.parts)
+        if settled and self.coarsens and not self._on_skin:
             self._overdriven = self._overdriven or solution.saturation > MAX_BAND_SATURATION
         elif not self._banded and solution.saturation < BANDS_AGAIN_BELOW:
             self._overdriven = False
@@ -183,8 +185,7 @@ class Cycle:
             part.rounds = part.tries = 0
             part.session.tilt = tilt
             # A band makes only a part of some samples. Corrections would raise these, and phases would relax for them.
-            part.session.relaxes = not self._banded
-            part.session.corrections = 0 if self._banded else MAX_CORRECTIONS
+            part.session.refines = not self._banded
 
     def due(self, t: float) -> Part | None:
         """Return the part to solve at time t [s], which is the one solved least recently; None if there is none."""

@@ -86,6 +86,7 @@ class Pipeline:
         sampler.peak = peak
         times, gap = compute_row_times(capability, period)
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
+        cycle.coarsens = not strict
         self.solver = SampleSolver(session, times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
         self.player = Modulator(times, gap, smoothing, len(session.array))

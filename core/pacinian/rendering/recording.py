@@ -81,22 +81,28 @@ class Recorder:
         self._sample_counts: SampleCounts | None = None  # as written last
         self._deviations: Reasons = {}
         self._file: IO[bytes] | None = None
-        if self.path.is_file() and self.path.stat().st_size and not is_recording(self.path):
-            problem = "is no recording, and is not overwritten: give another name, or delete it"
-            raise RecordingError(self.path, problem)
+        self._check()
         try:
-            new = not self.path.exists()
-            if new or self.path.is_file() or self.path.is_dir():
+            if not self.path.exists() or self.path.is_file() or self.path.is_dir():
                 self.path.open("ab").close()
-            if new:
-                self.path.unlink()
         except (OSError, ValueError) as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
+
+    def _check(self) -> None:
+        """Refuse to overwrite a file that is neither empty nor a recording. Raises RecordingError."""
+        try:
+            used = self.path.is_file() and self.path.stat().st_size > 0
+        except (OSError, ValueError) as error:
+            raise RecordingError(self.path, f"cannot be written: {error}") from error
+        if used and not is_recording(self.path):
+            problem = "is no recording, and is not overwritten: give another name, or delete it"
+            raise RecordingError(self.path, problem)
 
     def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:
         """Write the header, in place of an earlier recording. settings: further settings that a replay needs."""
         if self._file is not None:
             raise RecordingError(self.path, "has a run already: make a new Recorder for each run")
+        self._check()
         try:
             self._file = self.path.open("wb")
         except OSError as error:

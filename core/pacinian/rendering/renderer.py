@@ -86,9 +86,9 @@ class Renderer(Closeable):
 
     max_cycle_frames: largest number of frames that render a region in turn, so that people feel their mean. The device
     must play each of them 500 times a second. A region with more samples than the budget is split into bands, one for
-    each frame. If transducers are at their limit, two frames render the same samples with waves from two sides. While
-    most solves for moving samples are late, only one frame is used. 1 disables cycles. peak: highest radiation pressure
-    on the skin of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated.
+    each frame. If transducers are at their limit, two frames render the same samples in free air with waves from two
+    sides. While most solves for moving samples are late, only one frame is used. 1 disables cycles. peak: highest
+    radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated.
     In a cycle, single frames press more strongly than their mean. `peak` also limits the target of each of these
     frames, but never to less than the target of the whole cycle.
 

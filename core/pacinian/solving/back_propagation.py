@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Floats, Gains
 
-BACK_PROPAGATED = "back-propagated: no time for the Gram matrix"
+NO_GRAM_MATRIX = "back-propagated: no time for the Gram matrix"
 MIN_ROWS = 256  # rows of B from which the time for the Gram matrix is estimated
 TRIAL_ROWS, TRIAL_COLUMNS = 128, 256  # part of B whose Gram matrix is computed for that
 TRIALS = 2  # another program may have had the core in the first
@@ -27,9 +27,14 @@ MAX_STEPS = 100  # steps after which more have little effect
 
 
 def affords_gram(propagator: Propagator, budget: Budget) -> bool:
-    """Return whether the Gram matrix, B B^H or B^H B, whichever is smaller, can be computed before the deadline."""
+    """Return whether to compute the Gram matrix, B B^H or B^H B, whichever is smaller: if it fits into the time left.
+
+    A second solve for the same points computes it in any case, because no later one would be exact without it.
+    """
     few, many = sorted(propagator.B.shape)
     if budget.endless or few < MIN_ROWS or propagator.has_gram:
+        return True
+    if propagator.postponed == propagator.version:
         return True
     part = propagator.B[:TRIAL_ROWS, :TRIAL_COLUMNS]
     workers = min(os.cpu_count() or 1, 1 + many // TILE)
@@ -39,6 +44,7 @@ def affords_gram(propagator: Propagator, budget: Budget) -> bool:
         gram_matrix(part)
         if budget.affords(multiple * (budget.clock() - begin)):
             return True
+    propagator.postponed = propagator.version
     return False
 
 

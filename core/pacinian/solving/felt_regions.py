@@ -37,7 +37,8 @@ class FeltRegion(NamedTuple):
 
     force: relative to the target force; 1 is right. rms: root mean square error, relative to the root mean square of
     the target. holes: fraction of the region with less than half the target. spill: highest pressure 3 to 5 mm beside
-    the region, relative to the mean target. Evaluated between the samples. For a region with target 0: 1, 0, 0, 0.
+    the region, relative to the mean target; in a loop on skin, also at silent samples up to 7 mm beside it. Evaluated
+    between the samples. For a region with target 0: 1, 0, 0, 0.
     """
 
     force: float = 1.0

@@ -65,6 +65,8 @@ class Propagator:
         self.quiet: Propagator | None = None
         self.facing: SkinFacing | None = None
         self.nulls: QuietSubspace | None = None
+        self.postponed = -1
+        """The version for whose Gram matrix there was no time (`back_propagation.affords_gram`)."""
         self._wave = KernelData.prepare(array, medium)
         self._forget(0)
 

@@ -57,7 +57,9 @@ class ServerConnection:
         self._hub, self._loop, self._where = hub, loop, where
         self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(MAX_WAITING)
         self._ended, self._stopping = threading.Event(), threading.Lock()
-        self._stops = threading.BoundedSemaphore(2)  # one that runs, and one that waits for it
+        self._waiting = (
+            threading.Lock()
+        )  # held by a stop that waits until the one before it has ended
         self._scene = ""
         self._owner, self._alive = 0, -math.inf  # the page that armed, and its last `alive` [s]
         self._armed, self._renewed = False, -math.inf
@@ -115,17 +117,16 @@ class ServerConnection:
             self._demonstrated = page
 
     def _stop(self, page: int) -> None:
-        if not self._stops.acquire(blocking=False):
+        if not self._waiting.acquire(blocking=False):
             return  # the stop that waits will do
         try:
             with self._stopping:
+                self._waiting.release()
                 emergency_stop(self._where)
         except Exception as error:  # any error means that the output was not stopped
             self._post(
                 self._hub.refuse, page, "stop", describe_error(error), "switch the array off"
             )
-        finally:
-            self._stops.release()
 
     def _post(self, do: Callable[..., object], *arguments: object) -> None:
         """Call a function in the event loop; do nothing after that has ended."""

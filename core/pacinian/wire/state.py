@@ -95,7 +95,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     objects: names of the rendered objects. hands: joints of the rendered hands, (hands, 26, 3) float32 [m]. error:
     relative error of the sound pressures at the samples, as emitted. felt: quality of each of `objects` between its
     samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the
-    region with less than half of its target; highest radiation pressure 3 to 5 mm beside the region over the mean
+    region with less than half of its target; highest radiation pressure 3 to 7 mm beside the region over the mean
     target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since
     protocol 1.1. status: status of the last tick. ticks: number of ticks so far. late: number of late ticks. rate:
     ticks per second [Hz]. tick_ms: median, 99th percentile and maximum of the tick times of the last second [ms].

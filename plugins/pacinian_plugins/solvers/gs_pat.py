@@ -11,7 +11,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import check_integer
 from pacinian.native.solving import gerchberg_saxton, limit_gains, peak
-from pacinian.solving.back_propagation import affords_gram
+from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -56,7 +56,8 @@ class GsPat(pc.Solver):
         """Write the gains; see `pacinian.Solver.solve`."""
         M, d = len(targets.amplitudes), propagator.powers  # diagonal of B B^H
         # with fewer transducers than points, or without time for R, multiply through the transducers instead
-        tall = len(out) < M or not affords_gram(propagator, budget)
+        hurried = not affords_gram(propagator, budget)
+        tall, note = len(out) < M or hurried, NO_GRAM_MATRIX if hurried else ""
         t = np.where(d > 0.0, targets.amplitudes, 0.0)
         if not (scale := float(t.max())):
             return pc.Result(note="no transducer reaches the points")
@@ -92,10 +93,10 @@ class GsPat(pc.Solver):
         best = np.vdot(made, t * np.exp(1j * angle)) / power
         out[:] = propagator.adjoint(z / d) * complex(best * scale)
         if limits.gain is None or targets.scale == "max":
-            return pc.Result(iterations=done, late=late)
+            return pc.Result(iterations=done, late=late or hurried, note=note)
         cut = peak(out) > limits.gain**2
         limit_gains(out, 1.0, limits.gain)
-        return pc.Result(iterations=done, limited=cut, late=late)
+        return pc.Result(iterations=done, limited=cut, late=late or hurried, note=note)
 
 
 @pc.hookimpl

@@ -10,7 +10,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.checks import check_number
-from pacinian.solving.back_propagation import BACK_PROPAGATED, affords_gram, back_propagate
+from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram, back_propagate
 from pacinian.solving.least_squares import LeastSquares
 from pacinian.solving.phases import choose_phases
 
@@ -61,7 +61,7 @@ class PseudoInverse(pc.Solver):
         if not affords_gram(propagator, budget):
             phases = None if warm is None else warm.phases
             steps = back_propagate(propagator, targets, limits, phases, budget, out)
-            return pc.Result(iterations=steps, late=True, note=BACK_PROPAGATED)
+            return pc.Result(iterations=steps, late=True, note=NO_GRAM_MATRIX)
         if targets.free.any():
             p = choose_phases(propagator, targets, None if warm is None else warm.phases)
         else:

@@ -117,6 +117,14 @@ def test_bands_that_the_array_cannot_make_become_fewer_samples() -> None:
     assert len(renderer.samples) > renderer.sampler.budget, "there are bands again"
 
 
+def test_a_strict_loop_keeps_its_bands() -> None:
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.05, 0.05), 12.0),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock(), strict=True)
+    sent(renderer, 40, 4)
+    assert not renderer.report.faults
+    assert len(renderer.samples) > renderer.sampler.budget
+
+
 def test_on_skin_one_wave_is_better_than_two() -> None:
     """A ball at the limit of one unit: with two waves, the skin beside it got 5 times the mean pressure."""
     scene = CONTACTS["ball of 20 mm radius at the palm"]()

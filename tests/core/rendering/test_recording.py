@@ -418,8 +418,15 @@ def test_an_earlier_recording_stays_until_a_run_begins_and_other_files_are_not_t
     again, _ = make(path)
     again.run(0.005)
     assert len(pc.Recording(path)) == 5
-    pc.Recorder(tmp_path / "never")
-    assert not (tmp_path / "never").exists()
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "never")
+    late = pc.Recorder(link)
+    assert link.is_symlink()
+    (tmp_path / "never").write_text("made meanwhile")
+    with pytest.raises(pc.RecordingError, match="is not overwritten"):
+        late.begin(pc.autd(), renderer.backend.capability, {})
+    with pytest.raises(pc.RecordingError, match="cannot be written"):
+        pc.Recorder(tmp_path / ("x" * 300))
     scene.write_text("[[objects]]\n")
     with pytest.raises(pc.RecordingError, match="is not overwritten"):
         pc.Recorder(scene)

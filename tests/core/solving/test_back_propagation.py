@@ -11,9 +11,9 @@ import pacinian as pc
 from pacinian.acoustics.propagation import matrix
 from pacinian.session import Session
 from pacinian.solving.back_propagation import (
-    BACK_PROPAGATED,
     MAX_STEPS,
     MIN_ROWS,
+    NO_GRAM_MATRIX,
     TRIAL_COLUMNS,
     TRIAL_ROWS,
     affords_gram,
@@ -57,6 +57,26 @@ def test_no_gram_matrix_is_computed_if_its_time_is_too_long(solver: str, scale: 
     else:
         assert np.abs(solution.gains).max() == pytest.approx(1.0)
     assert session.solve(place(M, 2), t).status.name != "DEADLINE", "there is time again"
+
+
+@pytest.mark.parametrize("solver", DENSE)
+def test_points_that_stay_are_solved_exactly_in_the_end(solver: str) -> None:
+    """Else a still scene would keep its first, rough solution."""
+    q, t = place(M), np.full(M, 2.0)
+    session = Session(FOUR, AIR, solver)
+    for _ in range(8):
+        session.solve(q, t, deadline=0.0)
+    assert session.propagator.work.grams_built == 1
+    assert session.solve(q, t, deadline=30.0).error < (0.4 if solver == "gs-pat" else 0.2)
+
+
+def test_exact_samples_are_exact_all_the_same() -> None:
+    q, t = place(M), np.full(M, 5.0)
+    exact = np.arange(M) < 3
+    solution = Session(FOUR, AIR, "lagrange").solve(
+        q, t, limits=pc.Limits(exact=exact), deadline=0.02
+    )
+    assert np.abs(np.abs(solution.sound_pressure[:3]) - 5.0).max() < 1e-2
 
 
 def test_few_points_are_solved_as_ever() -> None:
@@ -138,4 +158,4 @@ def test_points_that_are_not_asked_for_get_nothing() -> None:
 
 def test_the_note_says_why() -> None:
     solution = Session(FOUR, AIR, "lagrange").solve(place(M), 20.0, deadline=0.0)
-    assert BACK_PROPAGATED in solution.note
+    assert NO_GRAM_MATRIX in solution.note

@@ -13,7 +13,7 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.checks import check_integer, check_number
 from pacinian.native import solving as kernels
-from pacinian.solving.back_propagation import BACK_PROPAGATED, affords_gram, back_propagate
+from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram, back_propagate
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
@@ -86,10 +86,10 @@ class Lagrange(pc.Solver):
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
-        if not affords_gram(propagator, budget):
+        if limits.exact is None and not affords_gram(propagator, budget):
             phases = None if warm is None else warm.phases
             steps = back_propagate(propagator, targets, limits, phases, budget, out)
-            return pc.Result(iterations=steps, late=True, note=BACK_PROPAGATED)
+            return pc.Result(iterations=steps, late=True, note=NO_GRAM_MATRIX)
         if len(targets.amplitudes) > len(out) or (
             problem.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):

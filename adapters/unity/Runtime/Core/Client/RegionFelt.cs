@@ -21,7 +21,7 @@ namespace Pacinian
         /// <summary>The fraction of the region with less than half of the requested pressure; 0 is ideal.</summary>
         public float Holes;
 
-        /// <summary>The highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one.</summary>
+        /// <summary>The highest radiation pressure 3 to 7 mm outside the region, relative to the mean requested one.</summary>
         public float Spill;
 
         /// <summary>Whether the server reports the numbers.</summary>

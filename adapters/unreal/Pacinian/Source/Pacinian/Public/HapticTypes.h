@@ -68,7 +68,7 @@ struct PACINIAN_API FHapticRegionFelt {
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Holes = 0.0f;
 
-  /** The highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one. */
+  /** The highest radiation pressure 3 to 7 mm outside the region, relative to the mean requested one. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Spill = 0.0f;
 };

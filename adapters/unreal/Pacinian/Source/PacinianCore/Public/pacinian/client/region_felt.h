@@ -18,7 +18,7 @@ struct RegionFelt {
   float force = unknown;  ///< achieved force divided by the requested one; 1 is ideal
   float rms = unknown;    ///< error of the radiation pressure, relative to the requested one
   float holes = unknown;  ///< fraction of the region with less than half of the requested pressure
-  float spill = unknown;  ///< highest radiation pressure 3 to 5 mm outside the region, relative to the mean requested one
+  float spill = unknown;  ///< highest radiation pressure 3 to 7 mm outside the region, relative to the mean requested one
 
   /// Returns whether the server reports the numbers.
   bool known() const { return !std::isnan(force); }
