@@ -84,13 +84,14 @@ class Renderer(Closeable):
     scene with more samples than the budget is refused: `open` raises ArgumentError, and in a later tick it is a fault.
     Ramps and `smoothing` shape the output as before, because they do not depend on load. Overrides `adaptive`.
 
-    max_cycle_frames: largest number of frames that render a region in turn, so that people feel their mean. The device
-    must play each of them 500 times a second. A region with more samples than the budget is split into bands, one for
-    each frame. If transducers are at their limit, two frames render the same samples in free air with waves from two
-    sides. While most solves for moving samples are late, only one frame is used. 1 disables cycles. peak: highest
-    radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is scaled down. Without a hand, no skin is evaluated.
-    In a cycle, single frames press more strongly than their mean. `peak` also limits the target of each of these
-    frames, but never to less than the target of the whole cycle.
+    max_cycle_frames: largest number of frames that render a region in turn, so that people feel their mean. The
+    device must play each of them 500 times a second. A region with more samples than the budget is split into
+    bands, one for each frame. If transducers are at their limit, two frames render the same samples in free air
+    with waves from two sides. While most solves for moving samples are late, only one frame is used. 1 disables
+    cycles. peak: highest radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is
+    scaled down. Without a hand, no skin is evaluated. In a cycle, single frames press more strongly than their
+    mean. `peak` also limits the target of each of these frames, but never to less than the target of the whole
+    cycle.
 
     start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
 
