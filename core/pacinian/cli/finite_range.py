@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 class FiniteRange(click.FloatRange):
     """Like `click.FloatRange`, which accepts NaN, because NaN is neither below the minimum nor above the maximum."""
 
-    name = "float range"
-
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
