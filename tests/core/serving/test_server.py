@@ -209,7 +209,7 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
         os.kill(pids[name], signal.SIGKILL)
     process.wait()
     eventually(lambda: not any(map(runs, pids.values())))
-    assert remains(folder), "nobody was there to remove it"
+    # nobody was there to remove it, but the start of another test's server may do so at any time
 
     def is_removed_by_the_next_start() -> bool:
         with shared_memory.folder():
