@@ -55,11 +55,14 @@ def stop_at_random(
     while not ended.wait(choose.expovariate(1.0 / every)):
         with contextlib.suppress(psutil.Error):
             chosen = choose_processes(psutil.Process(pid), choose)
+            stopped = []
             for process in chosen:
                 with contextlib.suppress(psutil.Error):
-                    process.suspend()
+                    if process.status() != psutil.STATUS_STOPPED:  # a test has stopped that one
+                        process.suspend()
+                        stopped.append(process)
             ended.wait(seconds)
-            for process in reversed(chosen):
+            for process in reversed(stopped):
                 with contextlib.suppress(psutil.Error):
                     process.resume()
 
