@@ -88,10 +88,15 @@ def mean_pressure(page: Page, at: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.mean([pc.radiation_pressure(p, pc.Air()) for p in fields], axis=0)
 
 
+def levels(page: Page) -> set[tuple[bytes, bytes]]:
+    """Return the phases and amplitudes of the last frames, each once."""
+    return {(frame["phase"], frame["amplitude"]) for frame in page.frames}
+
+
 def cycles(page: Page) -> bool:
     """Return whether the last frames sound, and are at most three different ones."""
-    levels = {(frame["phase"], frame["amplitude"]) for frame in page.frames}
-    return len(page.frames) == page.frames.maxlen and len(levels) < 4 and all(map(all, levels))
+    found = levels(page)
+    return len(page.frames) == page.frames.maxlen and len(found) < 4 and all(map(all, found))
 
 
 def _apart(found: dict[str, Any], page: Page, at: NDArray[np.float64]) -> float:
@@ -108,17 +113,18 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
     plane = np.stack([x, np.zeros_like(x), z], axis=-1)
     box = np.moveaxis(np.indices((5, 6, 7)), 0, -1) * 0.004 + np.array([-0.01, -0.01, 0.14])
 
-    looked: list[Any] = []
+    seen: list[Any] = []
 
     def same() -> bool:
         """Return whether slice and volume fit the frames. At first they do not: sound fades in; fields come later."""
         new = page.newest
         if not (cycles(page) and new.get("slice") and new.get("volume")):
             return False
-        now = [new["slice"]["time"], new["volume"]["time"], new["frame"]["phase"]]
-        if looked == now:
+        # not only the newest frame: earlier ones, of the fade, count until ten others have come
+        now = [new["slice"]["time"], new["volume"]["time"], levels(page)]
+        if seen == now:
             return False
-        looked[:] = now
+        seen[:] = now
         return _apart(new["slice"], page, plane) < 1e-3 and _apart(new["volume"], page, box) < 1e-3
 
     with Page(url) as page, Game(server.connection):
