@@ -9,7 +9,7 @@ others leave: K P - sum_j P_j, where P is the target of the cycle and frame j pr
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,6 +39,7 @@ ONE_FRAME_LATE_SHARE = 0.5  # fraction of late solves above which only one frame
 RECOVERED_LATE_SHARE = 0.1  # fraction below which several frames are allowed again
 AVERAGED_SOLVES = 64  # time constant of this fraction, in solves
 MIN_SHARE, MAX_SHARE = 0.15, 2.5  # range of a frame's target, relative to its nominal share
+MIN_PRESSURE = 1e-30  # smallest target used as a divisor [Pa]
 MAX_ROUNDS = 3  # most complete solves of each frame after the samples have changed
 MAX_TRIES = (
     12  # solves of each frame, with those that ran out of time, after which the next one waits
@@ -54,7 +55,7 @@ class Part:
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
     that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
-    again after MAX_TRIES [s].
+    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',).
     """
 
     session: Session
@@ -64,6 +65,7 @@ class Part:
     rounds: int = 0
     turn: int = 0
     retry: float = -math.inf
+    rest: Floats = field(default_factory=lambda: np.empty(0))
 
 
 class Cycle:
@@ -223,11 +225,16 @@ class Cycle:
     def find_rest(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
         """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
 
-        own, P: as for `sum_others`. others: its result.
+        own, P: as for `sum_others`. others: its result. If another frame had no time to come near its target, the rest
+        is that of the last solve, because this frame would else follow the errors of the other one, and never settle.
         """
         nominal = self.count * self._shares[own, self.parts.index(part)] * P
-        wanted = np.clip(self.count * P - others, MIN_SHARE * nominal, MAX_SHARE * nominal)
-        return np.asarray(np.minimum(wanted, np.maximum(self.peak, P)))
+        if all(one.solved is not None and one.solved.final for one in self.parts if one is not part):
+            rest = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
+            part.rest = np.clip(rest, MIN_SHARE, MAX_SHARE)
+        elif len(part.rest) != len(P):
+            part.rest = np.ones(len(P))
+        return np.asarray(np.minimum(part.rest * nominal, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution, t: float) -> None:
         """Store the new solution of a part, made at time t [s]."""

@@ -205,12 +205,12 @@ def solve_primal(B: Gains, mu: float, steps: int, enough: float, finished: float
     Returns the number of steps, negative if more may help.
     """
 
-def solve_region(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, workspace: RegionWorkspace, spent: object) -> int:
+def solve_region(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, max_gap: float, workspace: RegionWorkspace, spent: object) -> int:
     """
     Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.
 
-    B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the
-    kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and
+    B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. max_gap: largest
+    duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and
     D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never
     worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.
     """

@@ -25,7 +25,6 @@ constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
-constexpr f8 MAX_GAP = 0.25;           // largest duality gap of the given multipliers, relative to that of none, to start from them
 constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_metrics.AT_LIMIT`
 
 struct Sum {
@@ -281,8 +280,8 @@ struct Primal {
     }
 };
 
-inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, RegionWorkspace& w,
-                          nb::handle spent) {
+inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const f8, 1> D, f4 mu, View<c16, 1> y, f8 max_gap,
+                          RegionWorkspace& w, nb::handle spent) {
     const Index M = w.M, N = w.N;
     require(B.shape[0] == M && B.shape[1] == N && p.size() == M && D.size() == M && y.size() == M, "solve_region: the shapes differ");
     require(mu > 0.0f, "solve_region: mu is not positive");
@@ -296,7 +295,7 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     Vector at(y.data, y.data + M), F(M), d(M), none(M);
     f8 value = ascent.look(at, 0.0, none, F), silence = 0.0;
     for (Index m = 0; m < M; ++m) silence += 0.5 * power(p[m]) / D[m];
-    if (Primal::measure(ascent) - value > MAX_GAP * silence) {  // no better a start than no multipliers
+    if (Primal::measure(ascent) - value > max_gap * silence) {  // no better a start than no multipliers
         at = none;
         value = ascent.look(at, 0.0, none, F);
     }
@@ -352,11 +351,11 @@ inline void start_region(View<const f8, 1> t, View<const f8, 1> phases, View<con
 inline void define_region(nb::module_& m) {
     kernel(m, "solve_region", &solve_region,
            "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
-           "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. workspace: the\n"
-           "kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and\n"
+           "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. max_gap: largest\n"
+           "duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and\n"
            "D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never\n"
            "worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.",
-           "B", "p", "D", "mu", "y", "workspace", "spent");
+           "B", "p", "D", "mu", "y", "max_gap", "workspace", "spent");
     kernel(m, "start_region", &start_region,
            "Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.\n\n"
            "t: amplitudes [Pa], phases: [rad], beside: whether a sample is silent, (M,). scale: factor on t. quiet: weight of silent\n"

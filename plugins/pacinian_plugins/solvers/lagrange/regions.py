@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 
 OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
 MAX_SAMPLES = 400  # largest number of samples with a preconditioner
+# largest duality gap of given multipliers, relative to that of none, to start from them: if they had converged, and if
+# the last solve had no time for that, because it would find none of the next solves in time if each began anew
+MAX_GAP, MAX_LATE_GAP = 0.25, 1.0
 REFINING_STEPS = 16  # Newton steps in double precision
 NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 
@@ -51,9 +54,9 @@ class Ascent:
 
     def __init__(
         self, B: Gains, p: Complexes, D: Floats, y: Complexes, mu: float,
-        workspace: RegionWorkspace, budget: pc.Budget,
+        max_gap: float, workspace: RegionWorkspace, budget: pc.Budget,
     ) -> None:  # fmt: skip
-        self.B, self.p, self.D, self.y, self.mu = B, p, D, y, mu
+        self.B, self.p, self.D, self.y, self.mu, self.max_gap = B, p, D, y, mu, max_gap
         self.workspace, self.budget = workspace, budget
         self.steps = 0
         workspace.restart()
@@ -61,8 +64,9 @@ class Ascent:
     def run(self) -> None:
         """Take steps until F is small or nothing improves; the gains are in the workspace."""
         self.steps += solve_region(
-            self.B, self.p, self.D, self.mu, self.y, self.workspace, lambda: self.budget.spent
-        )
+            self.B, self.p, self.D, self.mu, self.y, self.max_gap, self.workspace,
+            lambda: self.budget.spent,
+        )  # fmt: skip
 
     def turn_to(self, p: Complexes) -> Complexes:
         """Continue with other targets, (M,), of the same phases; return the pressures made, (M,)."""
@@ -97,7 +101,8 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     )  # fmt: skip
     key = RegionWorkspace, M, N, M <= MAX_SAMPLES
     workspace = acquire(key, lambda: RegionWorkspace(M, N, M <= MAX_SAMPLES))
-    ascent = Ascent(B, p, D, y, mu, workspace, budget)
+    max_gap = MAX_LATE_GAP if warm is not None and warm.late else MAX_GAP
+    ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
     strongest = problem.strongest
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
