@@ -16,7 +16,9 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
+from pacinian.scene.config_sections import BUDGET
 from pacinian.scene.sampling.bands import Bands
+from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
 
@@ -80,7 +82,7 @@ class Cycle:
     """
 
     def __init__(
-        self, session: Session, most: int = 1, budget: int = 256, peak: float = math.inf
+        self, session: Session, most: int = 1, budget: int = BUDGET, peak: float = math.inf
     ) -> None:
         self.most, self.budget, self.peak = most, budget, peak
         self.coarsens = True
@@ -129,8 +131,10 @@ class Cycle:
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved, self._given_up = True, False
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
-        self._shares = self._bands.shares(samples, self.budget, min(most, self.max_bands))
-        self._banded, self._on_skin = self._shares.shape[1] > 1, samples.capsules is not None
+        self._on_skin = samples.capsules is not None
+        budget = round(SHARE_ON_SKIN * self.budget) if self._on_skin else self.budget
+        self._shares = self._bands.shares(samples, budget, min(most, self.max_bands))
+        self._banded = self._shares.shape[1] > 1
         self._tilted = self._tilted and self._may_tilt
         self._arrange()
 
@@ -229,7 +233,9 @@ class Cycle:
         is that of the last solve, because this frame would else follow the errors of the other one, and never settle.
         """
         nominal = self.count * self._shares[own, self.parts.index(part)] * P
-        if all(one.solved is not None and one.solved.final for one in self.parts if one is not part):
+        if all(
+            one.solved is not None and one.solved.final for one in self.parts if one is not part
+        ):
             rest = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
             part.rest = np.clip(rest, MIN_SHARE, MAX_SHARE)
         elif len(part.rest) != len(P):

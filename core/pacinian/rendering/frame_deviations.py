@@ -32,7 +32,8 @@ class FrameDeviations:
     """Describes frames. While nothing changes, successive frames have the same description."""
 
     def __init__(self) -> None:
-        self._last: tuple[tuple[object, ...], Reasons] = (), NOTHING
+        self._of: tuple[object, ...] = (None,) * 4  # arguments of the last description
+        self._last: Reasons = NOTHING
 
     def describe(
         self, before: SolveResult, played: SolveResult, *, between: bool, held_back: bool
@@ -41,35 +42,40 @@ class FrameDeviations:
 
         between: whether frames lie between those for two results. held_back: whether the slew-rate limit changed it.
         """
-        counts, short, reasons = played.sample_counts, set[CachedSolution](), set[str]()
-        if between and before.solved.samples is not played.solved.samples:
-            reasons.add(INTERPOLATED)
-        for one in set(played.solved.rows):
-            if one.ran_out_of_time:
-                reasons.add(OUT_OF_TIME)
-            if one.averaged:
-                reasons.add(AVERAGED)
-            if one.limited:
-                reasons.add(SKIN_LIMITED)
-            if one.weakened or one.missed:
-                short.add(one)
-        if held_back:
-            reasons.add(SLEW_LIMITED)
-        if played.solved.hurried:
-            reasons.add(FEWER_FRAMES)
-        if counts.clean and not reasons and not short:
-            return NOTHING
-        key = counts, id(before), id(played), reasons, short
-        if self._last[0] != key:
-            made: Reasons = counts.deviations
-            for label, count in _count(short, lambda one: one.weakened).items():
-                made = mark(made, [label], WEAKENED, count)
-            for label, count in _count(short, lambda one: one.missed).items():
-                made = mark(made, [label], MISSED_TARGET, count)
-            for reason in sorted(reasons):
-                made = mark(made, sorted(before.labels | played.labels), reason)
-            self._last = key, made
-        return self._last[1]
+        given = before, played, between, held_back
+        if any(now is not then for now, then in zip(given, self._of, strict=True)):
+            self._of, self._last = given, _describe(before, played, between, held_back)
+        return self._last
+
+
+def _describe(before: SolveResult, played: SolveResult, between: bool, held_back: bool) -> Reasons:
+    """Return the description of `FrameDeviations.describe`."""
+    counts, short, reasons = played.sample_counts, set[CachedSolution](), set[str]()
+    if between and before.solved.samples is not played.solved.samples:
+        reasons.add(INTERPOLATED)
+    for one in set(played.solved.rows):
+        if one.ran_out_of_time:
+            reasons.add(OUT_OF_TIME)
+        if one.averaged:
+            reasons.add(AVERAGED)
+        if one.limited:
+            reasons.add(SKIN_LIMITED)
+        if one.weakened or one.missed:
+            short.add(one)
+    if held_back:
+        reasons.add(SLEW_LIMITED)
+    if played.solved.hurried:
+        reasons.add(FEWER_FRAMES)
+    if counts.clean and not reasons and not short:
+        return NOTHING
+    made: Reasons = counts.deviations
+    for label, count in _count(short, lambda one: one.weakened).items():
+        made = mark(made, [label], WEAKENED, count)
+    for label, count in _count(short, lambda one: one.missed).items():
+        made = mark(made, [label], MISSED_TARGET, count)
+    for reason in sorted(reasons):
+        made = mark(made, sorted(before.labels | played.labels), reason)
+    return made
 
 
 def _count(

@@ -37,6 +37,7 @@ CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modu
 # Largest ratio of new to old error at which a late solution counts as improved.
 MAX_ERROR_RATIO = 0.99
 MISSED_BELOW = 0.9  # share of its target below which a sample counts as weaker than asked
+MAX_PAUSE = 0.033  # longest time from one solve to the next while samples move slowly [s]
 MAX_TRIES = 6  # successive solves without improvement after which the next one waits
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
@@ -123,6 +124,7 @@ class SampleSolver:
     def reset(self) -> None:
         """Discard all solutions."""
         self._key: tuple[object, ...] = ()
+        self._samples, self._begun = no_samples(), -math.inf  # last solved for, and from when [s]
         self._steps: dict[Step, CachedSolution] = {}
         self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._growth = 1.0
@@ -134,13 +136,17 @@ class SampleSolver:
         self._skin_limit.reset()
 
     def solve(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
-    ) -> Solved:
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, near: float = 0.0
+    ) -> Solved:  # fmt: skip
         """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
 
-        deadline: from now [s]; may be infinite.
+        deadline: from now [s]; may be infinite. near: distance within which samples count as not moved, for at most
+        MAX_PAUSE [m].
         """
         self.fresh = []
+        creeps = bool(near) and samples is not self._samples and self._is_near(samples, t, near)
+        if creeps:
+            samples = self._samples
         key, last = (samples, limits, solver), self._last
         if (
             last is not None
@@ -154,11 +160,12 @@ class SampleSolver:
             return last  # a hand that moves through empty space needs no new silence
         if self._key != key:
             self._key, self._steps, self._parts = key, {}, _parts(samples)
+            self._samples, self._begun = samples, t
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
-            return self._solve_cycle_frame(samples, t, limits, solver, deadline)
+            return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=creeps)
         self.cycle.forget()
         last = self._last
         if last is not None and last.rows[0].needs_no_solve(t) and not last.brief:
@@ -239,13 +246,20 @@ class SampleSolver:
         self._steps[step] = made
         return made
 
+    def _is_near(self, samples: Samples, t: float, near: float) -> bool:
+        """Return whether the last solution still does for samples that creep, at time t [s]. near: as in `solve`."""
+        return 0.0 <= t - self._begun < MAX_PAUSE and samples.is_near(self._samples, near)
+
     def _solve_cycle_frame(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float
-    ) -> Solved:
-        """Return the frames of a cycle; first solve for one of them, if any needs it."""
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool
+    ) -> Solved:  # fmt: skip
+        """Return the frames of a cycle; first solve for one of them, if any needs it.
+
+        once: whether a second solve for the same samples is not worth its time, because they move on.
+        """
         cycle = self.cycle
         part = cycle.due(t)
-        if part is None:
+        if part is None or (once and part.rounds):
             self.skipped[NOTHING_MOVED] += 1
         else:
             P, groups = samples.radiation_pressure, EnvelopeGroups(samples)

@@ -67,6 +67,9 @@ class Propagator:
         self.nulls: QuietSubspace | None = None
         self.postponed = -1
         """The version for whose Gram matrix there was no time (`back_propagation.affords_gram`)."""
+        self.workspace: object = None
+        """What a solver keeps from one solve to the next to be faster, such as memory and a preconditioner. Results
+        must not depend on it beyond their tolerance."""
         self._wave = KernelData.prepare(array, medium)
         self._forget(0)
 
@@ -85,7 +88,7 @@ class Propagator:
     def forget(self) -> None:
         """Invalidate the caches; keep their memory."""
         self._fresh = True
-        self.quiet = None
+        self.quiet = self.workspace = None
         self._factors.clear()
 
     def keep_quiet(self, nulls: QuietSubspace | None) -> None:

@@ -99,8 +99,10 @@ class RegionWorkspace:
     @property
     def objective(self) -> float: ...
 
-    def restart(self) -> None:
-        """Discard the preconditioner, which is that of one B and one D."""
+    def restart(self, same: bool) -> None:
+        """
+        Begin anew. same: whether to start with the last preconditioner, because the samples are the same or have moved alike.
+        """
 
 def scale_for_single(size: float, relative: float, mu: float, N: int) -> float:
     """

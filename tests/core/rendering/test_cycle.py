@@ -73,8 +73,8 @@ def test_frames_at_most_so_that_each_comes_again_500_times_a_second() -> None:
 
 @pytest.mark.parametrize("most", [1, 4])
 def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) -> None:
-    places = square(0.1)
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),))
+    places = square(0.11)
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.11, 0.11), 1.0),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=most)
     P = press(NINE, sent(renderer, 80, 4), places)
     mean = P.mean(axis=0)
@@ -93,7 +93,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     assert told.holes == 0.0
 
 
-@pytest.mark.parametrize(("side", "pressure", "error"), [(0.07, 0.3, 0.1), (0.075, 3.0, 0.12)])
+@pytest.mark.parametrize(("side", "pressure", "error"), [(0.08, 0.3, 0.1), (0.078, 3.0, 0.12)])
 def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error: float) -> None:
     scene = pc.Scene((surface(NINE, pc.Rectangle(side, side), pressure),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
@@ -104,11 +104,11 @@ def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error:
 
 
 def test_bands_that_the_array_cannot_make_become_fewer_samples() -> None:
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.07, 0.07), 6.0),))
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.08, 0.08), 6.0),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
-    mean = press(NINE, sent(renderer, 60, 4), square(0.07)).mean(axis=0)
+    mean = press(NINE, sent(renderer, 60, 4), square(0.08)).mean(axis=0)
     assert len(renderer.samples) <= renderer.sampler.budget
-    assert off(mean, 6.0) < 0.25, "in bands 0.38"
+    assert off(mean, 6.0) < 0.28, "in bands 0.293"
     weak = replace(scene.objects[0], radiation_pressure=1.0)
     with renderer:
         renderer.scene = pc.Scene((weak,))
@@ -361,7 +361,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
 @pytest.mark.parametrize("peak", [1.5, 3.0])
 def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     """Bands press in turn, so each has a higher target, which this test reads."""
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.5),))
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.12, 0.12), 1.5),))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=4, peak=peak)
     sent(renderer, 40, 4)
     cycle = renderer.sample_solver.cycle
@@ -374,7 +374,7 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
 
 
 def test_each_row_of_a_cycle_says_which_frame_it_is() -> None:
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),))
+    scene = pc.Scene((surface(NINE, pc.Rectangle(0.12, 0.12), 1.0),))
     clock = ManualClock()
     renderer = pc.Renderer(NINE, scene, clock=clock)
     frames: dict[int, np.ndarray[Any, Any]] = {}

@@ -30,7 +30,7 @@ def problem(seed, M, level):
 
 
 def run(B, p, D, mu, y, budget=None):
-    ascent = Ascent(B, p, D, y, mu, RegionWorkspace(*B.shape, True), budget or pc.Budget())
+    ascent = Ascent(B, p, D, y, mu, 0.25, RegionWorkspace(*B.shape, True), budget or pc.Budget())
     ascent.run()
     return ascent, ascent.workspace
 

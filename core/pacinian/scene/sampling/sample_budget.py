@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
     Cut = Callable[[Samples], Samples]
 
+# Largest number of samples in a scene with hands, relative to the budget: it takes time to find the skin that they
+# touch and the highest pressure on it.
+SHARE_ON_SKIN = 0.8
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
 MAX_LEVEL = 40  # largest level, in steps of sqrt(2) of the spacing
 MAX_ESTIMATE_RATIO = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget

@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
-from pacinian.scene.config_sections import MIN_SPACING
+from pacinian.scene.config_sections import BUDGET, MIN_SPACING
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
@@ -24,7 +24,7 @@ from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.sample_budget import allot_budget
+from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
@@ -99,12 +99,13 @@ class Sampler:
 
     Because of this state, samples stay fixed to their object or to the skin, and their pressures ramp up and down.
 
-    budget: maximum number of samples. If a scene has more, the sampler samples the objects of lowest priority more
-    coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of
-    the array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the
-    default, or less if they are small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for
-    smaller contacts. ramp: time in which a pressure rises or falls [s]; 0 disables ramps. perception: whether to
-    leave out samples that are too faint to feel on a hand.
+    budget: maximum number of samples. Surfaces and volumes that meet hands use four fifths of it, because contacts take
+    more time. If a scene has more, the sampler samples the objects of lowest priority more coarsely, and then drops
+    them. spacing: between samples [m]. The default is one wavelength, or the resolution of the array where that is
+    coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or less if they are
+    small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for smaller contacts. ramp: time in
+    which a pressure rises or falls [s]; 0 disables ramps. perception: whether to leave out samples that are too faint
+    to feel on a hand.
 
     Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
     would get holes.
@@ -116,7 +117,7 @@ class Sampler:
 
     def __init__(
         self,
-        budget: int = 256,
+        budget: int = BUDGET,
         spacing: float | None = None,
         *,
         ramp: float = 0.0,
@@ -229,6 +230,8 @@ class Sampler:
             return no_samples(scene.objects, capsules)
         solid = any(is_dense(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
+        if solid and skin:
+            budget = max(1, round(SHARE_ON_SKIN * budget))
         parts = allot_budget(
             sources,
             budget,

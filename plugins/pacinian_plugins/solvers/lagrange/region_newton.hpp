@@ -22,6 +22,7 @@ constexpr f8 STOP_RESIDUAL = 5e-3;     // ||F|| / ||p|| to stop at: a smaller er
 constexpr f8 INEXACT = 0.1;            // residual of a Newton system, relative to ||F||
 constexpr Index MAX_STEPS = 15;        // Newton steps in one call
 constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
+constexpr Index MAX_OLD_PASSES = 8;    // conjugate gradients with an old preconditioner, after which the next step makes a new one
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
@@ -211,8 +212,8 @@ struct Ascent {
         for (Index m = 0; m < count(); ++m) z[m] = c16(plane[m], plane[K + m]);
     }
 
-    // Solve (D + B W B^H) d = F with a residual of at most `enough`.
-    void direction(const Vector& F, f8 enough, bool factored, Vector& d) {
+    // Solve (D + B W B^H) d = F with a residual of at most `enough`; return the number of products with B.
+    Index direction(const Vector& F, f8 enough, bool factored, Vector& d) {
         const Index M = count();
         std::fill(d.begin(), d.end(), c16(0.0));
         Vector r = F, z(M), Hq(M);
@@ -229,12 +230,13 @@ struct Ascent {
                 r[m] -= a * Hq[m];
                 rest += power(r[m]);
             }
-            if (rest <= enough * enough || (done >= MIN_PASSES && late())) return;
+            if (rest <= enough * enough || (done >= MIN_PASSES && late())) return done + 1;
             approximate(r, factored, z);
             const f8 last = weight;
             weight = inner(r, z);
             for (Index m = 0; m < M; ++m) q[m] = z[m] + (weight / last) * q[m];
         }
+        return MAX_PASSES;
     }
 };
 
@@ -298,17 +300,21 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     if (Primal::measure(ascent) - value > max_gap * silence) {  // no better a start than no multipliers
         at = none;
         value = ascent.look(at, 0.0, none, F);
+        w.state = Factor::none;  // W differs, too
     }
     f8 missed = std::sqrt(inner(F, F));
     Primal best;
     best.consider(ascent);
     Index steps = 0;
     while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
-        if (w.state == Factor::none && L.size()) {
+        const bool old = w.state != Factor::none;
+        if (!old && L.size()) {
             couple(B, D, h, mu, tile, L);
             w.state = decompose(L) ? Factor::usable : Factor::indefinite;
         }
-        ascent.direction(F, std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0), w.state == Factor::usable, d);
+        const f8 enough = std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0);
+        const bool usable = w.state == Factor::usable;
+        if (ascent.direction(F, enough, usable, d) > MAX_OLD_PASSES && old && usable) w.state = Factor::none;
         const f8 slope = inner(F, d), before = value;
         std::copy(y.data, y.data + M, at.begin());
         f8 step = 1.0;

@@ -7,7 +7,8 @@ Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 /
 its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
 Every fourth transducer suffices to capture the coupling of the samples. D + B W B^H is computed and factored for these
-transducers only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60.
+transducers only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60. The
+coupling hardly changes while samples move together, so the next solve begins with the same preconditioner.
 
 An error d of the sound pressure changes the radiation pressure by 2 |p| d where the target is |p|, but only by d^2
 where the target is 0. So a small weight keeps points beside a region quiet, and leaves the region itself unchanged.
@@ -21,7 +22,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
-from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import (
     RegionWorkspace,
@@ -42,6 +42,8 @@ MAX_SAMPLES = 400  # largest number of samples with a preconditioner
 # largest duality gap of given multipliers, relative to that of none, to start from them: if they had converged, and if
 # the last solve had no time for that, because it would find none of the next solves in time if each began anew
 MAX_GAP, MAX_LATE_GAP = 0.25, 1.0
+# largest difference between the movements of two samples for which the last preconditioner is used [m]
+MAX_DISTORTION = 1e-3
 REFINING_STEPS = 16  # Newton steps in double precision
 NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 
@@ -59,7 +61,6 @@ class Ascent:
         self.B, self.p, self.D, self.y, self.mu, self.max_gap = B, p, D, y, mu, max_gap
         self.workspace, self.budget = workspace, budget
         self.steps = 0
-        workspace.restart()
 
     def run(self) -> None:
         """Take steps until F is small or nothing improves; the gains are in the workspace."""
@@ -99,8 +100,8 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         targets.amplitudes, targets.phases, targets.beside, scale, OUTSIDE_WEIGHT, before, phases, scale * factor,
         p, D, y,
     )  # fmt: skip
-    key = RegionWorkspace, M, N, M <= MAX_SAMPLES
-    workspace = acquire(key, lambda: RegionWorkspace(M, N, M <= MAX_SAMPLES))
+    workspace = find_workspace(propagator)
+    workspace.restart(len(before) > 0 and moved_together(propagator, warm))
     max_gap = MAX_LATE_GAP if warm is not None and warm.late else MAX_GAP
     ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
     strongest = problem.strongest
@@ -130,7 +131,6 @@ def solve(problem: Problem, relative: float) -> pc.Result:
             steps += answer.steps
         out[:] = scale * h
         held = int((np.abs(out) > AT_LIMIT * scale).sum())
-    release(key, workspace, M * N)
     proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
         iterations=steps,
@@ -143,6 +143,23 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         quiet_weight=OUTSIDE_WEIGHT,
         note=f"{held / N:.0%} of the transducers at their limit" if held else "",
     )
+
+
+def find_workspace(propagator: pc.Propagator) -> RegionWorkspace:
+    """Return the workspace that the propagator keeps from the last solve, or a new one for other numbers."""
+    M, N = propagator.B.shape
+    kept = propagator.workspace
+    if not isinstance(kept, RegionWorkspace) or kept.made.shape[1] != M:
+        kept = propagator.workspace = RegionWorkspace(M, N, M <= MAX_SAMPLES)
+    return kept
+
+
+def moved_together(propagator: pc.Propagator, warm: pc.Solution | None) -> bool:
+    """Return whether the samples are those of the last solution, in the same order, and have moved as one."""
+    if warm is None or warm.points.shape != propagator.points.shape:
+        return False
+    moved = propagator.points - warm.points
+    return float(np.abs(moved - moved[0]).max(initial=0.0)) < MAX_DISTORTION
 
 
 def find_start(targets: pc.Targets, warm: pc.Solution | None) -> tuple[Complexes, Floats, float]:

@@ -99,9 +99,9 @@ struct RegionWorkspace {
     RegionWorkspace(Index samples, Index transducers, bool preconditioned)
         : M(samples), N(transducers), K(preconditioned ? samples + samples % 2 : 0) {}
 
-    void restart() {
+    void restart(bool same) {
         met = false;
-        state = Factor::none;
+        if (!same || state == Factor::indefinite) state = Factor::none;
     }
 };
 
@@ -144,7 +144,8 @@ inline void define_workspace(nb::module_& m) {
     share(r, "factor", &RegionWorkspace::factor, "def factor(self, /) -> pacinian.types.Singles");
     r.def_ro("met", &RegionWorkspace::met).def_ro("held", &RegionWorkspace::held);
     r.def_ro("bound", &RegionWorkspace::bound).def_ro("objective", &RegionWorkspace::objective);
-    r.def("restart", &RegionWorkspace::restart, "Discard the preconditioner, which is that of one B and one D.");
+    r.def("restart", &RegionWorkspace::restart, nb::arg("same"),
+          "Begin anew. same: whether to start with the last preconditioner, because the samples are the same or have moved alike.");
 }
 
 }  // namespace pacinian::lagrange

@@ -485,8 +485,8 @@ def test_a_thousand_objects_are_sampled() -> None:
         )
     )
     samples = pc.Sampler().sample(scene)
-    assert len(samples) == 256
-    assert samples.objects.tolist() == list(range(256))
+    assert len(samples) == 320
+    assert samples.objects.tolist() == list(range(320))
     each = len(shape.sample_surface(REGION_SPACING * 0.0085).points)
     rich = pc.Sampler(budget=1000 * each).sample(scene)
     assert len(rich) == 1000 * each
