@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <queue>
+#include <vector>
 
 #include "pacinian/native/math.hpp"
 
@@ -52,7 +54,36 @@ struct Cube {
 constexpr f8 CUBE = 4.0;           // side of a cube, in spacings
 constexpr f8 BARELY = 1.0 - 1e-9;  // leaves room for rounding in distances from boxes
 
-inline std::vector<Cube> sort_into_cubes(View<const f8, 2> points, f8 side, std::vector<Index>& sorted) {
+// The cubes of a surface by their cell in a grid.
+struct Grid {
+    f8 side;
+    std::vector<Cube> cubes;
+    std::vector<std::array<i8, 3>> cells;  // of the cubes, sorted
+
+    // Call `visit` with the number of each cube that may have a point within `radius` of a place.
+    template <typename Visit>
+    void visit_near(const f8* place, f8 radius, Visit visit) const {
+        std::array<i8, 3> low, high;
+        f8 count = 1.0;
+        for (int k = 0; k < 3; ++k) {
+            const f8 first = std::floor((place[k] - radius) / side), last = std::floor((place[k] + radius) / side);
+            count *= last - first + 1.0;
+            low[k] = static_cast<i8>(std::max(first, -1e15)), high[k] = static_cast<i8>(std::min(last, 1e15));
+        }
+        if (count >= static_cast<f8>(cells.size())) {
+            for (Index n = 0; n < static_cast<Index>(cells.size()); ++n) visit(n);
+            return;
+        }
+        for (i8 x = low[0]; x <= high[0]; ++x)
+            for (i8 y = low[1]; y <= high[1]; ++y) {
+                auto at = std::lower_bound(cells.begin(), cells.end(), std::array<i8, 3>{x, y, low[2]});
+                for (; at != cells.end() && (*at)[0] == x && (*at)[1] == y && (*at)[2] <= high[2]; ++at)
+                    visit(static_cast<Index>(at - cells.begin()));
+            }
+    }
+};
+
+inline Grid sort_into_cubes(View<const f8, 2> points, f8 side, std::vector<Index>& sorted) {
     const Index N = points.shape[0];
     std::vector<std::array<i8, 3>> cell(N);
     for (Index i = 0; i < N; ++i) {
@@ -61,10 +92,12 @@ inline std::vector<Cube> sort_into_cubes(View<const f8, 2> points, f8 side, std:
     sorted.resize(N);
     std::iota(sorted.begin(), sorted.end(), Index{0});
     std::sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return cell[a] != cell[b] ? cell[a] < cell[b] : a < b; });
-    std::vector<Cube> cubes;
+    Grid grid{side, {}, {}};
+    std::vector<Cube>& cubes = grid.cubes;
     for (Index n = 0; n < N; ++n) {
         const Index i = sorted[n];
         if (!n || cell[i] != cell[sorted[n - 1]]) {
+            grid.cells.push_back(cell[i]);
             cubes.push_back({n, n, i, ENDLESS, {}, {}});
             for (int k = 0; k < 3; ++k) cubes.back().low[k] = cubes.back().high[k] = points(i, k);
         }
@@ -75,47 +108,57 @@ inline std::vector<Cube> sort_into_cubes(View<const f8, 2> points, f8 side, std:
             cube.high[k] = std::max(cube.high[k], points(i, k));
         }
     }
-    return cubes;
+    return grid;
 }
 
-// Only cubes that have a point farther from all chosen ones than from the new one are visited.
+// The cube with the farthest point comes first; of equals, the one whose point comes first.
+struct Candidate {
+    f8 most;
+    Index first, cube;
+
+    bool operator<(const Candidate& other) const { return most < other.most || (most == other.most && first > other.first); }
+};
+
+// Only cubes that have a point farther from all chosen ones than from the new one are visited. No point is farther from the
+// chosen ones than the new one, so these cubes are near it.
 inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, f8 spacing,
                     View<i8, 1> order, View<f8, 1> apart, View<i8, 1> nearest) {
     const Surface surface{points, normals, fingers};
     const Index N = surface.size();
     require(order.size() == N && apart.size() == N && nearest.size() == N, "spread: the shapes differ");
     std::vector<Index> sorted;
-    std::vector<Cube> cubes = sort_into_cubes(points, CUBE * spacing, sorted);
+    Grid grid = sort_into_cubes(points, CUBE * spacing, sorted);
     std::vector<f8> away(N, ENDLESS);
+    std::priority_queue<Candidate> farthest;
     Index chosen = 0, K = 0;
     while (K < N && away[chosen] >= spacing * spacing) {
         order[K] = chosen;
         apart[K] = std::sqrt(away[chosen]);
-        f8 best = -1.0;
-        Index following = 0;
-        for (Cube& cube : cubes) {
-            if (BARELY * cube.squared(points, chosen) < cube.most) {
-                cube.most = -1.0;
-                for (Index n = cube.begin; n < cube.end; ++n) {
-                    const Index i = sorted[n];
-                    const f8 d = surface.squared(i, chosen);
-                    if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
-                        away[i] = d;
-                        nearest[i] = K;
-                    }
-                    if (away[i] > cube.most) {
-                        cube.most = away[i];
-                        cube.first = i;
-                    }
+        grid.visit_near(points.row(chosen), apart[K] / BARELY, [&](Index at) {
+            Cube& cube = grid.cubes[at];
+            if (!(BARELY * cube.squared(points, chosen) < cube.most)) return;
+            cube.most = -1.0;
+            for (Index n = cube.begin; n < cube.end; ++n) {
+                const Index i = sorted[n];
+                const f8 d = surface.squared(i, chosen);
+                if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
+                    away[i] = d;
+                    nearest[i] = K;
+                }
+                if (away[i] > cube.most) {
+                    cube.most = away[i];
+                    cube.first = i;
                 }
             }
-            if (cube.most > best || (cube.most == best && cube.first < following)) {
-                best = cube.most;
-                following = cube.first;
-            }
-        }
-        chosen = following;
+            farthest.push({cube.most, cube.first, at});
+        });
         ++K;
+        const auto outdated = [&](const Candidate& top) {
+            const Cube& cube = grid.cubes[top.cube];
+            return cube.most != top.most || cube.first != top.first;
+        };
+        while (outdated(farthest.top())) farthest.pop();  // the newest of each cube is up to date
+        chosen = farthest.top().first;
     }
     return K;
 }

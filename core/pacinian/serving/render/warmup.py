@@ -78,7 +78,7 @@ def _scenes(place: Floats) -> Iterator[Scene]:
     point = Point(position=(x, y, z), **PRESSURE)
     other = Point(position=(x + 0.03, y, z), technique=AM(), **PRESSURE)
     circle = Path(shape=Circle(0.02), pose=at, technique=STM(frequency=100.0), **PRESSURE)
-    ball = Volume(shape=Sphere(0.03), pose=at, envelope=NOISE, **PRESSURE)
+    ball = Volume(shape=Sphere(0.012), pose=at, envelope=NOISE, **PRESSURE)
     solid = load_object(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
     felt: tuple[Object, ...] = point, ball, solid
     yield Scene((point, other))
@@ -88,6 +88,6 @@ def _scenes(place: Floats) -> Iterator[Scene]:
 
 
 def _tetrahedron() -> Mesh:
-    a, b = 0.03, -0.03
+    a, b = 0.012, -0.012
     corners: tuple[Vector, ...] = (a, a, a), (a, b, b), (b, a, b), (b, b, a)
     return Mesh(vertices=corners, faces=((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)))
