@@ -257,6 +257,30 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     assert cycle.frames == (free,)
 
 
+def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
+    cycle = pc.Renderer(
+        ONE, pc.Scene(), clock=ManualClock(), max_cycle_frames=2
+    ).sample_solver.cycle
+    sampler = pc.Sampler()
+    sampler.prepare(ONE, AIR)
+    samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
+    cycle.begin(samples)
+    held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
+    late: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.5), final=False)
+    cycle.consider(held)
+    part, other = cycle.parts
+    own, P = np.ones(len(samples), np.bool_), samples.radiation_pressure
+
+    def find(made: float, solved: Any) -> Any:
+        other.solved = solved
+        return cycle.find_rest(part, own, P, made * P)
+
+    assert find(0.2, late) == pytest.approx(P), "half of twice the pressure"
+    assert find(0.8, held) == pytest.approx(1.2 * P)
+    assert find(0.1, late) == pytest.approx(1.2 * P), "as at the last solve"
+    assert find(0.9, held) == pytest.approx(1.1 * P)
+
+
 def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None:
     cycle = pc.Renderer(
         ONE, pc.Scene(), clock=ManualClock(), max_cycle_frames=2

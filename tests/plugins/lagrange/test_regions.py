@@ -400,3 +400,40 @@ def test_solves_without_time_for_the_same_targets_come_to_an_end() -> None:
         errors.append(solution.error)
     assert errors[-1] < REGION_TOLERANCE < errors[0]
     assert all(after <= 1.02 * before for before, after in itertools.pairwise(errors))
+
+
+def test_solves_without_time_converge_from_one_to_the_next_while_a_region_moves():
+    """Each has time for one step. From nothing, each would end as far from the optimum as the first ones."""
+    disc, t = ringed(0.018), pc.sound_pressure(40.0, AIR)
+    session, whole_time = pc.Session(NINE, AIR), pc.Session(NINE, AIR)
+    whole_time.corrections = 0
+    objectives = []
+    for k in range(30):
+        q = at(disc + np.array([2e-4 * k, 0.0]))
+        amplitudes = np.full(len(q), t)
+        late = session.solve(q, amplitudes, regions=whole(q), deadline=0.0)
+        objectives.append(late.objective)
+    best = whole_time.solve(q, amplitudes, regions=whole(q), deadline=1e9)
+    assert best.saturation > 0.1
+    assert min(objectives[:4]) > 2.0 * best.objective
+    assert max(objectives[-4:]) < 1.2 * best.objective
+
+
+@pytest.mark.parametrize("turns", [False, True])
+def test_the_preconditioner_of_the_last_solve_serves_samples_that_moved_as_one(turns):
+    disc, t = ringed(0.018), pc.sound_pressure(20.0, AIR)
+    session = pc.Session(NINE, AIR)
+    session.corrections = 0
+    session.solve(at(disc), np.full(len(disc), t), regions=whole(disc))
+    before = session.propagator.workspace.factor.copy()
+    angle = 0.3 if turns else 0.0
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    q = at(disc @ turn + np.array([1e-3, 0.0]))
+    moved = session.solve(q, np.full(len(q), t), regions=whole(q))
+    assert np.array_equal(session.propagator.workspace.factor, before) != turns
+    cold = pc.Session(NINE, AIR)
+    cold.corrections = 0
+    cold = cold.solve(q, np.full(len(q), t), regions=whole(q))
+    assert moved.objective == pytest.approx(cold.objective, rel=0.02)
+    session.forget()
+    assert session.propagator.workspace is None
