@@ -74,3 +74,28 @@ def test_quiet_points_are_quiet_even_if_the_deadline_ends_the_solve(
         loud = np.abs(pc.matrix(ARRAY, quiet, AIR) @ solution.gains)
         assert (loud <= 1.001 + 1e-3 * 0.01 * full).all()
         assert "quiet" not in solution.violations
+
+
+@pytest.mark.parametrize("solid", [True, False])
+def test_quiet_points_are_quiet_wherever_the_time_runs_out(solid: bool) -> None:
+    """The clock jumps beyond the deadline at each of its readings in turn."""
+    x, y = np.meshgrid(*2 * [np.arange(-0.01, 0.011, 0.004)])
+    q = np.column_stack([x.ravel() + X, y.ravel() + Y, np.full(x.size, 0.2)])
+    quiet = np.array([[X + 0.02, Y, 0.2]])
+    regions = np.zeros(x.size, int) if solid else None
+    late = 0
+    for readings in range(1, 40):
+        clock, count = ManualClock(), iter(range(1000))
+
+        def now(clock: ManualClock = clock, count: Any = count, last: int = readings) -> float:
+            return clock.now() + (10.0 if next(count) >= last else 0.0)
+
+        session = pc.Session(ARRAY, AIR, "lagrange", clock=now)
+        solution = session.solve(
+            q, np.full(x.size, 800.0), regions=regions, limits=pc.Limits(gain=1.0, quiet=(quiet, 1.0)),
+            deadline=1.0,
+        )  # fmt: skip
+        loud = np.abs(pc.matrix(ARRAY, quiet, AIR) @ solution.gains)
+        assert (loud <= 1.1).all(), readings
+        late += solution.late
+    assert late > 2

@@ -104,8 +104,10 @@ class Lagrange(pc.Solver):
         propagator, _, limits, _, budget, out = problem
         result, done = self._solve_gain_limited(problem, mu)
         broken = problem.has_violation()
-        if budget.spent or (done and not broken):
+        if done and not broken:
             return result
+        if budget.spent:
+            return result._replace(late=result.late or broken)
         first = out.copy()
         made = propagator.apply(out).astype(np.complex128)
         phases = None if broken else np.asarray(np.angle(made), np.float64)
@@ -163,8 +165,10 @@ class Lagrange(pc.Solver):
     def _solve_regions(self, problem: Problem) -> pc.Result:
         """Write the gains for targets with regions, whose phases are all given."""
         result = regions.solve(problem, self.mu_regions)
-        if problem.budget.spent or not problem.has_violation():
+        if not problem.has_violation():
             return result
+        if problem.budget.spent:
+            return result._replace(late=True)  # the time may have run out just now
         return self._solve_constrained(problem, self.mu_regions * problem.propagator.power)
 
     def _solve_gain_limited(
