@@ -39,7 +39,8 @@ class Solver(ABC):
     """Base class of the solvers, which find gains that produce given sound pressures at given points.
 
     A solver is a plain object. Settings are arguments of its constructor, and problems are arguments of `solve`. It
-    keeps no state between calls; what makes the next call faster may lie in `Propagator.workspace`. Pass it to `pacinian.Session`, or register its class (`pacinian.hookimpl`).
+    keeps no state between calls; what makes the next call faster may lie in `Propagator.workspace`. Pass the solver to
+    `pacinian.Session`, or register its class (`pacinian.hookimpl`).
     """
 
     name: ClassVar[str]

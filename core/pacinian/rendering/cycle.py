@@ -57,7 +57,8 @@ class Part:
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
     that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
-    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',).
+    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',); of size 0
+    if the samples were others.
     """
 
     session: Session
@@ -92,7 +93,7 @@ class Cycle:
 
     def reset(self) -> None:
         """Discard all solutions."""
-        self._first.solved, self._first.turn = None, 0
+        self._first.solved, self._first.turn, self._first.rest = None, 0, np.empty(0)
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
@@ -130,6 +131,9 @@ class Cycle:
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved, self._given_up = True, False
+        if not np.array_equal(samples.keys, self.samples.keys):
+            for part in self.parts:
+                part.rest = np.empty(0)
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
         budget = round(SHARE_ON_SKIN * self.budget) if self._on_skin else self.budget

@@ -279,6 +279,11 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     assert find(0.8, held) == pytest.approx(1.2 * P)
     assert find(0.1, late) == pytest.approx(1.2 * P), "as at the last solve"
     assert find(0.9, held) == pytest.approx(1.1 * P)
+    cycle.begin(samples.changed(keys=samples.keys + 1))
+    assert find(0.1, late) == pytest.approx(P), "of other samples"
+    find(0.9, held)
+    cycle.reset()
+    assert not len(part.rest)
 
 
 def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None:
