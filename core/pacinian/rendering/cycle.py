@@ -57,8 +57,8 @@ class Part:
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
     that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
-    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',); of size 0
-    if the samples were others.
+    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',). own: mask
+    of the samples for which that was, (M,); of size 0 for none.
     """
 
     session: Session
@@ -69,6 +69,11 @@ class Part:
     turn: int = 0
     retry: float = -math.inf
     rest: Floats = field(default_factory=lambda: np.empty(0))
+    own: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
+
+    def forget_rest(self) -> None:
+        """Forget the target of the last solve."""
+        self.own = np.empty(0, np.bool_)
 
 
 class Cycle:
@@ -93,7 +98,8 @@ class Cycle:
 
     def reset(self) -> None:
         """Discard all solutions."""
-        self._first.solved, self._first.turn, self._first.rest = None, 0, np.empty(0)
+        self._first.solved, self._first.turn = None, 0
+        self._first.forget_rest()
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
@@ -133,7 +139,7 @@ class Cycle:
         self._moved, self._given_up = True, False
         if not np.array_equal(samples.keys, self.samples.keys):
             for part in self.parts:
-                part.rest = np.empty(0)
+                part.forget_rest()
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
         budget = round(SHARE_ON_SKIN * self.budget) if self._on_skin else self.budget
@@ -183,6 +189,9 @@ class Cycle:
             count = len(TILTS) if self._tilted else 1
             self._shares = np.full((M, count), 1.0 / count)
         first = self._first.session
+        if count != len(self.parts):
+            for part in self.parts:
+                part.forget_rest()
         if count < len(self.parts):
             last = max(self.parts, key=lambda part: part.turn)
             self._first.solved = last.solved  # until it is solved again
@@ -197,12 +206,15 @@ class Cycle:
             # A band makes only a part of some samples. Corrections would raise these, and phases would relax for them.
             part.session.refines = not self._banded
 
-    def due(self, t: float) -> Part | None:
-        """Return the part to solve at time t [s], which is the one solved least recently; None if there is none."""
+    def due(self, t: float, rounds: int = MAX_ROUNDS) -> Part | None:
+        """Return the part to solve at time t [s], which is the one solved least recently; None if there is none.
+
+        rounds: number of complete solves of a part that are enough.
+        """
         open_ = [
             part
             for part in self.parts
-            if part.rounds < MAX_ROUNDS and (part.tries < MAX_TRIES or t >= part.retry)
+            if part.rounds < rounds and (part.tries < MAX_TRIES or t >= part.retry)
         ]
         return min(open_, key=lambda part: part.turn) if open_ else None
 
@@ -237,13 +249,16 @@ class Cycle:
         is that of the last solve, because this frame would else follow the errors of the other one, and never settle.
         """
         nominal = self.count * self._shares[own, self.parts.index(part)] * P
-        if all(
-            one.solved is not None and one.solved.final for one in self.parts if one is not part
-        ):
+        if not np.array_equal(own, part.own):
+            part.own, part.rest = own, np.ones(len(P))
+        in_time = (
+            one.solved is not None and not one.solved.ran_out_of_time
+            for one in self.parts
+            if one is not part
+        )
+        if all(in_time):
             rest = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
             part.rest = np.clip(rest, MIN_SHARE, MAX_SHARE)
-        elif len(part.rest) != len(P):
-            part.rest = np.ones(len(P))
         return np.asarray(np.minimum(part.rest * nominal, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution, t: float) -> None:

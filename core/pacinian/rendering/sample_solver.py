@@ -144,7 +144,8 @@ class SampleSolver:
         MAX_PAUSE [m].
         """
         self.fresh = []
-        creeps = bool(near) and samples is not self._samples and self._is_near(samples, t, near)
+        same = (limits, solver) == self._key[1:]
+        creeps = near > 0.0 and same and self._is_near(samples, t, near)
         if creeps:
             samples = self._samples
         key, last = (samples, limits, solver), self._last
@@ -248,7 +249,9 @@ class SampleSolver:
 
     def _is_near(self, samples: Samples, t: float, near: float) -> bool:
         """Return whether the last solution still does for samples that creep, at time t [s]. near: as in `solve`."""
-        return 0.0 <= t - self._begun < MAX_PAUSE and samples.is_near(self._samples, near)
+        if samples is self._samples or not 0.0 <= t - self._begun < MAX_PAUSE:
+            return False
+        return samples.is_near(self._samples, near)
 
     def _solve_cycle_frame(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool
@@ -258,8 +261,8 @@ class SampleSolver:
         once: whether a second solve for the same samples is not worth its time, because they move on.
         """
         cycle = self.cycle
-        part = cycle.due(t)
-        if part is None or (once and part.rounds):
+        part = cycle.due(t, 1) if once else cycle.due(t)
+        if part is None:
             self.skipped[NOTHING_MOVED] += 1
         else:
             P, groups = samples.radiation_pressure, EnvelopeGroups(samples)

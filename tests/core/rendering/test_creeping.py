@@ -44,6 +44,20 @@ def test_a_small_movement_needs_no_solve_until_it_adds_up() -> None:
     assert solving.renderer.sample_solver.skipped["solve, nothing moved"] == 2
 
 
+def test_movement_counts_in_all_directions_together() -> None:
+    samples = pc.Sampler().sample(pc.Scene((BALL,)))
+    assert samples.is_near(samples.changed(positions=samples.positions + 2e-4), NEAR)
+    assert not samples.is_near(samples.changed(positions=samples.positions + 3e-4), NEAR)
+
+
+def test_other_limits_are_solved_where_the_samples_are() -> None:
+    solving = Solving()
+    solving.at(0.0, 0.0)
+    solving.renderer.limits = pc.Limits(gain=0.5)
+    solved = solving.at(1e-4, 0.001)
+    assert solved.samples.positions[:, 0].mean() == pytest.approx(1e-4, abs=1e-9)
+
+
 def test_however_little_it_moves_the_next_solve_comes() -> None:
     solving = Solving()
     first = solving.at(0.0, 0.0)

@@ -265,8 +265,9 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     sampler.prepare(ONE, AIR)
     samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
     cycle.begin(samples)
-    held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
-    late: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.5), final=False)
+    solution = SimpleNamespace(late=False, saturation=0.5)
+    held: Any = SimpleNamespace(solution=solution, ran_out_of_time=False)
+    late: Any = SimpleNamespace(solution=solution, ran_out_of_time=True)
     cycle.consider(held)
     part, other = cycle.parts
     own, P = np.ones(len(samples), np.bool_), samples.radiation_pressure
@@ -283,7 +284,7 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     assert find(0.1, late) == pytest.approx(P), "of other samples"
     find(0.9, held)
     cycle.reset()
-    assert not len(part.rest)
+    assert not len(part.own)
 
 
 def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None:

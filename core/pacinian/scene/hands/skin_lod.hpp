@@ -157,7 +157,8 @@ inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<co
             const Cube& cube = grid.cubes[top.cube];
             return cube.most != top.most || cube.first != top.first;
         };
-        while (outdated(farthest.top())) farthest.pop();  // the newest of each cube is up to date
+        while (!farthest.empty() && outdated(farthest.top())) farthest.pop();  // the newest of each cube is up to date
+        require(!farthest.empty(), "spread: the points are not finite");
         chosen = farthest.top().first;
     }
     return K;

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 
 if TYPE_CHECKING:
@@ -135,9 +136,11 @@ def spread_pressure(
 
     Stops when no point is `spacing` [m] away from all chosen points on its side. Returns the indices of the chosen
     points, (K,); the distance of each from those before it, (K,) [m], which never increases; and the nearest chosen
-    point to each of the N points, (N,).
+    point to each of the N points, (N,). Raises ArgumentError.
     """
     N = len(surface.points)
+    if not np.isfinite(surface.points).all():
+        raise ArgumentError("points", "must be finite")
     order, apart = np.empty(N, dtype=np.intp), np.empty(N)
     nearest = np.zeros(N, dtype=np.intp)
     K = kernels.spread(*surface, spacing, order, apart, nearest)

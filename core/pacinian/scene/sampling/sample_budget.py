@@ -137,7 +137,8 @@ def _too_many(source: Source, count: int, left: int) -> ArgumentError:
     return ArgumentError(
         "scene",
         f"has an object that cannot be rendered in full: {label!r} needs {count} samples at once, and the budget "
-        f"leaves {left}; raise `Sampler(budget=...)`, or make the object smaller",
+        f"leaves {left}; raise `Sampler(budget=...)`, of which contacts with hands use {SHARE_ON_SKIN:.0%}, or make "
+        "the object smaller",
     )
 
 

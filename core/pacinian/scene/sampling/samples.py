@@ -103,13 +103,13 @@ class Samples:
         P, before = self.radiation_pressure, other.radiation_pressure
         if not (np.array_equal(self.regions, other.regions) and np.allclose(P, before, 1e-3, 0.0)):
             return False
-        if float(np.abs(self.positions - other.positions).max(initial=0.0)) > distance:
-            return False
+        moved = [self.positions - other.positions]
         if self.capsules is not None and other.capsules is not None:
             if self.capsules.shape != other.capsules.shape:
                 return False
-            if float(np.abs(self.capsules - other.capsules).max(initial=0.0)) > distance:
-                return False
+            moved.append((self.capsules - other.capsules)[:, :6].reshape(-1, 3))
+        if any((d * d).sum(axis=1).max(initial=0.0) > distance * distance for d in moved):
+            return False
         pairs = ((self.items[i], other.items[i]) for i in set(self.objects.tolist()))
         return np.array_equal(self.objects, other.objects) and all(
             a is b or (a.envelope == b.envelope and a.technique == b.technique) for a, b in pairs
