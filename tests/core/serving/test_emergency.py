@@ -18,7 +18,7 @@ from pacinian.errors import ConnectionLost
 from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.settings import Security
 from pacinian.wire.connection_file import Connection
-from pacinian.wire.control import Arm, Reset
+from pacinian.wire.control import Arm, Reset, Status
 from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 from pacinian.wire.replies import Ok
 
@@ -94,6 +94,27 @@ def test_a_stop_that_is_sent_again_does_not_undo_a_reset(server: Any) -> None:
         sender.sendto(sign(server.connection.secret, b"stop", bytes(range(16))), where)
         sender.recv(DATAGRAM_BYTES)
         assert server.permit().stopped == 1, "a new stop is carried out"
+
+
+def test_nor_does_one_that_is_sent_again_before_the_guard_has_confirmed_it(server: Any) -> None:
+    (guard,) = server.processes["guard"]
+    client = server.client().hello()
+    guard.silent = True  # it tells nothing, so no stop is confirmed
+    where = server.connection.stop.partition(":")[2]
+    data = sign(server.connection.secret, b"stop", bytes(16))
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.bind("")
+        sender.settimeout(PATIENCE)
+        sender.sendto(data, where)
+        eventually(lambda: server.permit().stopped == 1)
+        assert isinstance(client.ask(Reset), Ok)
+        assert server.permit().stopped == 0
+        sender.sendto(data, where)
+        for _ in range(3):  # each after a look at the stops
+            assert client.ask(Status).output != "stopped"
+        assert server.permit().stopped == 0
+        guard.silent = False
+        sender.recv(DATAGRAM_BYTES)
 
 
 def test_a_confirmation_that_came_while_the_sender_stood_still_counts(

@@ -38,12 +38,16 @@ class PendingStops:
             if nonce in self._datagrams or len(self._datagrams) < MAX_PENDING:
                 self._datagrams[nonce] = sender, now
 
-    def is_repeated(self, request: tuple[bytes, Any]) -> bool:
-        """Return whether a connectionless stop is a confirmed one that its sender sent again.
-
-        It must not be carried out again, because the output may have been reset since.
-        """
+    def is_confirmed(self, request: tuple[bytes, Any]) -> bool:
+        """Return whether a connectionless stop is a confirmed one that its sender sent again."""
         return request[0] in self._confirmed
+
+    def waits(self, request: tuple[bytes, Any]) -> bool:
+        """Return whether a connectionless stop is carried out, and waits for silence.
+
+        If its sender sends it again, it must not be carried out again, because the output may have been reset since.
+        """
+        return request[0] in self._datagrams
 
     def add_message(self, peer: bytes, number: int, now: float) -> None:
         """Add a stop that came over a connection. number: its id. With too many, it is answered at the next round."""

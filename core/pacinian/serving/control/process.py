@@ -181,14 +181,15 @@ class ControlLoop:
     def _stop(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
         received = self._doors.stop.receive()
-        repeated = [each for each in received if self._stops.is_repeated(each)]
-        self._doors.stop.confirm(repeated)
-        if requests := [each for each in received if each not in repeated]:
+        confirmed = [each for each in received if self._stops.is_confirmed(each)]
+        self._doors.stop.confirm(confirmed)
+        requests = [each for each in received if each not in confirmed]
+        if not all(map(self._stops.waits, requests)):
             stopped = self.sessions.lease.permit.stopped
             self.sessions.lease.stop()
             self._settle()
             self._note_stop("without a connection", before=bool(stopped))
-            self._stops.add_datagrams(requests, self._clock())
+        self._stops.add_datagrams(requests, self._clock())
 
     def _note_stop(self, user: str, *, before: bool) -> None:
         """Note a stop that is carried out. before: whether all was stopped before it."""

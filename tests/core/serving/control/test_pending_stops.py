@@ -41,13 +41,17 @@ def test_all_are_confirmed_once_it_is_silent_and_only_once() -> None:
     assert not told.stops
 
 
-def test_a_confirmed_stop_is_known_and_one_that_waits_is_not() -> None:
+def test_a_stop_that_is_sent_again_is_known_while_it_waits_and_after() -> None:
     told = Told()
+    assert not told.stops.waits((b"n", 1))
     told.stops.add_datagrams([(b"n", 1)], 0.0)
-    assert not told.stops.is_repeated((b"n", 1))
+    assert told.stops.waits((b"n", 2))
+    assert not told.stops.is_confirmed((b"n", 1))
     told.answer(True, 0.1)
-    assert told.stops.is_repeated((b"n", 2))
-    assert not told.stops.is_repeated((b"m", 1))
+    assert told.stops.is_confirmed((b"n", 2))
+    assert not told.stops.waits((b"n", 2))
+    assert not told.stops.is_confirmed((b"m", 1))
+    assert not told.stops.waits((b"m", 1))
 
 
 def test_who_waits_too_long_is_told_to_switch_the_array_off() -> None:
