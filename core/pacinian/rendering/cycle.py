@@ -16,7 +16,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
-from pacinian.scene.config_sections import BUDGET
+from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.sampling.bands import Bands
 from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN
 from pacinian.scene.sampling.samples import no_samples
@@ -88,7 +88,7 @@ class Cycle:
     """
 
     def __init__(
-        self, session: Session, most: int = 1, budget: int = BUDGET, peak: float = math.inf
+        self, session: Session, most: int = 1, budget: int = DEFAULT_BUDGET, peak: float = math.inf
     ) -> None:
         self.most, self.budget, self.peak = most, budget, peak
         self.coarsens = True

@@ -48,9 +48,9 @@ if TYPE_CHECKING:
 
 DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
 MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
-# Samples that have moved by less than this since the last solve beside the ticks wait for the next: a twentieth of a
-# wavelength [m].
-CREEP = 4e-4
+# Largest movement since the last solve beside the ticks for which no other solve is made: a twentieth of a wavelength
+# [m].
+MAX_CREEP = 4e-4
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 
 
@@ -349,7 +349,7 @@ class Pipeline:
                 self._note_unreachable(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
-            near = CREEP if beside and self._adaptive else 0.0
+            near = MAX_CREEP if beside and self._adaptive else 0.0
             solved = self.solver.solve(samples, t, limits, solver, deadline, near)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
             seconds = self._job_recording_clock.now() - begin if beside else math.nan

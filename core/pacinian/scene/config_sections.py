@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound=Struct)
 
-BUDGET = 320  # default number of samples; a ball of 30 mm radius in free air has 304 (decision 75)
+DEFAULT_BUDGET = 320  # samples; a ball of 30 mm radius in free air has 304 (decision 75)
 MIN_SPACING = 1e-4  # smallest spacing of samples [m], about a hundredth of a wavelength
 
 
@@ -113,7 +113,7 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
     of the array where that is coarser.
     """
 
-    budget: int = BUDGET
+    budget: int = DEFAULT_BUDGET
     spacing: float | None = None
 
     def __post_init__(self) -> None:

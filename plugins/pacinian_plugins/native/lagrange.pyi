@@ -212,9 +212,9 @@ def solve_region(B: Gains, p: Complexes, D: Floats, mu: float, y: Complexes, max
     Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.
 
     B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. max_gap: largest
-    duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and
-    D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never
-    worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.
+    duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met,
+    bound, objective and held; it keeps the preconditioner for later calls with similar B. If F is not small at the end, h
+    is instead the best of all steps, weakened where that is better, so it is never worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.
     """
 
 def start_region(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: float, warm: Complexes, before: Floats, factor: float, p: Complexes, D: Floats, y: Complexes) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
-from pacinian.scene.config_sections import BUDGET, MIN_SPACING
+from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SPACING
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
@@ -117,7 +117,7 @@ class Sampler:
 
     def __init__(
         self,
-        budget: int = BUDGET,
+        budget: int = DEFAULT_BUDGET,
         spacing: float | None = None,
         *,
         ramp: float = 0.0,

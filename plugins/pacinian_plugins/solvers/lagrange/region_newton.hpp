@@ -358,9 +358,9 @@ inline void define_region(nb::module_& m) {
     kernel(m, "solve_region", &solve_region,
            "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
            "B: (M, N) [Pa]. p: targets, (M,). D: 1 over the weights of the squared errors, (M,). y: (M,), in place. max_gap: largest\n"
-           "duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met, bound, objective and held; it keeps the preconditioner for later calls with the same B and\n"
-           "D. If F is not small at the end, h is instead the best of all steps, weakened where that is better, so it is never\n"
-           "worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.",
+           "duality gap of the given y, relative to that of none, to start from them. workspace: the kernel writes h of y, met,\n"
+           "bound, objective and held; it keeps the preconditioner for later calls with similar B. If F is not small at the end, h\n"
+           "is instead the best of all steps, weakened where that is better, so it is never worse than silence. spent: returns whether the time is up, asked after the first step and after some products of each.",
            "B", "p", "D", "mu", "y", "max_gap", "workspace", "spent");
     kernel(m, "start_region", &start_region,
            "Write targets p, 1 over the weights D, and multipliers y to start from, (M,) each.\n\n"

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 
 OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
 MAX_SAMPLES = 400  # largest number of samples with a preconditioner
-# largest duality gap of given multipliers, relative to that of none, to start from them: if they had converged, and if
-# the last solve had no time for that, because it would find none of the next solves in time if each began anew
+# Largest duality gap of the last multipliers, relative to that of none, to start from them: if they had converged, and
+# if there was no time for that. If late solves began anew each time, none of them would ever converge (decision 75).
 MAX_GAP, MAX_LATE_GAP = 0.25, 1.0
 # largest difference between the movements of two samples for which the last preconditioner is used [m]
 MAX_DISTORTION = 1e-3
