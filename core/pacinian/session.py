@@ -317,9 +317,12 @@ class Session:
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:
-                asked = settle_phases(
-                    propagator, targets, warm, self.tilt, relax=self.refines and budget.endless
-                )
+                relax, keep = self.refines and budget.endless, False
+                if warm is not None and self._base is not None and self._solved_with is not None:
+                    # the samples of the last solve, which have moved as one if they have moved, for a wave as tilted
+                    keep = warm.multipliers is self._base.multipliers
+                    keep = keep and self._solved_with[3] == self.tilt and not budget.endless
+                asked = settle_phases(propagator, targets, warm, self.tilt, relax=relax, keep=keep)
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         check_kind(f"{solver.name}.solve(...)", result, Result)

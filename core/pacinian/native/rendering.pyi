@@ -50,3 +50,11 @@ def follow(gains: Gains, step: float, span: int, growth: float, align: bool, set
     forgotten slowly while the gains are reached. `last` becomes the last row; what is not a number becomes 0.
     Returns whether the last row is its gains.
     """
+
+def find_factors(r: Singles, turns: float, exponent: float, centre: Singles, place: Singles, most: float, out: Gains) -> None:
+    """
+    Write the factors on the gains that move the field around `centre` to `place`, (3,) [m]: (N,).
+
+    r: positions of the transducers, (3, N) [m], with the same origin. turns: k / 2 pi [1/m]. exponent: of the distance in
+    the amplitude, 0 or 1. most: largest factor on an amplitude, and 1 over the smallest.
+    """

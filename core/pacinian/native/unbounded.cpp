@@ -3,6 +3,7 @@
 #include "pacinian/rendering/quantiser.hpp"
 #include "pacinian/rendering/reachability.hpp"
 #include "pacinian/rendering/smoothing.hpp"
+#include "pacinian/rendering/steering.hpp"
 #include "pacinian/scene/unbounded.hpp"
 #include "pacinian/solving/unbounded.hpp"
 
@@ -13,6 +14,7 @@ void define(nb::module_& m) {
     define_levels(m);
     define_reachability(m);
     define_smooth(m);
+    define_steering(m);
 }
 
 }  // namespace pacinian::rendering

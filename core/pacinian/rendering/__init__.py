@@ -11,7 +11,9 @@ The loop
     scene_renderer.py         a renderer from a scene file
 Solve
     sample_solver.py          solves for samples; reuses solutions while nothing moves
+    steered_solver.py         solves for one object in free air only where its field cannot be steered to it
     cached_solution.py        a solution as it is kept, and whether it needs another solve
+    solved.py                 what to play for some samples: the result of `sample_solver.py`
     solve_result.py           what passes from a solve to the ticks that play it
     background_schedule.py    solve in the ticks or beside them; how often; over how many ticks a change is spread
     background_solve.py       the thread that solves beside the ticks
@@ -21,6 +23,7 @@ Solve
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
 From gains to levels
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
+    steering.py               moves the field with an object that moves as one, by factors on the gains
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
     envelope_gains.py         puts envelopes on gains; fades from the envelopes of one solution to those of the next
     envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains

@@ -18,7 +18,7 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.sampling.bands import Bands
-from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN
+from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, SHARES_ALONE, share_budget
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
 
@@ -142,7 +142,9 @@ class Cycle:
                 part.forget_rest()
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
-        budget = round(SHARE_ON_SKIN * self.budget) if self._on_skin else self.budget
+        alone = len(set(samples.objects.tolist())) == 1
+        share = SHARE_ON_SKIN if self._on_skin else SHARES_ALONE[-1] if alone else 1.0
+        budget = share_budget(self.budget, share)
         self._shares = self._bands.shares(samples, budget, min(most, self.max_bands))
         self._banded = self._shares.shape[1] > 1
         self._tilted = self._tilted and self._may_tilt

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.sample_solver import Solved
+    from pacinian.rendering.solved import Solved
     from pacinian.solving.felt_regions import FeltSums
 
 TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field

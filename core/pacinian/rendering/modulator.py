@@ -18,8 +18,8 @@ from pacinian.rendering.smoothing import GainSmoother
 
 if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.sample_solver import Solved
     from pacinian.rendering.smoothing import Smoothing
+    from pacinian.rendering.solved import Solved
     from pacinian.solving.problem import Limits
     from pacinian.types import Floats, Gains, Singles
 
@@ -75,6 +75,15 @@ class Modulator:
         self._followed, self._limits, self._slots = [], None, []
         self._fade.reset()
         self.smoother.reset()
+
+    def multiply(self, factors: Gains | None) -> None:
+        """Multiply the gains of the last row by factors, (N,), which keep its field, before it follows others."""
+        if factors is None:
+            return
+        for smoother in (self.smoother, *(slot.smoother for slot in self._slots)):
+            smoother.gains *= factors
+            smoother.settled = False
+        self.steady = False
 
     @property
     def held_back(self) -> bool:

@@ -24,8 +24,11 @@ from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
-from pacinian.rendering.sample_solver import SampleSolver, Solved, limits_join
+from pacinian.rendering.sample_solver import SampleSolver, limits_join
 from pacinian.rendering.solve_result import SolveResult
+from pacinian.rendering.solved import Solved
+from pacinian.rendering.steered_solver import PATIENCE
+from pacinian.rendering.steering import Steering
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
@@ -93,6 +96,7 @@ class Pipeline:
         self.solver = SampleSolver(session, times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
         self.player = Modulator(times, gap, smoothing, len(session.array))
+        self.steering = Steering(session.array, session.medium)
         self.player.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._adaptive = adaptive and not strict
@@ -170,6 +174,7 @@ class Pipeline:
         self.sampler.reset()
         self.solver.reset()
         self.player.reset()
+        self.steering.reset()
         self.session.forget()
         self._job_recording_clock.take()
         # what a tick without a frame has counted is in no recording
@@ -219,13 +224,16 @@ class Pipeline:
         self.lag = t - self.played.time
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
-        self._repeated = self.player.steady and self._made == made and not self._fresh
+        spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
+        self.player.multiply(self.steering.follow(play.motion, t, spread))
+        steady = self.player.steady and self.steering.still
+        self._repeated = steady and self._made == made and not self._fresh
         if self._repeated:
             skipped[NOTHING_CHANGED] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
-        spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
         rows = self.player.rows(play, t, spread)
+        self.steering.steer(rows, t)
         power = limits.power is not None
         whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
         self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power, whole)
@@ -314,7 +322,10 @@ class Pipeline:
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        old = self.stages.now() - self._started >= max(MAX_AGE, MAX_TICKS * self.period)
+        age = max(MAX_AGE, MAX_TICKS * self.period)
+        if self.played.solved.motion is not None:
+            age *= PATIENCE
+        old = self.stages.now() - self._started >= age
         return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
 
     def _discard_job(self) -> None:
@@ -350,7 +361,7 @@ class Pipeline:
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             near = MAX_CREEP if beside and self._adaptive else 0.0
-            solved = self.solver.solve(samples, t, limits, solver, deadline, near)
+            solved = self.solver.solve(samples, t, limits, solver, deadline, near, at)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
             seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
@@ -494,9 +505,14 @@ class Pipeline:
     def _quantise_frames(self, play: Solved, limits: Limits) -> Gains:
         """Return the gains of what is played in turn, as rounded by the device, (K, N)."""
         every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
+        gains, motion = [one.gains for one in every], play.motion
+        if motion is not None and motion.moved:
+            place = motion.centre + motion.shift
+            factors = self.steering.find_factors(motion.centre, place)
+            gains = [g * factors for g in gains]
         made = [
-            self.quantiser.quantise_gains(one.gains, find_ceiling(limits), limits.power is not None)
-            for one in every
+            self.quantiser.quantise_gains(g, find_ceiling(limits), limits.power is not None)
+            for g in gains
         ]
         return np.array(made, np.complex64).reshape(-1, len(self.session.array))
 

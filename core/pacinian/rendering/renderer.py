@@ -50,7 +50,8 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.sample_budget_controller import SampleBudgetController
-    from pacinian.rendering.sample_solver import SampleSolver, Solved
+    from pacinian.rendering.sample_solver import SampleSolver
+    from pacinian.rendering.solved import Solved
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets

@@ -15,10 +15,12 @@ from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
 from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
+from pacinian.rendering.solved import Solved
+from pacinian.rendering.steered_solver import SteeredSolver
+from pacinian.rendering.steering import find_factors
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
-from pacinian.solving.problem import Limits, Targets, number_regions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
+    from pacinian.solving.problem import Limits
     from pacinian.types import Floats
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
@@ -42,58 +45,6 @@ MAX_TRIES = 6  # successive solves without improvement after which the next one 
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 
 Step = tuple[object, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """What to play for some samples.
-
-    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are
-    several. each: whether each of them belongs to one row of one tick, because a technique moves the samples.
-    cycle: whether they are the frames of a cycle, and people feel their mean. complete: whether all frames of the
-    cycle are solved. common: in a cycle, the samples of all frames together that sound can reach. asked: their
-    target, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by which the gains will grow
-    once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames than they
-    could have, for want of time.
-    """
-
-    samples: Samples
-    limits: Limits
-    rows: tuple[CachedSolution, ...] = ()
-    each: bool = False
-    cycle: bool = False
-    complete: bool = True
-    common: Samples | None = None
-    asked: Floats | None = None
-    brief: bool = False
-    growth: float = 1.0
-    hurried: bool = False
-
-    @property
-    def played_samples(self) -> Samples | None:
-        """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
-        if self.cycle:
-            return self.common
-        return self.rows[-1].samples if self.rows else None
-
-    @property
-    def targets(self) -> Targets | None:
-        """Targets of the last solution, or of all frames of a cycle together; None without a solution."""
-        if self.cycle:
-            assert self.asked is not None
-            assert self.common is not None
-            t = sound_pressure(self.asked, self.rows[-1].solution.medium)
-            return Targets.make_unchecked(t, number_regions(len(t), self.common.regions))
-        return self.rows[-1].solution.targets if self.rows else None
-
-    @property
-    def facing(self) -> SkinFacing | None:
-        """Facing of the skin at `played_samples`; None if that is not on skin."""
-        if not self.cycle:
-            return self.rows[-1].solution.facing if self.rows else None
-        if self.common is None or self.common.capsules is None:
-            return None
-        return SkinFacing.of(self.common.normals, self.common.capsules)
 
 
 @dataclass
@@ -114,6 +65,7 @@ class SampleSolver:
 
     def __post_init__(self) -> None:
         self._skin_limit = SkinLimit(self.session)
+        self._steered = SteeredSolver(self.session.array)
         self.reset()
 
     @property
@@ -131,23 +83,67 @@ class SampleSolver:
         # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
         self._last: Solved | None = None
+        self._steered.reset()
         self.fresh = []
         self.cycle.reset()
         self._skin_limit.reset()
 
     def solve(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, near: float = 0.0
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, near: float = 0.0,
+        at: float | None = None,
     ) -> Solved:  # fmt: skip
         """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
 
         deadline: from now [s]; may be infinite. near: distance within which samples count as not moved, for at most
-        MAX_PAUSE [m].
+        MAX_PAUSE [m]; if it is above 0, the field of samples that move as one may be steered. at: time at which the
+        samples are where they are; t by default [s].
         """
         self.fresh = []
-        same = (limits, solver) == self._key[1:]
-        creeps = near > 0.0 and same and self._is_near(samples, t, near)
+        kept = (limits, solver) == self._key[1:]
+        steers = near > 0.0 and self._may_steer(samples, limits)
+        if not (steers and kept):
+            self._steered.reset()
+        if steers:
+            return self._steered.solve(
+                samples,
+                t if at is None else at,
+                lambda samples, factor: self._solve(samples, t, limits, solver, factor * deadline),
+                lambda solved: self._is_due(solved, t),
+                self._move_frames,
+            )
+        creeps = near > 0.0 and kept and self._is_near(samples, t, near)
         if creeps:
             samples = self._samples
+        return self._solve(samples, t, limits, solver, deadline, once=creeps)
+
+    def _may_steer(self, samples: Samples, limits: Limits) -> bool:
+        """Return whether the field of these samples may move with them: one object in free air, and no hand near it."""
+        if self.skins or samples.capsules is not None or not len(samples) or limits_join(limits):
+            return False
+        own = samples.objects[0]
+        return bool(
+            (samples.objects == own).all()
+            and (samples.regions >= 0).all()
+            and samples.items[own].technique.still
+        )
+
+    def _move_frames(self, centre: Floats, place: Floats) -> None:
+        """Steer what the frames of the cycle play from `centre` to `place`, (3,) [m]."""
+        factors = find_factors(self.session.array, self.session.medium, centre, place)
+        for part in self.cycle.parts:
+            if part.solved is not None:
+                part.solved = replace(part.solved, gains=part.solved.gains * factors)
+
+    def _is_due(self, solved: Solved, t: float) -> bool:
+        """Return whether another solve at time t [s] may come nearer to the targets."""
+        return (
+            self.cycle.due(t) is not None if solved.cycle else not solved.rows[0].needs_no_solve(t)
+        )
+
+    def _solve(
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False
+    ) -> Solved:  # fmt: skip
+        """Return what to play for `samples` at time t [s]. once: see `_solve_cycle_frame`."""
         key, last = (samples, limits, solver), self._last
         if (
             last is not None
@@ -166,7 +162,7 @@ class SampleSolver:
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
-            return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=creeps)
+            return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)
         self.cycle.forget()
         last = self._last
         if last is not None and last.rows[0].needs_no_solve(t) and not last.brief:

@@ -10,7 +10,7 @@ from pacinian.scene.sampling.sample_counts import label_samples
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.sample_solver import Solved
+    from pacinian.rendering.solved import Solved
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats

@@ -40,6 +40,9 @@ ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the me
 TURNS = 16  # number of these steps
 MIN_SAVED_SHARE = 0.07  # no steps are taken if the first saves at most this fraction of the cost
 FULL_STEP_SHARE = 0.17  # steps have full length if the first saves at least this fraction
+# A region keeps its phases while they differ from those of a new wave by at most this, apart from a common phase (root
+# mean square) [rad].
+MAX_TURN = 1.0
 
 
 def joint_phases(
@@ -86,13 +89,15 @@ def settle_phases(
     tilt: float = 0.0,
     *,
     relax: bool = True,
+    keep: bool = False,
 ) -> Targets:
     """Return the same targets with every phase fixed, for points of which some belong to regions.
 
     The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
     For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
     d'/d is at least 0.8. If `relax`, the phases of regions are then relaxed (`relax_phases`), unless the wave is tilted
-    or steered off zones, or the strength is free.
+    or steered off zones, or the strength is free. If `keep`, regions keep the phases of `warm` if these differ little
+    from those of the wave. Then its multipliers still fit (decision 76).
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
@@ -111,6 +116,10 @@ def settle_phases(
             own = regions == number
             wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
     start, steps = initial_phases(M, None if warm is None else _phases(warm))
+    if keep and propagator.nulls is None:
+        for number in range(int(regions.max()) + 1):
+            own = regions == number
+            wave[own] = _keep_wave(t[own], wave[own], start[own])
     group, phases = np.empty(M, np.int64), np.empty(M)
     p, z = np.empty(M, np.complex128), np.empty(M + 1, np.complex128)
     # normalised, so that squares in single precision do not overflow
@@ -166,6 +175,18 @@ def _choose_scattered(count: int) -> Indices:
     if count <= MAX_SOURCES:
         return np.arange(count)
     return np.unique((np.arange(MAX_SOURCES) * GOLDEN % 1.0 * count).astype(np.int64))
+
+
+def _keep_wave(t: Floats, wave: Floats, last: Floats) -> Floats:
+    """Return the last phases of a region's samples, (M,) [rad], or those of a new wave if these differ too much.
+
+    t: amplitudes, (M,).
+    """
+    w = t * t
+    turn = np.exp(1j * (wave - last))
+    turned = np.angle(turn * np.conj(w @ turn))
+    kept = float(w @ turned**2) <= MAX_TURN * MAX_TURN * float(w.sum())
+    return last.copy() if kept else wave
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 MAX_COUNT_CHANGE = 1 / 4
 # samples that moved by less than this, except as their whole region moved, are the same [m]
 MAX_STILL_MOVE = 5e-4
+# samples that moved as one by at most this are the same [m]
+MAX_COMMON_MOVE = 0.03
 # a sample takes over the phase of an earlier one within this distance [m]
 MAX_CARRY_DISTANCE = 3e-3
 
@@ -55,10 +57,10 @@ def carry_regions(
 ) -> Solution:
     """Return the last solution carried over to the present points, although samples may have come and gone.
 
-    before: the points of `warm`, (M', 3) [m]. A point takes over the phase and the multiplier of the same point, that
-    is, from where it was if its whole region has moved alike. A new point takes over the phase of the nearest earlier
-    point of its kind (in a region, isolated, or beside regions) within 3 mm, or else that of the present sound there,
-    and its multiplier is 0 (decision 72).
+    before: the points of `warm`, (M', 3) [m]. Points that have all moved as one are the same. Otherwise, a point takes
+    over the phase and the multiplier of the same point, that is, from where it was if its whole region has moved alike.
+    A new point takes over the phase of the nearest earlier point of its kind (in a region, isolated, or beside regions)
+    within 3 mm, or else that of the present sound there, and its multiplier is 0 (decision 72).
     """
     q, asked = propagator.points, warm.asked_phases
     now, were = targets.regions, warm.targets.regions
@@ -66,9 +68,13 @@ def carry_regions(
     assert now is not None
     assert were is not None
     M = len(q)
-    same = len(before) == M and np.array_equal(now, were)
-    if same and float(np.abs(q - before).max()) < MAX_STILL_MOVE:
-        return warm
+    if len(before) == M and np.array_equal(now, were):
+        moved = q - before
+        if float(np.abs(moved).max()) < MAX_STILL_MOVE:
+            return warm
+        as_one = float(np.abs(moved - moved[0]).max()) < MAX_STILL_MOVE
+        if as_one and float(np.linalg.norm(moved[0])) <= MAX_COMMON_MOVE:
+            return dataclasses.replace(warm, sound_pressure=propagator.apply(warm.gains))
     p, phases, y = propagator.apply(warm.gains), np.empty(M), np.empty(M, np.complex128)
     last = np.zeros(len(before), np.complex128) if warm.multipliers is None else warm.multipliers
     found = kernels.carry_multipliers(

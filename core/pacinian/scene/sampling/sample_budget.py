@@ -30,9 +30,13 @@ if TYPE_CHECKING:
 
     Cut = Callable[[Samples], Samples]
 
-# Largest number of samples in a scene with hands, relative to the budget: it takes time to find the skin that they
-# touch and the highest pressure on it.
+# Largest number of samples of regions, relative to the budget: in a scene with hands, because it takes time to find the
+# skin that they touch and the highest pressure on it; and of one object in free air, at levels 0, 1, 2 and coarser. Its
+# field can be steered, so its solves may take longer.
 SHARE_ON_SKIN = 0.8
+SHARES_ALONE = 1.0, 1.6, 2.0
+# Levels from which regions are divided into bands: in general, and one object in free air.
+BAND_LEVEL, BAND_LEVEL_ALONE = 1, 2
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
 MAX_LEVEL = 40  # largest level, in steps of sqrt(2) of the spacing
 MAX_ESTIMATE_RATIO = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
@@ -51,6 +55,16 @@ class LevelSamples(NamedTuple):
         return count_pressing(self.samples) + self.faint + self.outside
 
 
+def share_budget(budget: int, share: float) -> int:
+    """Return a share of the budget, at least one sample."""
+    return max(1, round(share * budget))
+
+
+def _share_alone(budget: int, level: int) -> int:
+    """Return the largest number of samples of one object in free air."""
+    return share_budget(budget, SHARES_ALONE[min(level, len(SHARES_ALONE) - 1)])
+
+
 def allot_budget(
     sources: list[tuple[Source, float]],
     budget: int,
@@ -60,6 +74,7 @@ def allot_budget(
     bands: int = 1,
     full: int = 0,
     *,
+    alone: bool = False,
     strict: bool = False,
 ) -> list[Samples]:
     """Return samples of each source, at most `budget` simultaneous samples in all.
@@ -69,7 +84,8 @@ def allot_budget(
     weakest samples are dropped (of equals, the last), and so are all sources after it. Samples that sound one at a
     time count as one. levels: coarseness of each priority; it is kept from tick to tick to prevent flicker. cut: drops
     samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become one
-    level coarser before they are divided, because the pressure between their samples is still even then.
+    level coarser before they are divided, because the pressure between their samples is still even then. alone: whether
+    there is one object, in free air: it becomes two levels coarser, but then has up to twice the budget.
 
     counts: gets what each object asks for, and what is left out. full: the budget if there were time; `budget` may
     be less. strict: raise ArgumentError, which names the object, instead of leaving anything out.
@@ -81,11 +97,14 @@ def allot_budget(
         if strict:
             _check_estimate(members, left, bands)
         level = 0 if strict else levels.get(priority, 0)
-        made, level = _fit_level(members, left, level, cut, bands, fixed=strict)
+        made, level = _fit_level(members, left, level, cut, bands, alone=alone, fixed=strict)
         levels[priority] = level
         for (source, spacing), one in zip(members, made, strict=True):
             samples = one.samples
-            count = _count_simultaneous(source, samples, bands if level or strict else 1)
+            divided = strict or level >= (BAND_LEVEL_ALONE if alone else BAND_LEVEL)
+            if alone:
+                left = _share_alone(left, level)
+            count = _count_simultaneous(source, samples, bands if divided else 1)
             if strict and count > left:
                 raise _too_many(source, count, left)
             kept = samples if count <= left else _strongest(samples, left)
@@ -120,6 +139,8 @@ def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
         count = estimate_samples(source.item, spacing)
         if count > most:
             return round(count)
+        if not source.textured:
+            return source.count(spacing)
     return _make(source, spacing, cut).asked
 
 
@@ -156,12 +177,17 @@ def _strongest(samples: Samples, count: int) -> Samples:
 
 
 def _fit_level(
-    members: list[tuple[Source, float]], left: int, level: int, cut: Cut, bands: int, *, fixed: bool,
+    members: list[tuple[Source, float]], left: int, level: int, cut: Cut, bands: int, *, alone: bool, fixed: bool,
 ) -> tuple[list[LevelSamples], int]:  # fmt: skip
     """Return the samples of sources of one priority, and the level at which they are at most `left`.
 
-    fixed: keep the given level.
+    alone: as for `allot_budget`. fixed: keep the given level.
     """
+    divided_from = BAND_LEVEL_ALONE if alone else BAND_LEVEL
+
+    def most(level: int) -> int:
+        """Return the largest number of samples at `level`."""
+        return _share_alone(left, level) if alone else left
 
     def every(level: int) -> list[LevelSamples]:
         return [
@@ -173,10 +199,10 @@ def _fit_level(
         """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
         counts = [
             sum(
-                _count_simultaneous(m, one.samples, most)
+                _count_simultaneous(m, one.samples, parts)
                 for (m, _), one in zip(members, made, strict=True)
             )
-            for most in ({1, bands} if level else {1})
+            for parts in ({1, bands} if level >= divided_from else {1})
         ]
         return min(counts)
 
@@ -188,7 +214,8 @@ def _fit_level(
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        return _estimate_whole(members, level) > MAX_ESTIMATE_RATIO * left * (bands if level else 1)
+        parts = bands if level >= divided_from else 1
+        return _estimate_whole(members, level) > MAX_ESTIMATE_RATIO * most(level) * parts
 
     if fixed:
         return every(level), level
@@ -196,11 +223,11 @@ def _fit_level(
         level += 1
     made = every(level)
     count = number(made, level)
-    if level and count * FINER <= left and not too_many(level - 1):
+    if level and count * FINER <= most(level - 1) and not too_many(level - 1):
         finer = every(level - 1)
-        if FINER * number(finer, level - 1) <= left:
+        if FINER * number(finer, level - 1) <= most(level - 1):
             return finer, level - 1
-    while count > left and more(level):
+    while count > most(level) and more(level):
         level += 1
         made = every(level)
         count = number(made, level)

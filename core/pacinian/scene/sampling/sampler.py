@@ -24,7 +24,7 @@ from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, allot_budget
+from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, allot_budget, share_budget
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
@@ -231,7 +231,7 @@ class Sampler:
         solid = any(is_dense(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
         if solid and skin:
-            budget = max(1, round(SHARE_ON_SKIN * budget))
+            budget = share_budget(budget, SHARE_ON_SKIN)
         parts = allot_budget(
             sources,
             budget,
@@ -240,6 +240,7 @@ class Sampler:
             counts,
             self.bands,
             self.budget,
+            alone=solid and not skin and len(sources) == 1,
             strict=self.strict,
         )
         if len(parts) > 1:

@@ -94,6 +94,29 @@ class Samples:
 
         distance: that they may have moved [m]. The envelopes and techniques of their objects must be equal, too.
         """
+        if not self._is_alike(other):
+            return False
+        moved = [self.positions - other.positions]
+        if self.capsules is not None and other.capsules is not None:
+            if self.capsules.shape != other.capsules.shape:
+                return False
+            moved.append((self.capsules - other.capsules)[:, :6].reshape(-1, 3))
+        return not any((d * d).sum(axis=1).max(initial=0.0) > distance * distance for d in moved)
+
+    def find_shift(self, other: Samples, distortion: float) -> Floats | None:
+        """Return by how much these samples have moved as one since they were `other`, (3,) [m], or None.
+
+        distortion: by how much the way of each may differ from the mean, along each axis [m]. Pressures, envelopes and
+        techniques must be equal.
+        """
+        if not len(self) or not self._is_alike(other):
+            return None
+        moved = self.positions - other.positions
+        shift: Floats = moved.mean(axis=0)
+        return shift if float(np.abs(moved - shift).max()) <= distortion else None
+
+    def _is_alike(self, other: Samples) -> bool:
+        """Return whether these are the same samples, wherever they are: pressures, regions, envelopes, techniques."""
         if len(self) != len(other) or not np.array_equal(self.keys, other.keys):
             return False
         if (self.capsules is None) != (other.capsules is None) or len(self.items) != len(
@@ -101,14 +124,9 @@ class Samples:
         ):
             return False
         P, before = self.radiation_pressure, other.radiation_pressure
-        if not (np.array_equal(self.regions, other.regions) and np.allclose(P, before, 1e-3, 0.0)):
+        if not np.array_equal(self.regions, other.regions):
             return False
-        moved = [self.positions - other.positions]
-        if self.capsules is not None and other.capsules is not None:
-            if self.capsules.shape != other.capsules.shape:
-                return False
-            moved.append((self.capsules - other.capsules)[:, :6].reshape(-1, 3))
-        if any((d * d).sum(axis=1).max(initial=0.0) > distance * distance for d in moved):
+        if not (np.array_equal(P, before) or np.allclose(P, before, 1e-3, 0.0)):
             return False
         pairs = ((self.items[i], other.items[i]) for i in set(self.objects.tolist()))
         return np.array_equal(self.objects, other.objects) and all(

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
+from pacinian.acoustics.pose import Pose
 from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 from pacinian.scene.sampling.texture_factor import apply_texture
+from pacinian.scene.shapes.sphere_capsule import Sphere
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.pose import Pose
     from pacinian.scene.haptic_object import HapticObject
     from pacinian.scene.objects import Object, Particles, Path, Point
     from pacinian.scene.sampling.array_resolution import ArrayResolution
@@ -74,11 +75,22 @@ class WholeObject:
         """See `Source`."""
         return self.item.pose.position
 
+    @property
+    def textured(self) -> bool:
+        """Whether a texture presses some samples less, or not at all."""
+        return getattr(self.item, "texture", None) is not None
+
+    def count(self, spacing: float) -> int:
+        """Return the number of samples about `spacing` [m] apart; 0 if they do not press."""
+        return len(self.covers.get(self.item, spacing).points) if self.item.pressure > 0.0 else 0
+
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
         item = self.item
-        local, R = self.covers.get(item, spacing), self.pose.matrix.T
-        K = len(local.points)
+        local, pose = self.covers.get(item, spacing), self.pose
+        if isinstance(getattr(item, "shape", None), Sphere) and not self.textured:
+            pose = Pose(pose.position)  # a ball that rolls presses like one that moves as one
+        K, R = len(local.points), pose.matrix.T
         normals = local.normals @ R if local.normals.any() else local.normals
         P = np.full(K, item.pressure)
         apply_texture(getattr(item, "texture", None), local.points, P)

@@ -1,7 +1,7 @@
 // Least squares of regions under the gain limit: Newton steps on the multipliers y, by preconditioned conjugate gradients.
 //
 // See regions.py for the equations. A step solves (D + B W B^H) d = F. The preconditioner is the Cholesky factor of that
-// matrix for one in four transducers, each weighted 4, in single precision.
+// matrix for some of the transducers, in single precision.
 //
 // Common arguments: B, y, h, made, tile: as in fused_passes.hpp. L: lower triangle, real and imaginary parts, (2, K, K) with
 // K = M rounded up to 2; of size 0 for no preconditioner. See `RegionWorkspace`.
@@ -17,7 +17,7 @@
 
 namespace pacinian::lagrange {
 
-constexpr Index STRIDE = 4;            // of the transducers in the preconditioner
+constexpr Index MIN_COLUMNS = 500, MAX_STRIDE = 4;  // of the transducers in the preconditioner
 constexpr f8 STOP_RESIDUAL = 5e-3;     // ||F|| / ||p|| to stop at: a smaller error cannot be felt
 constexpr f8 INEXACT = 0.1;            // residual of a Newton system, relative to ||F||
 constexpr Index MAX_STEPS = 15;        // Newton steps in one call
@@ -50,26 +50,29 @@ inline void products(const f4* __restrict xr0, const f4* __restrict xi0, const f
     s[0][0] = {r00, i00}, s[0][1] = {r01, i01}, s[1][0] = {r10, i10}, s[1][1] = {r11, i11};
 }
 
-// Write D + B W B^H for one in four transducers, each weighted 4, to the lower triangle L.
+// Return how many transducers one in the preconditioner stands for.
+inline Index find_stride(Index N) { return std::clamp<Index>(N / MIN_COLUMNS, 1, MAX_STRIDE); }
+
+// Write D + B W B^H for every `stride`-th transducer, each with that weight, to the lower triangle L.
 inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, View<f4, 3> tile, View<f4, 3> L) {
-    const Index M = B.shape[0], N = B.shape[1], K = L.shape[1], all = (N + STRIDE - 1) / STRIDE;
+    const Index M = B.shape[0], N = B.shape[1], K = L.shape[1], stride = find_stride(N), all = (N + stride - 1) / stride;
     const f4 share = static_cast<f4>(N) / static_cast<f4>(all);
     std::fill(L.data, L.data + L.size(), 0.0f);
     for (Index i = 0; i < K; ++i) L(0, i, i) = i < M ? static_cast<f4>(D[i]) : 1.0f;
     alignas(64) f4 root[TILE];
     for (Index first = 0; first < all; first += TILE) {
         const Index count = std::min(TILE, all - first);
-        const f4* size = h.row(2) + STRIDE * first;
+        const f4* size = h.row(2) + stride * first;
         for (Index n = 0; n < count; ++n) {  // a gain at its limit can turn but not grow: one of two directions
-            const f4 weight = size[STRIDE * n] > mu ? 0.5f / size[STRIDE * n] : 1.0f / mu;
+            const f4 weight = size[stride * n] > mu ? 0.5f / size[stride * n] : 1.0f / mu;
             root[n] = std::sqrt(share * weight);
         }
         for (Index m = 0; m < M; ++m) {
-            const f4* __restrict row = reinterpret_cast<const f4*>(B.row(m) + STRIDE * first);
+            const f4* __restrict row = reinterpret_cast<const f4*>(B.row(m) + stride * first);
             f4 *__restrict re = tile.row(0, m), *__restrict im = tile.row(1, m);
             for (Index n = 0; n < count; ++n) {
-                re[n] = row[2 * STRIDE * n] * root[n];
-                im[n] = row[2 * STRIDE * n + 1] * root[n];
+                re[n] = row[2 * stride * n] * root[n];
+                im[n] = row[2 * stride * n + 1] * root[n];
             }
         }
         Sum s[2][2];

@@ -6,8 +6,8 @@ that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 ov
 Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
 its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
-Every fourth transducer suffices to capture the coupling of the samples. D + B W B^H is computed and factored for these
-transducers only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60. The
+Some of the transducers suffice to capture the coupling of the samples: all of a small array, and every fourth of a large
+one. D + B W B^H is computed and factored for these only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60. The
 coupling hardly changes while samples move together, so the next solve begins with the same preconditioner.
 
 An error d of the sound pressure changes the radiation pressure by 2 |p| d where the target is |p|, but only by d^2
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
 OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
-MAX_SAMPLES = 400  # largest number of samples with a preconditioner
+MAX_SAMPLES = 512  # largest number of samples with a preconditioner
 # Largest duality gap of the last multipliers, relative to that of none, to start from them: if they had converged, and
 # if there was no time for that. If late solves began anew each time, none of them would ever converge (decision 75).
 MAX_GAP, MAX_LATE_GAP = 0.25, 1.0

@@ -1,0 +1,72 @@
+"""What to play for some samples: the result of `SampleSolver.solve`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.solving.problem import Limits, Targets, number_regions
+
+if TYPE_CHECKING:
+    from pacinian.rendering.cached_solution import CachedSolution
+    from pacinian.rendering.steering import Motion
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.types import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What to play for some samples.
+
+    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are
+    several. each: whether each of them belongs to one row of one tick, because a technique moves the samples.
+    cycle: whether they are the frames of a cycle, and people feel their mean. complete: whether all frames of the
+    cycle are solved. common: in a cycle, the samples of all frames together that sound can reach. asked: their
+    target, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by which the gains will grow
+    once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames than they
+    could have, for want of time. motion: how `samples` have moved since the solve; None if the field stays where it was
+    solved for.
+    """
+
+    samples: Samples
+    limits: Limits
+    rows: tuple[CachedSolution, ...] = ()
+    each: bool = False
+    cycle: bool = False
+    complete: bool = True
+    common: Samples | None = None
+    asked: Floats | None = None
+    brief: bool = False
+    growth: float = 1.0
+    hurried: bool = False
+    motion: Motion | None = None
+
+    @property
+    def played_samples(self) -> Samples | None:
+        """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
+        last = self.rows[-1].samples if self.rows else None
+        played = self.common if self.cycle else last
+        if played is None or self.motion is None:
+            return played
+        return played.changed(positions=played.positions + self.motion.shift)
+
+    @property
+    def targets(self) -> Targets | None:
+        """Targets of the last solution, or of all frames of a cycle together; None without a solution."""
+        if self.cycle:
+            assert self.asked is not None
+            assert self.common is not None
+            t = sound_pressure(self.asked, self.rows[-1].solution.medium)
+            return Targets.make_unchecked(t, number_regions(len(t), self.common.regions))
+        return self.rows[-1].solution.targets if self.rows else None
+
+    @property
+    def facing(self) -> SkinFacing | None:
+        """Facing of the skin at `played_samples`; None if that is not on skin."""
+        if not self.cycle:
+            return self.rows[-1].solution.facing if self.rows else None
+        if self.common is None or self.common.capsules is None:
+            return None
+        return SkinFacing.of(self.common.normals, self.common.capsules)

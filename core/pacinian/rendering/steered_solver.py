@@ -1,0 +1,100 @@
+"""Solve for one object that moves in free air, or steer the field of its last solution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from pacinian.rendering.steering import MAX_DISTORTION, MotionTracker
+from pacinian.solving.solution_status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.acoustics.array import Array
+    from pacinian.rendering.solved import Solved
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.types import Floats
+
+# Largest shift before samples are solved for where they are, over their distance from the nearest transducer. At the
+# array's limit, solutions are less exact and take longer. While a solve is not done, no other one begins.
+MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
+PATIENCE = 2.5  # factor on the time of a solve while there is something to steer
+
+
+class Anchor(NamedTuple):
+    """Samples that were solved for, and their centre, (3,) [m]."""
+
+    samples: Samples
+    centre: Floats
+
+
+class SteeredSolver:
+    """Solves where the samples of one object are, and steers the solution while they move as one."""
+
+    def __init__(self, array: Array) -> None:
+        self._tracker = MotionTracker(array)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all solutions."""
+        self._tracker.reset()
+        self._anchor: Anchor | None = None  # of the last solve
+        # The solution that is steered. Only one that has a smaller error, or that was done in time, replaces it.
+        self._played: tuple[Solved, Anchor] | None = None
+        self._late, self._max_shift = False, MAX_SHIFT  # of the last solve
+        self._result: Solved | None = None  # of the last call of `solve`
+
+    def solve(
+        self, samples: Samples, t: float, solve: Callable[[Samples, float], Solved], is_due: Callable[[Solved], bool],
+        move: Callable[[Floats, Floats], None],
+    ) -> Solved:  # fmt: skip
+        """Return what to play for samples that are where they are at time t [s].
+
+        solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
+        same samples may come nearer to the targets. move: steers all solutions that the next solve goes on from, from
+        one place, (3,) [m], to another one. Call `reset` if other limits or another solver are used.
+        """
+        tracker, motion, anchor = self._tracker, None, self._anchor
+        tracker.track(samples, t)
+        if tracker.close:
+            self.reset()
+            return solve(samples, 1.0)
+        if anchor is not None:
+            motion = tracker.find_motion(samples, *anchor, self._max_shift)
+            if motion is not None and motion.moved and tracker.stands and not self._late:
+                motion = None
+        goes_on = anchor is not None and motion is not None and self._late
+        if anchor is None or motion is None:
+            motion = tracker.begin()
+            if (
+                anchor is not None
+                and samples.find_shift(anchor.samples, MAX_DISTORTION) is not None
+            ):
+                move(anchor.centre, motion.centre)
+            anchor = self._anchor = Anchor(samples, motion.centre)
+        played = self._played
+        since = played and tracker.find_motion(samples, *played[1], MAX_LATE_SHIFT)
+        solved = solve(anchor.samples, PATIENCE if since or goes_on else 1.0)
+        late = any(one.ran_out_of_time for one in solved.rows)
+        limited = any(one.solution.status is Status.limited for one in solved.rows)
+        self._late = late and is_due(solved)
+        self._max_shift = MAX_LIMITED_SHIFT if limited else MAX_SHIFT
+        if self._late:
+            self._max_shift = MAX_LATE_SHIFT
+        if late and played and since and _find_error(solved) > _find_error(played[0]):
+            solved, motion = played[0], since
+        else:
+            self._played = solved, anchor
+        last = self._result
+        if last is not None and last.samples is samples and last.rows == solved.rows:
+            assert last.motion is not None
+            if motion.rests_like(last.motion):
+                return last  # nothing has changed
+        self._result = replace(solved, samples=samples, motion=motion)
+        return self._result
+
+
+def _find_error(solved: Solved) -> float:
+    """Return the largest error of the frames at their samples."""
+    return max(one.solution.error for one in solved.rows)

@@ -1,0 +1,199 @@
+"""Steering: move the emitted field with samples that move as one, without another solve.
+
+Let c be the centre of the samples that were solved for. If each transducer makes at c + d what it made at c, the field
+around c moves by d. A transducer at distance r from c, and r' from c + d, makes sound pressures in proportion to
+e^(-jkr) / r and e^(-jkr') / r' there. So its gain gets the factor e^(jk(r' - r)) r' / r. At the centre, this is exact,
+except for the directivity. Elsewhere, the error grows with the shift and with the distance from the centre, relative to
+the distance from the array (decision 76).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.acoustics.propagation import KernelData
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.types import Floats, Gains
+
+MAX_DISTORTION = 2e-4  # largest difference between the shifts of two samples [m]
+MIN_DISTANCE = 0.05  # from the centre of the samples to the nearest transducer [m]
+MAX_JUMP = 0.02  # longest way to the next samples that counts as a movement [m]
+MAX_STANDSTILL = 0.033  # time after which samples that stand are solved for where they are [s]
+MIN_INTERVAL, MAX_INTERVAL = 1e-3, 0.05  # from place to place, to tell the velocity [s]
+MAX_LEAD = 0.03  # longest time for which a movement goes on as before [s]
+STANDS = 1e-5  # largest movement of samples that do not move [m]
+MAX_RATIO = 2.0  # largest factor on the amplitude of a gain, and 1 over the smallest
+
+
+class Motion(NamedTuple):
+    """How samples have moved since they were solved for.
+
+    centre: of the samples solved for, (3,) [m]. shift: since then, (3,) [m]. velocity: (3,) [m/s]. time: at which the
+    shift is that [s].
+    """
+
+    centre: Floats
+    shift: Floats
+    velocity: Floats
+    time: float
+
+    @property
+    def moved(self) -> bool:
+        """Whether the samples are not where they were solved for."""
+        return float(np.abs(self.shift).max()) > STANDS
+
+    def rests_like(self, other: Motion) -> bool:
+        """Return whether both end in the same place, where the samples stand."""
+        return (
+            np.array_equal(self.centre, other.centre)
+            and np.array_equal(self.shift, other.shift)
+            and not (self.velocity.any() or other.velocity.any())
+        )
+
+    def find_place(self, t: float) -> Floats:
+        """Return the centre of the samples at time t [s], (3,) [m]."""
+        ahead = min(max(t - self.time, -MAX_LEAD), MAX_LEAD)
+        return np.asarray(self.centre + self.shift + ahead * self.velocity)
+
+
+class MotionTracker:
+    """Follows samples from solve to solve."""
+
+    def __init__(self, array: Array) -> None:
+        self._transducers = array.positions
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self._place, self._time = np.full(3, math.nan), -math.inf  # of the last samples [m], [s]
+        self._velocity, self._stands_since = np.zeros(3), math.inf
+        self._distance = 0.0  # from the nearest transducer [m]
+
+    @property
+    def close(self) -> bool:
+        """Whether the samples are so close to the array that their field cannot be steered."""
+        return not self._distance >= MIN_DISTANCE
+
+    @property
+    def stands(self) -> bool:
+        """Whether the samples have not moved for a while."""
+        return self._time - self._stands_since >= MAX_STANDSTILL
+
+    def track(self, samples: Samples, t: float) -> None:
+        """Note where samples are at time t [s]."""
+        place = samples.positions.mean(axis=0)
+        way, seconds = place - self._place, t - self._time
+        far = not float(np.linalg.norm(way)) <= MAX_JUMP  # or there was no place before
+        if far or not seconds <= MAX_INTERVAL:
+            self._velocity = np.zeros(3)
+        elif seconds >= MIN_INTERVAL:
+            self._velocity = way / seconds
+        if far or seconds < 0.0 or np.abs(way).max() > STANDS:
+            self._stands_since = t
+        self._place, self._time = place, t
+        self._distance = float(np.linalg.norm(self._transducers - place, axis=1).min())
+
+    def begin(self) -> Motion:
+        """Return the motion of the samples noted last, which are solved for where they are."""
+        return Motion(self._place, np.zeros(3), self._velocity, self._time)
+
+    def find_motion(
+        self, samples: Samples, solved: Samples, centre: Floats, most: float
+    ) -> Motion | None:
+        """Return how the samples noted last have moved since they were `solved`; None if they need another solve.
+
+        centre: of `solved`, (3,) [m]. most: largest shift, over the distance from the nearest transducer.
+        """
+        shift = samples.find_shift(solved, MAX_DISTORTION)
+        if shift is None or not float(np.linalg.norm(shift)) <= most * self._distance:
+            return None
+        return Motion(centre, shift, self._velocity, self._time)
+
+
+class Steering:
+    """Steers rows of gains along a motion."""
+
+    def __init__(self, array: Array, medium: Air) -> None:
+        self._array, self._medium = array, medium
+        self.reset()
+
+    def reset(self) -> None:
+        """Follow no motion."""
+        self._motion: Motion | None = None
+        self._place = np.zeros(3)  # to which the last row was steered [m]
+        self._factor: Gains | None = None  # of that row, (N,)
+        self._behind, self._span, self._left = np.zeros(3), 1, 0  # see `follow`
+
+    @property
+    def still(self) -> bool:
+        """Whether the next rows are steered to the same place if nothing changes."""
+        return self._motion is None or not (self._left or self._motion.velocity.any())
+
+    def follow(self, motion: Motion | None, t: float, ticks: int) -> Gains | None:
+        """Follow a motion from time t [s] on; None for no motion.
+
+        ticks: over which to catch up with its place. If gains of the solution before must be multiplied, so that they
+        still make the same field, returns the factors, (N,).
+        """
+        last, self._motion = self._motion, motion
+        if motion is last:
+            return None
+        near = motion is not None and last is not None
+        if motion is not None and last is not None:
+            near = float(np.linalg.norm(motion.find_place(t) - self._place)) <= MAX_JUMP
+        factors = None
+        if last is not None:
+            centre = motion.centre if motion is not None and near else self._place
+            if not np.array_equal(last.centre, centre):
+                factors = self.find_factors(last.centre, centre)
+        if motion is None:
+            self.reset()
+            return factors
+        if not near:
+            self._place, self._factor = motion.centre, None
+        elif factors is not None:
+            self._factor = None
+        self._behind, self._span, self._left = self._place - motion.find_place(t), ticks, ticks
+        return factors
+
+    def steer(self, rows: Gains, t: float) -> None:
+        """Steer rows of a tick that begins at time t [s], (K, N), in place."""
+        motion = self._motion
+        if motion is None:
+            return
+        if self._factor is None:
+            self._factor = self.find_factors(motion.centre, self._place)
+        before = self._factor
+        if not self.still:
+            self._left = max(self._left - 1, 0)
+            self._place = motion.find_place(t) + self._left / self._span * self._behind
+            self._factor = self.find_factors(motion.centre, self._place)
+        K = len(rows)
+        if K == 1 or before is self._factor:
+            rows *= self._factor
+            return
+        share = (np.arange(1, K + 1, dtype=np.float32) / np.float32(K))[:, None]
+        rows *= before + share * (self._factor - before)
+
+    def find_factors(self, centre: Floats, place: Floats) -> Gains:
+        """Return the factor on each gain that moves the field around `centre` to `place`, (3,) [m]: (N,)."""
+        return find_factors(self._array, self._medium, centre, place)
+
+
+def find_factors(array: Array, medium: Air, centre: Floats, place: Floats) -> Gains:
+    """Return the factor on each gain that moves the field around `centre` to `place`, (3,) [m]: (N,)."""
+    from pacinian.native import rendering as kernels
+
+    data = KernelData.prepare(array, medium)
+    factors: Gains = np.empty(len(array), np.complex64)
+    ends = (np.array([centre, place]) - data.origin).astype(np.float32)
+    turns, exponent = float(data.law[0]), float(data.law[1])
+    kernels.find_factors(data.r, turns, exponent, ends[0], ends[1], MAX_RATIO, factors)
+    return factors
