@@ -29,6 +29,13 @@ def surface(array: pc.Array, shape: Any, pressure: float, **how: Any) -> pc.Surf
     return pc.Surface(shape=shape, pose=pc.Pose((x, y, 0.2)), radiation_pressure=pressure, **how)
 
 
+def with_another(item: pc.Surface) -> pc.Scene:
+    """Return a scene of a surface and a weak one far beside it: one object alone is divided later."""
+    other = surface(NINE, pc.Disc(0.004), 1e-3, name="other")
+    x, y, z = other.pose.position
+    return pc.Scene((item, replace(other, pose=pc.Pose((x + 0.2, y, z)))))
+
+
 def square(side: float) -> np.ndarray[Any, Any]:
     """Return points in a square that are not on the lattice of samples."""
     x = np.arange(0.0004 - side / 2.0, side / 2.0, 0.0011)
@@ -74,7 +81,7 @@ def test_frames_at_most_so_that_each_comes_again_500_times_a_second() -> None:
 @pytest.mark.parametrize("most", [1, 4])
 def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) -> None:
     places = square(0.11)
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.11, 0.11), 1.0),))
+    scene = with_another(surface(NINE, pc.Rectangle(0.11, 0.11), 1.0))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=most)
     P = press(NINE, sent(renderer, 80, 4), places)
     mean = P.mean(axis=0)
@@ -89,7 +96,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     assert off(mean, 1.0) < 0.15
     assert not (mean < 0.5).any()
     told = renderer.report.compute_felt(1)["surface"]
-    assert told.force == pytest.approx(1.0, abs=0.1)
+    assert told.force == pytest.approx(1.0, abs=0.15)
     assert told.holes == 0.0
 
 
@@ -110,9 +117,39 @@ def test_a_whole_ball_in_free_air_is_even_in_one_frame() -> None:
     assert mean.max() < 1.5
 
 
+@pytest.mark.parametrize(
+    ("radius", "pressure", "error"), [(0.025, 2.0, 0.06), (0.033, 1.0, 0.07), (0.04, 1.0, 0.08)]
+)
+def test_a_ball_alone_in_free_air_is_not_divided(
+    radius: float, pressure: float, error: float
+) -> None:
+    """In two bands, the rms was 0.2, and the highest pressure two to four times the target."""
+    x, y, _ = NINE.centre
+    ball = pc.Volume(
+        shape=pc.Sphere(radius), pose=pc.Pose((x, y, 0.175)), radiation_pressure=pressure
+    )
+    renderer = pc.Renderer(NINE, pc.Scene((ball,)), clock=ManualClock())
+    gains = sent(renderer, 60, 4)
+    away = np.random.default_rng(4).normal(size=(800, 3))
+    around = radius * away / np.linalg.norm(away, axis=1, keepdims=True)
+    mean = press(NINE, gains, around + np.array([0.0, 0.0, 0.175])).mean(axis=0)
+    assert mean.mean() == pytest.approx(pressure, rel=0.03)
+    assert off(mean, pressure) < error
+    assert mean.max() < 1.5 * pressure
+
+
+@pytest.mark.parametrize("side", [0.07, 0.08])
+def test_a_square_alone_in_free_air_is_not_divided(side: float) -> None:
+    scene = pc.Scene((surface(NINE, pc.Rectangle(side, side), 3.0),))
+    renderer = pc.Renderer(NINE, scene, clock=ManualClock())
+    mean = press(NINE, sent(renderer, 60, 4), square(side)).mean(axis=0)
+    assert off(mean, 3.0) < 0.03
+    assert len(renderer.samples) > renderer.sampler.budget
+
+
 @pytest.mark.parametrize(("side", "pressure", "error"), [(0.08, 0.3, 0.1), (0.078, 3.0, 0.12)])
 def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error: float) -> None:
-    scene = pc.Scene((surface(NINE, pc.Rectangle(side, side), pressure),))
+    scene = with_another(surface(NINE, pc.Rectangle(side, side), pressure))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
     mean = press(NINE, sent(renderer, 40, 4), square(side)).mean(axis=0)
     assert len(renderer.sounding) == 2
@@ -121,14 +158,14 @@ def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error:
 
 
 def test_bands_that_the_array_cannot_make_become_fewer_samples() -> None:
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.08, 0.08), 6.0),))
+    scene = with_another(surface(NINE, pc.Rectangle(0.08, 0.08), 6.0))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
     mean = press(NINE, sent(renderer, 60, 4), square(0.08)).mean(axis=0)
     assert len(renderer.samples) <= renderer.sampler.budget
     assert off(mean, 6.0) < 0.28, "in bands 0.293"
     weak = replace(scene.objects[0], radiation_pressure=1.0)
     with renderer:
-        renderer.scene = pc.Scene((weak,))
+        renderer.scene = with_another(weak)
         for k in range(60, 120):
             renderer.tick(k * PERIOD)
     assert len(renderer.samples) > renderer.sampler.budget, "there are bands again"
@@ -337,7 +374,7 @@ def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
     sampler = pc.Sampler(256)
     sampler.bands = 4
     sampler.prepare(NINE, AIR)
-    large = sampler.sample(pc.Scene((surface(NINE, pc.Rectangle(0.1, 0.1), 1.0),)))
+    large = sampler.sample(with_another(surface(NINE, pc.Rectangle(0.1, 0.1), 1.0)))
 
     def solve(late: bool, times: int, moving: bool = True) -> None:
         solved: Any = SimpleNamespace(
@@ -408,7 +445,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
 @pytest.mark.parametrize("peak", [1.5, 3.0])
 def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     """Bands press in turn, so each has a higher target, which this test reads."""
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.12, 0.12), 1.5),))
+    scene = with_another(surface(NINE, pc.Rectangle(0.12, 0.12), 1.5))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), max_cycle_frames=4, peak=peak)
     sent(renderer, 40, 4)
     cycle = renderer.sample_solver.cycle
@@ -421,7 +458,7 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
 
 
 def test_each_row_of_a_cycle_says_which_frame_it_is() -> None:
-    scene = pc.Scene((surface(NINE, pc.Rectangle(0.12, 0.12), 1.0),))
+    scene = with_another(surface(NINE, pc.Rectangle(0.12, 0.12), 1.0))
     clock = ManualClock()
     renderer = pc.Renderer(NINE, scene, clock=clock)
     frames: dict[int, np.ndarray[Any, Any]] = {}

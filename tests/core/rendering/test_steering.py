@@ -108,7 +108,11 @@ def test_a_change_of_the_solution_keeps_the_field(goes: str) -> None:
     steering.steer(before, 0.0)
     steering.steer(before := rows(1), 0.0)
     shift = {"on": 0.005, "far": 2.0 * MAX_JUMP, "away": 0.0}[goes]
-    after = None if goes == "away" else motion((0, 0, 0), 0.0, centre=CENTRE + [shift, 0.0, 0.0])
+    after = (
+        None
+        if goes == "away"
+        else motion((0, 0, 0), 0.0, centre=CENTRE + np.array([shift, 0.0, 0.0]))
+    )
     factors = steering.follow(after, 0.0, 8)
     assert factors is not None
     made = rows(1) * factors
@@ -251,7 +255,9 @@ def test_other_samples_are_solved_for(solving: Solving) -> None:
     assert again.rows != first.rows
 
 
-AROUND = np.random.default_rng(0).standard_normal((200, 3))  # places of the ball's surface that have no samples
+AROUND = np.random.default_rng(0).standard_normal(
+    (200, 3)
+)  # places of the ball's surface that have no samples
 AROUND *= 0.01 / np.linalg.norm(AROUND, axis=1)[:, None]
 
 
@@ -306,8 +312,8 @@ def test_a_still_scene_is_played_as_it_is() -> None:
 
 
 def test_with_a_hand_or_another_object_nothing_is_steered() -> None:
-    hand = pc.Hand.open("right", pc.Pose(tuple(CENTRE + [0.0, 0.0, 0.1])))
-    other = replace(BALL, name="other", pose=pc.Pose(tuple(CENTRE + [0.04, 0.0, 0.0])))
+    hand = pc.Hand.open("right", pc.Pose(tuple(CENTRE + np.array((0.0, 0.0, 0.1)))))
+    other = replace(BALL, name="other", pose=pc.Pose(tuple(CENTRE + np.array((0.04, 0.0, 0.0)))))
     for scene in (pc.Scene((BALL,), hands=(hand,)), pc.Scene((BALL, other))):
         with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
             solve_beside(renderer, 2)
@@ -319,7 +325,7 @@ def test_with_a_hand_or_another_object_nothing_is_steered() -> None:
 def test_the_field_stays_with_the_ball_when_it_is_steered_no_more() -> None:
     """Another ball appears; the gains that are played then take over the factors."""
     clock = ManualClock()
-    other = replace(BALL, name="other", pose=pc.Pose(tuple(CENTRE + [0.0, 0.06, 0.0])))
+    other = replace(BALL, name="other", pose=pc.Pose(tuple(CENTRE + np.array((0.0, 0.06, 0.0)))))
     force = []
 
     def scene(t: float) -> pc.Scene:
@@ -347,6 +353,8 @@ def test_a_ball_that_rolls_has_samples_that_move_as_one() -> None:
     sampler = pc.Sampler()
     sampler.prepare(ARRAY, AIR)
     before = sampler.sample(pc.Scene((BALL,)), 0.0)
-    rolled = replace(BALL, pose=pc.Pose(tuple(CENTRE + [0.002, 0.0, 0.0])).rotate("y", 0.3))
+    rolled = replace(
+        BALL, pose=pc.Pose(tuple(CENTRE + np.array((0.002, 0.0, 0.0)))).rotate("y", 0.3)
+    )
     after = sampler.sample(pc.Scene((rolled,)), 0.01)
     assert after.find_shift(before, 1e-9) == pytest.approx([0.002, 0.0, 0.0])

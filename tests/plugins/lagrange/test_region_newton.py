@@ -12,19 +12,19 @@ from pacinian_plugins.solvers.lagrange.regions import Ascent
 
 from ..problems import ARRAY
 
-STRIDE = 4  # of the transducers in the preconditioner
 MU = 5e-3
 
 
-def problem(seed, M, level):
+def problem(seed, M, level, array=ARRAY):
     """B, targets, D and mu in units of the limit; `level` 1 is about as much as the array can make."""
     rng = np.random.default_rng(seed)
     q = np.c_[rng.uniform(-0.02, 0.02, (M, 2)), np.full(M, 0.15)]
-    B = pc.matrix(ARRAY, q, pc.Air()).astype(np.complex64)
+    q[:, :2] += array.centre[:2] - ARRAY.centre[:2]
+    B = pc.matrix(array, q, pc.Air()).astype(np.complex64)
     p = level * np.abs(B).sum(axis=1).mean() / 3 * rng.uniform(0.5, 1.0, M)
     silent = rng.random(M) < 0.2
     silent[0] = False
-    p = np.where(silent, 0.0, p) * np.exp(1j * pc.joint_phases(ARRAY, q, pc.Air()))
+    p = np.where(silent, 0.0, p) * np.exp(1j * pc.joint_phases(array, q, pc.Air()))
     mu = MU * float((np.abs(B) ** 2).sum()) / M
     return B, p, np.where(silent, 50.0, 1.0), mu
 
@@ -61,13 +61,16 @@ def test_results_are_those_of_numpy(seed, M, level):
     assert abs(space.held - (np.abs(h) > 1 - 1e-5).sum()) <= 0.01 * B.shape[1]
 
 
+@pytest.mark.parametrize(("array", "stride"), [(ARRAY, 1), (pc.autd(3, 3), 4)])
 @pytest.mark.parametrize("M", [2, 3, 50, 63])
-def test_preconditioner_is_the_cholesky_factor_of_every_fourth_transducer(M):
-    B, p, D, mu = problem(1, M, 0.5)
+def test_preconditioner_is_the_cholesky_factor_for_some_transducers(M, array, stride):
+    B, p, D, mu = problem(1, M, 0.5, array)
     budget = pc.Budget.until(0.0, ManualClock().now)
-    y = run(B, p, D, mu, np.zeros(M, complex), budget)[0].y  # after one step
+    y = np.zeros(M, complex)
+    if M > 10:  # so few samples need no second step
+        y = run(B, p, D, mu, y, budget)[0].y
     _, size = gains(B, y, mu)
-    some, size = B[:, ::STRIDE].astype(complex), size[::STRIDE]
+    some, size = B[:, ::stride].astype(complex), size[::stride]
     weight = np.where(size > mu, 0.5 / np.maximum(size, mu), 1 / mu)
     whole = np.diag(D) + (some * (weight * B.shape[1] / len(size))) @ some.conj().T
     _, space = run(B, p, D, mu, y.copy())

@@ -336,7 +336,7 @@ def test_multipliers_that_mislead_are_not_used(strength):
     assert P[1].max() < 1.1 * P[0].max()
 
 
-@pytest.mark.parametrize("M", [3, 60, 399, 401])
+@pytest.mark.parametrize("M", [3, 60, 399, 513])
 def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypatch):
     side = int(np.ceil(np.sqrt(M)))
     q = at(np.stack(np.meshgrid(*[0.002 * np.arange(side)] * 2), axis=-1).reshape(-1, 2)[:M])
@@ -352,7 +352,7 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
     plain = solve()
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0
-    assert helped.objective == pytest.approx(plain.objective, rel=0.03)
+    assert helped.objective == pytest.approx(plain.objective, rel=0.06)
 
 
 # ---------------------------------------------------------------------- without time
