@@ -319,7 +319,7 @@ class Session:
             if targets.regions is not None:
                 relax, keep = self.refines and budget.endless, False
                 if warm is not None and self._base is not None and self._solved_with is not None:
-                    # the samples of the last solve, which have moved as one if they have moved, for a wave as tilted
+                    # `carry_over` keeps the multipliers of samples that have not moved, or moved as one
                     keep = warm.multipliers is self._base.multipliers
                     keep = keep and self._solved_with[3] == self.tilt and not budget.endless
                 asked = settle_phases(propagator, targets, warm, self.tilt, relax=relax, keep=keep)

@@ -18,7 +18,6 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.sampling.bands import Bands
-from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, SHARES_ALONE, share_budget
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
 
@@ -83,14 +82,16 @@ class Cycle:
     solves for moved samples are late, only one frame is used; and if there is no time for two frames of samples that do
     not move, one frame is used for these samples.
 
-    session: solves for the first frame, and for samples that need only one. most: largest number of frames. budget:
-    largest number of samples in each band, if bands can achieve this. peak: largest target of a frame [Pa].
+    session: solves for the first frame, and for samples that need only one. most: largest number of frames. peak:
+    largest target of a frame [Pa].
     """
 
     def __init__(
         self, session: Session, most: int = 1, budget: int = DEFAULT_BUDGET, peak: float = math.inf
     ) -> None:
-        self.most, self.budget, self.peak = most, budget, peak
+        self.most, self.peak = most, peak
+        self.budget = budget
+        """Largest number of samples in each band, if bands can achieve this. The loop sets it to the sampler's."""
         self.coarsens = True
         """Whether a region may have fewer samples than its spacing asks for; the loop sets this."""
         self._first = Part(session, ReachabilityFilter(session))
@@ -142,10 +143,7 @@ class Cycle:
                 part.forget_rest()
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
-        alone = len(set(samples.objects.tolist())) == 1
-        share = SHARE_ON_SKIN if self._on_skin else SHARES_ALONE[-1] if alone else 1.0
-        budget = share_budget(self.budget, share)
-        self._shares = self._bands.shares(samples, budget, min(most, self.max_bands))
+        self._shares = self._bands.shares(samples, self.budget, min(most, self.max_bands))
         self._banded = self._shares.shape[1] > 1
         self._tilted = self._tilted and self._may_tilt
         self._arrange()

@@ -323,7 +323,7 @@ class Pipeline:
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
         age = max(MAX_AGE, MAX_TICKS * self.period)
-        if self.played.solved.motion is not None:
+        if self.played.solved.motion is not None and not (self._seen and self._seen.hands):
             age *= PATIENCE
         old = self.stages.now() - self._started >= age
         return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
@@ -360,6 +360,7 @@ class Pipeline:
                 self._note_unreachable(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
+            self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solved = self.solver.solve(samples, t, limits, solver, deadline, near, at)
             fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
@@ -464,6 +465,7 @@ class Pipeline:
         """Set what the sampler must know of a tick's limits and solver."""
         alone = limits_join(limits)
         self.sampler.bands = 1 if alone else self.solver.cycle.max_bands
+        self.sampler.steers = not alone and not limits.zones
         self.sampler.surround = solver.surrounds and not alone
         self.sampler.max_uniform_points = 0.0 if alone else solver.max_uniform_points
 
@@ -506,7 +508,7 @@ class Pipeline:
         """Return the gains of what is played in turn, as rounded by the device, (K, N)."""
         every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
         gains, motion = [one.gains for one in every], play.motion
-        if motion is not None and motion.moved:
+        if motion is not None and motion.shift.any():
             place = motion.centre + motion.shift
             factors = self.steering.find_factors(motion.centre, place)
             gains = [g * factors for g in gains]

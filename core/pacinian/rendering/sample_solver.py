@@ -104,13 +104,15 @@ class SampleSolver:
         if not (steers and kept):
             self._steered.reset()
         if steers:
-            return self._steered.solve(
+            steered = self._steered.solve(
                 samples,
                 t if at is None else at,
                 lambda samples, factor: self._solve(samples, t, limits, solver, factor * deadline),
                 lambda solved: self._is_due(solved, t),
                 self._move_frames,
             )
+            if steered is not None:
+                return steered
         creeps = near > 0.0 and kept and self._is_near(samples, t, near)
         if creeps:
             samples = self._samples
@@ -118,7 +120,9 @@ class SampleSolver:
 
     def _may_steer(self, samples: Samples, limits: Limits) -> bool:
         """Return whether the field of these samples may move with them: one object in free air, and no hand near it."""
-        if self.skins or samples.capsules is not None or not len(samples) or limits_join(limits):
+        if self.skins or samples.capsules is not None or not len(samples):
+            return False
+        if limits_join(limits) or limits.zones:
             return False
         own = samples.objects[0]
         return bool(

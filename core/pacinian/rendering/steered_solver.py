@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.rendering.steering import MAX_DISTORTION, MotionTracker
+from pacinian.rendering.steering import MotionTracker
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 # Largest shift before samples are solved for where they are, over their distance from the nearest transducer. At the
 # array's limit, solutions are less exact and take longer. While a solve is not done, no other one begins.
 MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
+MAX_ERROR_RATIO = 1.25  # of a solution that ran out of time to that which it replaces
 PATIENCE = 2.5  # factor on the time of a solve while there is something to steer
 
 
@@ -40,7 +41,8 @@ class SteeredSolver:
         """Forget all solutions."""
         self._tracker.reset()
         self._anchor: Anchor | None = None  # of the last solve
-        # The solution that is steered. Only one that has a smaller error, or that was done in time, replaces it.
+        # The solution that is steered. One that ran out of time and has a larger error replaces it only if that is all
+        # that there will be, or if the samples have moved too far.
         self._played: tuple[Solved, Anchor] | None = None
         self._late, self._max_shift = False, MAX_SHIFT  # of the last solve
         self._result: Solved | None = None  # of the last call of `solve`
@@ -48,8 +50,8 @@ class SteeredSolver:
     def solve(
         self, samples: Samples, t: float, solve: Callable[[Samples, float], Solved], is_due: Callable[[Solved], bool],
         move: Callable[[Floats, Floats], None],
-    ) -> Solved:  # fmt: skip
-        """Return what to play for samples that are where they are at time t [s].
+    ) -> Solved | None:  # fmt: skip
+        """Return what to play for samples that are where they are at time t [s]; None if they are close to the array.
 
         solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
         same samples may come nearer to the targets. move: steers all solutions that the next solve goes on from, from
@@ -59,18 +61,15 @@ class SteeredSolver:
         tracker.track(samples, t)
         if tracker.close:
             self.reset()
-            return solve(samples, 1.0)
+            return None
         if anchor is not None:
             motion = tracker.find_motion(samples, *anchor, self._max_shift)
-            if motion is not None and motion.moved and tracker.stands and not self._late:
+            if motion is not None and motion.misplaced and tracker.stands and not self._late:
                 motion = None
         goes_on = anchor is not None and motion is not None and self._late
         if anchor is None or motion is None:
             motion = tracker.begin()
-            if (
-                anchor is not None
-                and samples.find_shift(anchor.samples, MAX_DISTORTION) is not None
-            ):
+            if anchor is not None and tracker.find_motion(samples, *anchor, MAX_LATE_SHIFT):
                 move(anchor.centre, motion.centre)
             anchor = self._anchor = Anchor(samples, motion.centre)
         played = self._played
@@ -82,7 +81,7 @@ class SteeredSolver:
         self._max_shift = MAX_LIMITED_SHIFT if limited else MAX_SHIFT
         if self._late:
             self._max_shift = MAX_LATE_SHIFT
-        if late and played and since and _find_error(solved) > _find_error(played[0]):
+        if self._late and played and since and _is_worse(solved, played[0]):
             solved, motion = played[0], since
         else:
             self._played = solved, anchor
@@ -95,6 +94,7 @@ class SteeredSolver:
         return self._result
 
 
-def _find_error(solved: Solved) -> float:
-    """Return the largest error of the frames at their samples."""
-    return max(one.solution.error for one in solved.rows)
+def _is_worse(solved: Solved, played: Solved) -> bool:
+    """Return whether the largest error of the frames at their samples has clearly grown."""
+    now, before = (max(one.solution.error for one in each.rows) for each in (solved, played))
+    return now > MAX_ERROR_RATIO * before

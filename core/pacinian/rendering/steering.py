@@ -26,9 +26,10 @@ MAX_DISTORTION = 2e-4  # largest difference between the shifts of two samples [m
 MIN_DISTANCE = 0.05  # from the centre of the samples to the nearest transducer [m]
 MAX_JUMP = 0.02  # longest way to the next samples that counts as a movement [m]
 MAX_STANDSTILL = 0.033  # time after which samples that stand are solved for where they are [s]
-MIN_INTERVAL, MAX_INTERVAL = 1e-3, 0.05  # from place to place, to tell the velocity [s]
+MAX_TREMBLE = 3e-4  # from where samples stand, they move by less than this [m]
+MAX_MISPLACEMENT = 4e-4  # largest shift of samples that stand: a twentieth of a wavelength [m]
+MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05  # from place to place, to tell the velocity [s]
 MAX_LEAD = 0.03  # longest time for which a movement goes on as before [s]
-STANDS = 1e-5  # largest movement of samples that do not move [m]
 MAX_RATIO = 2.0  # largest factor on the amplitude of a gain, and 1 over the smallest
 
 
@@ -45,9 +46,9 @@ class Motion(NamedTuple):
     time: float
 
     @property
-    def moved(self) -> bool:
-        """Whether the samples are not where they were solved for."""
-        return float(np.abs(self.shift).max()) > STANDS
+    def misplaced(self) -> bool:
+        """Whether samples that stand are too far from where they were solved for."""
+        return float(np.linalg.norm(self.shift)) > MAX_MISPLACEMENT
 
     def rests_like(self, other: Motion) -> bool:
         """Return whether both end in the same place, where the samples stand."""
@@ -73,7 +74,16 @@ class MotionTracker:
     def reset(self) -> None:
         """Forget all samples."""
         self._place, self._time = np.full(3, math.nan), -math.inf  # of the last samples [m], [s]
-        self._velocity, self._stands_since = np.zeros(3), math.inf
+        self._step_from, self._step_begun = (
+            self._place,
+            self._time,
+        )  # of the last step of the velocity
+        self._step = np.zeros(3)  # velocity in that step [m/s]
+        self._velocity = np.zeros(3)
+        self._rest, self._stands_since = (
+            self._place,
+            math.inf,
+        )  # place near which the samples are, and since when
         self._distance = 0.0  # from the nearest transducer [m]
 
     @property
@@ -87,21 +97,33 @@ class MotionTracker:
         return self._time - self._stands_since >= MAX_STANDSTILL
 
     def track(self, samples: Samples, t: float) -> None:
-        """Note where samples are at time t [s]."""
+        """Note where samples are at time t [s].
+
+        The velocity is the smaller one of the last two steps, so that a single step is not taken for a movement.
+        """
         place = samples.positions.mean(axis=0)
-        way, seconds = place - self._place, t - self._time
-        far = not float(np.linalg.norm(way)) <= MAX_JUMP  # or there was no place before
-        if far or not seconds <= MAX_INTERVAL:
-            self._velocity = np.zeros(3)
+        far = (
+            not float(np.linalg.norm(place - self._place)) <= MAX_JUMP
+        )  # or there was no place before
+        seconds = t - self._step_begun
+        if far or not 0.0 <= seconds <= MAX_INTERVAL:
+            self._velocity = self._step = np.zeros(3)
+            self._step_from, self._step_begun = place, t
         elif seconds >= MIN_INTERVAL:
-            self._velocity = way / seconds
-        if far or seconds < 0.0 or np.abs(way).max() > STANDS:
-            self._stands_since = t
+            step, before = (place - self._step_from) / seconds, self._step
+            length = float(np.linalg.norm(step))
+            goes_on = length > 0.0 and float(step @ before) > 0.0
+            share = min(1.0, float(np.linalg.norm(before)) / length) if goes_on else 0.0
+            self._velocity, self._step = share * step, step
+            self._step_from, self._step_begun = place, t
+        if t < self._time or not float(np.linalg.norm(place - self._rest)) <= MAX_TREMBLE:
+            self._rest, self._stands_since = place, t
         self._place, self._time = place, t
         self._distance = float(np.linalg.norm(self._transducers - place, axis=1).min())
 
     def begin(self) -> Motion:
         """Return the motion of the samples noted last, which are solved for where they are."""
+        self._stands_since = self._time
         return Motion(self._place, np.zeros(3), self._velocity, self._time)
 
     def find_motion(

@@ -77,7 +77,7 @@ def allot_budget(
     alone: bool = False,
     strict: bool = False,
 ) -> list[Samples]:
-    """Return samples of each source, at most `budget` simultaneous samples in all.
+    """Return samples of each source, at most `budget` simultaneous samples in all (but see `alone`).
 
     sources: with their intended spacings [m], highest priority first. The sources of one priority are made coarser
     together until they fit into the budget that the higher priorities leave. If a source still does not fit, its

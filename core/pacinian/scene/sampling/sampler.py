@@ -24,7 +24,12 @@ from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
-from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN, allot_budget, share_budget
+from pacinian.scene.sampling.sample_budget import (
+    SHARE_ON_SKIN,
+    SHARES_ALONE,
+    allot_budget,
+    share_budget,
+)
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
@@ -100,12 +105,12 @@ class Sampler:
     Because of this state, samples stay fixed to their object or to the skin, and their pressures ramp up and down.
 
     budget: maximum number of samples. Surfaces and volumes that meet hands use four fifths of it, because contacts take
-    more time. If a scene has more, the sampler samples the objects of lowest priority more coarsely, and then drops
-    them. spacing: between samples [m]. The default is one wavelength, or the resolution of the array where that is
-    coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or less if they are
-    small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for smaller contacts. ramp: time in
-    which a pressure rises or falls [s]; 0 disables ramps. perception: whether to leave out samples that are too faint
-    to feel on a hand.
+    more time. One of them alone in free air may use up to twice as many, if `steers` is set. If a scene has more, the
+    sampler samples the objects of lowest priority more coarsely, and then drops them. spacing: between samples [m]. The
+    default is one wavelength, or the resolution of the array where that is coarser. The samples of surfaces and volumes
+    form regions: these use 0.35 times the default, or less if they are small. Where a hand touches them, they use 0.08
+    to 0.3 times the default, less for smaller contacts. ramp: time in which a pressure rises or falls [s]; 0 disables
+    ramps. perception: whether to leave out samples that are too faint to feel on a hand.
 
     Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
     would get holes.
@@ -139,6 +144,8 @@ class Sampler:
         """Whether to surround regions that touch skin with silent samples. The render loop sets this for its solver."""
         self.strict = False
         """Whether to raise ArgumentError instead of leaving out or coarsening anything. The render loop sets this."""
+        self.steers = False
+        """Whether the field of one object in free air may be steered. The render loop sets this."""
         self.fine = True
         """Whether contacts have twice as many samples, because solves may take long. The render loop sets this."""
         self.skipped: Counter[str] = Counter()
@@ -157,6 +164,8 @@ class Sampler:
         self._target = no_samples()
         # Hands of the last call, and its time [s].
         self._present: tuple[list[PosedSkin], float] = [], 0.0
+        self.frame_budget = self.budget
+        """Maximum number of samples in one frame at the last call of `sample`."""
         self.sample_counts = SampleCounts()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
         self._levels: dict[int, int] = {}
@@ -181,7 +190,7 @@ class Sampler:
         self._ahead = ahead
         asked = (
             scene, self.allowed, self.spacing, self.bands, self.surround, self.max_uniform_points, self.strict,
-            self.fine,
+            self.fine, self.steers,
         )  # fmt: skip
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
@@ -232,6 +241,9 @@ class Sampler:
         budget = self.budget if solid else min(self.budget, self.allowed)
         if solid and skin:
             budget = share_budget(budget, SHARE_ON_SKIN)
+        alone = solid and self.steers and not skin and not self.strict and len(sources) == 1
+        alone = alone and sources[0][0].item.technique.still
+        self.frame_budget = share_budget(budget, SHARES_ALONE[-1]) if alone else budget
         parts = allot_budget(
             sources,
             budget,
@@ -240,7 +252,7 @@ class Sampler:
             counts,
             self.bands,
             self.budget,
-            alone=solid and not skin and len(sources) == 1,
+            alone=alone,
             strict=self.strict,
         )
         if len(parts) > 1:
