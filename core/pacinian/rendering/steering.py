@@ -68,7 +68,7 @@ class MotionTracker:
     """Follows samples from solve to solve."""
 
     def __init__(self, array: Array) -> None:
-        self._transducers = array.positions
+        self._transducers, self._centre = array.positions, array.centre
         self.reset()
 
     def reset(self) -> None:
@@ -131,10 +131,16 @@ class MotionTracker:
     ) -> Motion | None:
         """Return how the samples noted last have moved since they were `solved`; None if they need another solve.
 
-        centre: of `solved`, (3,) [m]. most: largest shift, over the distance from the nearest transducer.
+        centre: of `solved`, (3,) [m]. most: largest shift sideways, over the distance from the nearest transducer; half
+        of that towards the array or away from it.
         """
         shift = samples.find_shift(solved, MAX_DISTORTION)
-        if shift is None or not float(np.linalg.norm(shift)) <= most * self._distance:
+        if shift is None:
+            return None
+        # towards the array or away from it, a field is distorted twice as much
+        away = self._place - self._centre
+        away /= max(float(np.linalg.norm(away)), MIN_DISTANCE)
+        if not float(np.linalg.norm(shift + (shift @ away) * away)) <= most * self._distance:
             return None
         return Motion(centre, shift, self._velocity, self._time)
 

@@ -185,6 +185,13 @@ def test_there_is_no_other_solve_until_the_samples_have_moved_far(solving: Solvi
     assert solving.moves == [pytest.approx([0.004, 0.0, 0.0])]
 
 
+def test_towards_the_array_half_the_way_counts(solving: Solving) -> None:
+    first = solving.at((0.0, 0.0, 0.0), 0.0)
+    assert solving.at((0.0, 0.0, 0.0014), 0.01).rows == first.rows
+    assert solving.at((0.0, 0.0, -0.0014), 0.02).rows == first.rows
+    assert solving.at((0.0, 0.0, 0.0017), 0.03).rows != first.rows
+
+
 def test_samples_that_stand_are_solved_for_where_they_are(solving: Solving) -> None:
     first = solving.at((0.0, 0.0, 0.0), 0.0)
     assert solving.at((0.001, 0.0, 0.0), 0.01).rows == first.rows
