@@ -318,10 +318,12 @@ class Session:
         if targets.norm and ready:
             if targets.regions is not None:
                 relax, keep = self.refines and budget.endless, False
-                if warm is not None and self._base is not None and self._solved_with is not None:
+                before = self._solved_with
+                if warm is not None and warm.asked_phases is not None and self._base and before:
                     # `carry_over` keeps the multipliers of samples that have not moved, or moved as one
-                    keep = warm.multipliers is self._base.multipliers
-                    keep = keep and self._solved_with[3] == self.tilt and not budget.endless
+                    same = warm.multipliers is not None
+                    same = same and warm.multipliers is self._base.multipliers
+                    keep = same and before[3] == self.tilt and not budget.endless
                 asked = settle_phases(propagator, targets, warm, self.tilt, relax=relax, keep=keep)
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
