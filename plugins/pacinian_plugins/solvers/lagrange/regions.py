@@ -6,9 +6,10 @@ that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 ov
 Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
 its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
-Some of the transducers suffice to capture the coupling of the samples: all of a small array, and every fourth of a large
-one. D + B W B^H is computed and factored for these only, and preconditions the conjugate gradients. This needs 2 to 4 products instead of 30 to 60. The
-coupling hardly changes while samples move together, so the next solve begins with the same preconditioner.
+Some of the transducers suffice to capture the coupling of the samples: all of a small array, and every fourth of a
+large one. D + B W B^H is computed and factored for these only, and preconditions the conjugate gradients. This needs 2
+to 4 products instead of 30 to 60. The coupling hardly changes while samples move together, so the next solve begins
+with the same preconditioner.
 
 An error d of the sound pressure changes the radiation pressure by 2 |p| d where the target is |p|, but only by d^2
 where the target is 0. So a small weight keeps points beside a region quiet, and leaves the region itself unchanged.
