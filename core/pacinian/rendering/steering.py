@@ -173,11 +173,11 @@ class Steering:
         last, self._motion = self._motion, motion
         if motion is last:
             return None
-        near = motion is not None and last is not None
-        if motion is not None and last is not None:
-            near = float(np.linalg.norm(motion.find_place(t) - self._place)) <= MAX_JUMP
-        factors = None
+        near, factors = False, None
         if last is not None:
+            if motion is not None:
+                way = motion.find_place(t) - self._place
+                near = float(np.linalg.norm(way)) <= MAX_JUMP
             centre = motion.centre if motion is not None and near else self._place
             if not np.array_equal(last.centre, centre):
                 factors = self.find_factors(last.centre, centre)
@@ -185,8 +185,8 @@ class Steering:
             self.reset()
             return factors
         if not near:
-            self._place, self._factor = motion.centre, None
-        elif factors is not None:
+            self._place = motion.centre
+        if not near or factors is not None:
             self._factor = None
         self._behind, self._span, self._left = self._place - motion.find_place(t), ticks, ticks
         return factors

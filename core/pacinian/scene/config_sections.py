@@ -110,8 +110,8 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
     """How finely the scene is sampled.
 
     budget: maximum number of samples; one surface or volume in free air, alone in its scene, may have up to twice as
-    many. spacing: between samples [m]. The default is one wavelength, or the resolution
-    of the array where that is coarser.
+    many. spacing: between samples [m]. The default is one wavelength, or the resolution of the array where that is
+    coarser.
     """
 
     budget: int = DEFAULT_BUDGET

@@ -99,11 +99,11 @@ def allot_budget(
         level = 0 if strict else levels.get(priority, 0)
         made, level = _fit_level(members, left, level, cut, bands, alone=alone, fixed=strict)
         levels[priority] = level
+        if alone:
+            left = _share_alone(left, level)
+        divided = strict or level >= (BAND_LEVEL_ALONE if alone else BAND_LEVEL)
         for (source, spacing), one in zip(members, made, strict=True):
             samples = one.samples
-            divided = strict or level >= (BAND_LEVEL_ALONE if alone else BAND_LEVEL)
-            if alone:
-                left = _share_alone(left, level)
             count = _count_simultaneous(source, samples, bands if divided else 1)
             if strict and count > left:
                 raise _too_many(source, count, left)
@@ -196,7 +196,7 @@ def _fit_level(
         ]
 
     def number(made: list[LevelSamples], level: int) -> int:
-        """Return the smallest number of simultaneous samples: in one band or, from level 1 on, in several."""
+        """Return the smallest number of simultaneous samples: in one band or, at a coarse `level`, in several."""
         counts = [
             sum(
                 _count_simultaneous(m, one.samples, parts)
