@@ -27,7 +27,7 @@ from .control.test_supervisor import CHILD, PARENT
 from .processes import PATIENT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 posix = pytest.mark.skipif(os.name != "posix", reason="limits of open files")
@@ -78,12 +78,18 @@ def test_who_has_not_the_secret_is_not_answered_and_does_not_stop(server: Any) -
     assert request_stop(connection.stop, connection.secret, PATIENCE), "the server goes on"
 
 
-def test_a_stop_that_is_sent_again_does_not_undo_a_reset(server: Any) -> None:
-    where = server.connection.stop.partition(":")[2]
+@contextlib.contextmanager
+def open_sender(server: Any) -> Iterator[tuple[socket.socket, str, bytes]]:
+    """Give a socket for datagrams, the server's address, and a stop that the server accepts."""
     data = sign(server.connection.secret, b"stop", bytes(16))
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
         sender.bind("")
         sender.settimeout(PATIENCE)
+        yield sender, server.connection.stop.partition(":")[2], data
+
+
+def test_a_stop_that_is_sent_again_does_not_undo_a_reset(server: Any) -> None:
+    with open_sender(server) as (sender, where, data):
         sender.sendto(data, where)
         confirmed = sender.recv(DATAGRAM_BYTES)
         assert isinstance(server.client().hello().ask(Reset), Ok)
@@ -100,11 +106,7 @@ def test_nor_does_one_that_is_sent_again_before_the_guard_has_confirmed_it(serve
     (guard,) = server.processes["guard"]
     client = server.client().hello()
     guard.silent = True  # it tells nothing, so no stop is confirmed
-    where = server.connection.stop.partition(":")[2]
-    data = sign(server.connection.secret, b"stop", bytes(16))
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-        sender.bind("")
-        sender.settimeout(PATIENCE)
+    with open_sender(server) as (sender, where, data):
         sender.sendto(data, where)
         eventually(lambda: server.permit().stopped == 1)
         assert isinstance(client.ask(Reset), Ok)

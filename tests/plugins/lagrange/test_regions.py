@@ -352,7 +352,7 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
     plain = solve()
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0
-    assert helped.objective == pytest.approx(plain.objective, rel=0.06)
+    assert max(helped.bound, plain.bound) <= helped.objective <= 1.03 * plain.objective
 
 
 # ---------------------------------------------------------------------- without time
