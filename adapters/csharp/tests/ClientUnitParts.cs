@@ -74,6 +74,34 @@ namespace Pacinian.Tests
             ClientUnit.Holds(double.IsNaN(unanswered.TakeRenewal(12345)));
         }
 
+        public void ATextThatComesBackIsNotMadeAgain()
+        {
+            Reader reader = new Reader();
+            Writer writer = new Writer();
+            string[] words = { "limited", "deadline", "", "\u00e9\U0001F600", "limited!" };
+            string[] first = new string[words.Length];
+            string value = null;
+            for (int i = 0; i < 100; i++)
+            {
+                writer.Clear();
+                writer.Text(words[i % words.Length]);
+                reader.Start(writer.Data, 0, writer.Count);
+                ClientUnit.Holds(reader.Text(ref value) && reader.End());
+                ClientUnit.Equal(words[i % words.Length], value);
+                first[i % words.Length] = first[i % words.Length] ?? value;
+                ClientUnit.Holds(ReferenceEquals(first[i % words.Length], value));
+            }
+            for (int i = 0; i < 100; i++) // more than it keeps, and longer ones
+            {
+                string text = new string('x', i);
+                writer.Clear();
+                writer.Text(text);
+                reader.Start(writer.Data, 0, writer.Count);
+                ClientUnit.Holds(reader.Text(ref value));
+                ClientUnit.Equal(text, value);
+            }
+        }
+
         public void NumbersGoRoundWithoutZero()
         {
             UnansweredRequests unanswered = new UnansweredRequests();

@@ -8,8 +8,12 @@ namespace Pacinian.Wire
     /// </summary>
     public sealed partial class Reader
     {
+        private const int MostRecent = 8; // texts that are kept
+        private const int LongestRecent = 64; // [bytes]
+
+        private readonly string[] _recent = new string[MostRecent];
         private byte[] _data;
-        private int _at, _end;
+        private int _at, _end, _oldest;
         private bool _whole;
 
         /// <summary>What is wrong; empty if nothing is.</summary>
@@ -108,7 +112,8 @@ namespace Pacinian.Wire
         }
 
         /// <summary>
-        /// Reads a text of least..most code points. If `value` is already equal, it is kept, and nothing is allocated.
+        /// Reads a text of least..most code points. If `value` or one of the last short texts is equal, nothing is
+        /// allocated: a status that goes to and fro between two words makes no garbage.
         /// </summary>
         public bool Text(ref string value, int least = 0, int most = int.MaxValue)
         {
@@ -128,9 +133,25 @@ namespace Pacinian.Wire
             }
             if (value == null || !Utf8.Same(_data, head.Start, head.Count, value))
             {
-                value = Encoding.UTF8.GetString(_data, head.Start, head.Count);
+                value = head.Count <= LongestRecent ? Recent(head) : Encoding.UTF8.GetString(_data, head.Start, head.Count);
             }
             return true;
+        }
+
+        /// <summary>Returns a text that was read recently, or a new one in place of the oldest.</summary>
+        private string Recent(Head head)
+        {
+            foreach (string text in _recent)
+            {
+                if (text != null && Utf8.Same(_data, head.Start, head.Count, text))
+                {
+                    return text;
+                }
+            }
+            string made = Encoding.UTF8.GetString(_data, head.Start, head.Count);
+            _recent[_oldest] = made;
+            _oldest = (_oldest + 1) % MostRecent;
+            return made;
         }
 
         /// <summary>Reads one of these words, and gives its index.</summary>
