@@ -23,6 +23,31 @@ inline void load(View<const c8, 2> B, Index first, Index count, View<f4, 3> tile
     }
 }
 
+// The tiles of B, each copied to the workspace `tile` when it is read: for one pass.
+struct Loaded {
+    View<const c8, 2> B;
+    View<f4, 3> tile;
+
+    View<const f4, 3> at(Index first, Index count) const {
+        load(B, first, count, tile);
+        return tile;
+    }
+};
+
+// The tiles of B, all copied before: for many passes, each of which takes half of the time. data: (N / TILE rounded up, 2,
+// rows, TILE).
+struct Copied {
+    const f4* data;
+    Index rows;
+
+    View<const f4, 3> at(Index first, Index) const {
+        View<const f4, 3> tile;
+        tile.data = data + first / TILE * 2 * rows * TILE;
+        tile.shape[0] = 2, tile.shape[1] = rows, tile.shape[2] = TILE;
+        return tile;
+    }
+};
+
 // Write x = B^H y for one tile. Rows of `tile` and of y beyond M must be 0.
 inline void backward(View<const f4, 3> tile, Index count, View<const f4, 2> y, f4* __restrict xr, f4* __restrict xi) {
     std::fill(xr, xr + count, 0.0f);

@@ -1,7 +1,7 @@
 # Made by `python native_build.py --stubs`.
 from typing import overload
 
-from pacinian.types import Complexes, Flags, Floats, Gains, Longs, Singles
+from pacinian.types import Complexes, Flags, Floats, Gains, Indices, Longs, Singles
 
 
 TILE: int = 256
@@ -71,12 +71,17 @@ class RegionWorkspace:
     """
     Memory for regions with M samples and N transducers, and what `solve_region` found.
 
-    h, made: as in `Workspace`. factor: the preconditioner, real and imaginary part, (2, K, K), K = M rounded up to 2;
-    of size 0 for none. met: whether the steps have converged. bound, objective: D(y), and
-    1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.
+    C, K: number and size of the blocks of the preconditioner; K is even, and C is 0 for no preconditioner. stride:
+    every so many transducers one is in it.
+    h, made: as in `Workspace`. blocks: the samples of each block, (C, K), and -1 after the last; the caller writes
+    them. factor: of each block, real and imaginary part, (2 C, K, K). met: whether the steps have converged. bound,
+    objective: D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.
     """
 
-    def __init__(self, M: int, N: int, preconditioned: bool) -> None: ...
+    def __init__(self, M: int, N: int, C: int, K: int, stride: int) -> None: ...
+
+    @property
+    def blocks(self, /) -> Indices: ...
 
     @property
     def h(self, /) -> Singles: ...

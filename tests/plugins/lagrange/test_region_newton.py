@@ -1,5 +1,7 @@
 """The kernel `solve_region`: its numbers are those of NumPy in double precision, and it stops when the time is up."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,15 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.native.lagrange import RegionWorkspace
-from pacinian_plugins.solvers.lagrange.regions import Ascent
+from pacinian_plugins.solvers.lagrange.regions import (
+    MAX_BLOCK,
+    MAX_STRIDE,
+    MAX_WHOLE,
+    MAX_WIDTH,
+    MIN_COLUMNS,
+    Ascent,
+    divide_samples,
+)
 
 from ..problems import ARRAY
 
@@ -29,8 +39,14 @@ def problem(seed, M, level, array=ARRAY):
     return B, p, np.where(silent, 50.0, 1.0), mu
 
 
-def run(B, p, D, mu, y, budget=None):
-    ascent = Ascent(B, p, D, y, mu, 0.25, RegionWorkspace(*B.shape, True), budget or pc.Budget())
+def run(B, p, D, mu, y, budget=None, blocks=None, stride=None):
+    M, N = B.shape
+    blocks = divide_samples(np.zeros((M, 3)), math.inf) if blocks is None else blocks
+    workspace = RegionWorkspace(
+        M, N, *blocks.shape, stride or min(max(1, N // MIN_COLUMNS), MAX_STRIDE)
+    )
+    workspace.blocks[:] = blocks
+    ascent = Ascent(B, p, D, y, mu, 0.25, workspace, budget or pc.Budget())
     ascent.run()
     return ascent, ascent.workspace
 
@@ -39,6 +55,17 @@ def gains(B, y, mu):
     """h(B^H y) and |B^H y|."""
     x = B.astype(complex).conj().T @ y
     return x / np.maximum(np.abs(x), mu), np.abs(x)
+
+
+class Counts(pc.Budget):
+    """A budget without end that counts how often it is asked."""
+
+    asked = 0
+
+    @property
+    def spent(self):
+        Counts.asked += 1
+        return False
 
 
 @settings(max_examples=40)
@@ -79,6 +106,64 @@ def test_preconditioner_is_the_cholesky_factor_for_some_transducers(M, array, st
     assert np.abs(difference).max() < 1e-4 * np.abs(whole).max()
 
 
+def test_each_block_is_factored_for_itself():
+    B, p, D, mu = problem(1, 45, 0.5)
+    blocks = np.array([[*range(1, 44, 2), -1, -1, -1, -1], [*range(0, 45, 2), -1, -1, -1]])
+    one_step = pc.Budget.until(0.0, ManualClock().now)
+    _, space = run(B, p, D, mu, np.zeros(45, complex), one_step, blocks)
+    whole = np.diag(D) + B.astype(complex) @ B.conj().T / mu
+    for c, block in enumerate(blocks):
+        own = block[block >= 0]
+        L = np.tril(space.factor[2 * c] + 1j * space.factor[2 * c + 1])[: len(own), : len(own)]
+        difference = L.astype(complex) @ L.conj().T - whole[np.ix_(own, own)]
+        assert np.abs(difference).max() < 1e-4 * np.abs(whole).max()
+
+
+@given(
+    st.integers(0, 10**6), st.integers(1, 1500), st.sampled_from([0.0, 0.02, 0.3]),
+    st.sampled_from([0.01, 0.075, math.inf]),
+)  # fmt: skip
+def test_blocks_hold_each_sample_once_and_are_small(seed, M, size, width):
+    q = size * np.random.default_rng(seed).random((M, 3)) * [1.0, 0.4, 0.1]
+    blocks = divide_samples(q, width)
+    C, K = blocks.shape
+    assert sorted(blocks[blocks >= 0]) == list(range(M))
+    assert K % 2 == 0
+    assert (MAX_WHOLE if C == 1 else MAX_BLOCK) >= K
+    for block in blocks:
+        count = int((block >= 0).sum())
+        assert (block[count:] == -1).all()
+        assert count == 0 or np.ptp(q[block[:count]], axis=0).max() <= width
+
+
+def test_blocks_that_do_not_hold_the_samples_are_refused():
+    with pytest.raises(ValueError, match="hold all samples"):
+        RegionWorkspace(10, 249, 2, 4, 1)
+    B, p, D, mu = problem(1, 3, 0.5)
+    with pytest.raises(ValueError, match="does not exist"):
+        run(B, p, D, mu, np.zeros(3, complex), blocks=np.array([[0, 1, 2, 3]]))
+
+
+def test_a_wide_region_takes_fewer_products_with_blocks():
+    """Every fourth transducer couples samples far apart that all of them do not couple."""
+    array = pc.autd(3, 3)
+    q = np.stack(
+        np.meshgrid(np.arange(-0.09, 0.091, 0.006), np.arange(-0.03, 0.031, 0.006), [0.2]), -1
+    )
+    q = q.reshape(-1, 3)
+    B = pc.matrix(array, q, pc.Air()).astype(np.complex64)
+    M = len(q)
+    p = 0.05 * np.abs(B).sum(axis=1).mean() * np.exp(1j * pc.joint_phases(array, q, pc.Air()))
+    mu, asked = MU * float((np.abs(B) ** 2).sum()) / M, []
+    for width in (math.inf, MAX_WIDTH):
+        Counts.asked = 0
+        blocks = divide_samples(q, width)
+        _, space = run(B, p, np.ones(M), mu, np.zeros(M, complex), Counts(), blocks)
+        assert space.met
+        asked.append(Counts.asked)
+    assert asked[1] < 0.5 * asked[0]
+
+
 def test_without_time_it_takes_one_step_and_the_next_call_goes_on():
     B, p, D, mu = problem(2, 40, 1.0)
     clock = ManualClock()
@@ -90,17 +175,6 @@ def test_without_time_it_takes_one_step_and_the_next_call_goes_on():
         ascent, space = run(B, p, D, mu, ascent.y, budget)
     assert space.met
     assert space.bound == pytest.approx(end.bound, rel=0.01)
-
-
-class Counts(pc.Budget):
-    """A budget without end that counts how often it is asked."""
-
-    asked = 0
-
-    @property
-    def spent(self):
-        Counts.asked += 1
-        return False
 
 
 def test_it_asks_for_the_time_as_often_in_each_run():

@@ -348,7 +348,7 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
         return session.solve(q, amplitudes, regions=whole(q))
 
     helped = solve()
-    monkeypatch.setattr(regions, "MAX_SAMPLES", 0)
+    monkeypatch.setattr(regions, "divide_samples", lambda points, width: np.empty((0, 0), np.intp))
     plain = solve()
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0

@@ -1,6 +1,6 @@
 // Fused passes over all transducers: each reads B once, tile by tile, in single precision.
 //
-// Common arguments: B [Pa], (M, N). y: real and imaginary parts of the multipliers, (2, M). h: real and imaginary part of
+// Common arguments: B [Pa], (M, N); tiles: `Loaded` or `Copied`. y: real and imaginary parts of the multipliers, (2, M). h: real and imaginary part of
 // h(x_n), and |x_n|, of each transducer, (3, N), with x = B^H y. p: real and imaginary parts of B h, (2, M). tile: as in
 // `pacinian/solving/matvec.hpp`. Sums within a tile have single precision, sums over tiles double precision.
 #pragma once
@@ -13,18 +13,16 @@ namespace pacinian::lagrange {
 
 using solving::TILE;
 
-// Write h(x), |x| and p for multipliers y, (2, rows of `tile`); return the sum of c(x_n).
-inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> h, View<f8, 2> p, View<f4, 3> tile) {
-    const Index M = B.shape[0], N = B.shape[1];
-    solving::require_tile(tile, M);
-    require(y.shape[0] == 2 && y.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "evaluate: the shapes differ");
-    require(p.shape[0] == 2 && p.shape[1] == M, "evaluate: the shapes differ");
+// Write h(x), |x| and p for multipliers y, (2, M rounded up to 4); return the sum of c(x_n).
+template <typename Tiles>
+inline f8 evaluate_tiles(const Tiles& tiles, View<const f4, 2> y, f4 mu, View<f4, 2> h, View<f8, 2> p) {
+    const Index N = h.shape[1];
     f8 cost = 0.0;
     std::fill(p.data, p.data + p.size(), 0.0);
     const f4 half = mu > 0.0f ? 0.5f / mu : 0.0f;
     for (Index first = 0; first < N; first += TILE) {
         const Index count = std::min(TILE, N - first);
-        solving::load(B, first, count, tile);
+        const View<const f4, 3> tile = tiles.at(first, count);
         f4 *__restrict hr = h.row(0) + first, *__restrict hi = h.row(1) + first, *__restrict size = h.row(2) + first;
         solving::backward(tile, count, y, hr, hi);
         f4 part = 0.0f;
@@ -40,6 +38,13 @@ inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> 
         solving::forward(tile, count, hr, hi, p);
     }
     return cost;
+}
+
+inline f8 evaluate(View<const c8, 2> B, View<const f4, 2> y, f4 mu, View<f4, 2> h, View<f8, 2> p, View<f4, 3> tile) {
+    solving::require_tile(tile, B.shape[0]);
+    require(y.shape[0] == 2 && y.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == B.shape[1], "evaluate: the shapes differ");
+    require(p.shape[0] == 2 && p.shape[1] == B.shape[0], "evaluate: the shapes differ");
+    return evaluate_tiles(solving::Loaded{B, tile}, y, mu, h, p);
 }
 
 // Add sign V V^T, for `count` columns of V, to the lower triangle of A, in blocks of four rows by two.
@@ -147,16 +152,15 @@ inline void curvature_of(View<const c8, 2> B, View<const i8, 1> sample, View<con
     curvature(B, sample.data, sample.size(), u, h, mu, few, A, V, which.data);
 }
 
-inline void apply_curvature(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
-    const Index M = B.shape[0], N = B.shape[1];
-    solving::require_tile(tile, M);
-    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == N, "apply_curvature: the shapes differ");
-    require(p.shape[0] == 2 && p.shape[1] == M, "apply_curvature: the shapes differ");
+// Write p = B W B^H d, W = dh/dx at the gains h, for d, (2, M rounded up to 4).
+template <typename Tiles>
+inline void apply_curvature_tiles(const Tiles& tiles, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p) {
+    const Index N = h.shape[1];
     alignas(64) f4 xr[TILE], xi[TILE];
     std::fill(p.data, p.data + p.size(), 0.0);
     for (Index first = 0; first < N; first += TILE) {
         const Index count = std::min(TILE, N - first);
-        solving::load(B, first, count, tile);
+        const View<const f4, 3> tile = tiles.at(first, count);
         solving::backward(tile, count, d, xr, xi);
         const f4 *__restrict hr = h.row(0) + first, *__restrict hi = h.row(1) + first, *__restrict size = h.row(2) + first;
         for (Index n = 0; n < count; ++n) {
@@ -168,6 +172,13 @@ inline void apply_curvature(View<const c8, 2> B, View<const f4, 2> d, View<const
         }
         solving::forward(tile, count, xr, xi, p);
     }
+}
+
+inline void apply_curvature(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
+    solving::require_tile(tile, B.shape[0]);
+    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == B.shape[1], "apply_curvature: the shapes differ");
+    require(p.shape[0] == 2 && p.shape[1] == B.shape[0], "apply_curvature: the shapes differ");
+    apply_curvature_tiles(solving::Loaded{B, tile}, d, h, mu, p);
 }
 
 inline void define_sweeps(nb::module_& m) {

@@ -1,10 +1,10 @@
 // Least squares of regions under the gain limit: Newton steps on the multipliers y, by preconditioned conjugate gradients.
 //
 // See regions.py for the equations. A step solves (D + B W B^H) d = F. The preconditioner is the Cholesky factor of that
-// matrix for some of the transducers, in single precision.
+// matrix for some of the transducers, in single precision: of the whole matrix, or of blocks on its diagonal.
 //
-// Common arguments: B, y, h, made, tile: as in fused_passes.hpp. L: lower triangle, real and imaginary parts, (2, K, K) with
-// K = M rounded up to 2; of size 0 for no preconditioner. See `RegionWorkspace`.
+// Common arguments: B, y, h, made, tile: as in fused_passes.hpp. block: samples of one block, (K,), and -1 after the last.
+// L: lower triangle for one block, real and imaginary parts, (2, K, K). See `RegionWorkspace`.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,12 +17,13 @@
 
 namespace pacinian::lagrange {
 
-constexpr Index MIN_COLUMNS = 500, MAX_STRIDE = 4;  // of the transducers in the preconditioner
 constexpr f8 STOP_RESIDUAL = 5e-3;     // ||F|| / ||p|| to stop at: a smaller error cannot be felt
 constexpr f8 INEXACT = 0.1;            // residual of a Newton system, relative to ||F||
 constexpr Index MAX_STEPS = 15;        // Newton steps in one call
 constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
-constexpr Index MAX_OLD_PASSES = 8;    // conjugate gradients with an old preconditioner, after which the next step makes a new one
+// Conjugate gradients with an old preconditioner after which the next step makes a new one, and their ratio to those with
+// the new one.
+constexpr Index MAX_OLD_PASSES = 8, MAX_OLD_RATIO = 2;
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
@@ -50,15 +51,15 @@ inline void products(const f4* __restrict xr0, const f4* __restrict xi0, const f
     s[0][0] = {r00, i00}, s[0][1] = {r01, i01}, s[1][0] = {r10, i10}, s[1][1] = {r11, i11};
 }
 
-// Return how many transducers one in the preconditioner stands for.
-inline Index find_stride(Index N) { return std::clamp<Index>(N / MIN_COLUMNS, 1, MAX_STRIDE); }
-
-// Write D + B W B^H for every `stride`-th transducer, each with that weight, to the lower triangle L.
-inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, View<f4, 3> tile, View<f4, 3> L) {
-    const Index M = B.shape[0], N = B.shape[1], K = L.shape[1], stride = find_stride(N), all = (N + stride - 1) / stride;
+// Write D + B W B^H of one block for every `stride`-th transducer, each with that weight, to the lower triangle L.
+inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, const i8* block, Index stride, View<f4, 3> tile,
+                   View<f4, 3> L) {
+    const Index N = B.shape[1], K = L.shape[1], all = (N + stride - 1) / stride;
+    const Index M = std::find(block, block + K, -1) - block;
     const f4 share = static_cast<f4>(N) / static_cast<f4>(all);
     std::fill(L.data, L.data + L.size(), 0.0f);
-    for (Index i = 0; i < K; ++i) L(0, i, i) = i < M ? static_cast<f4>(D[i]) : 1.0f;
+    for (Index i = 0; i < K; ++i) L(0, i, i) = i < M ? static_cast<f4>(D[block[i]]) : 1.0f;
+    for (Index i = M; i < K; ++i) std::fill(tile.row(0, i), tile.row(0, i) + TILE, 0.0f), std::fill(tile.row(1, i), tile.row(1, i) + TILE, 0.0f);
     alignas(64) f4 root[TILE];
     for (Index first = 0; first < all; first += TILE) {
         const Index count = std::min(TILE, all - first);
@@ -68,7 +69,7 @@ inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h
             root[n] = std::sqrt(share * weight);
         }
         for (Index m = 0; m < M; ++m) {
-            const f4* __restrict row = reinterpret_cast<const f4*>(B.row(m) + stride * first);
+            const f4* __restrict row = reinterpret_cast<const f4*>(B.row(block[m]) + stride * first);
             f4 *__restrict re = tile.row(0, m), *__restrict im = tile.row(1, m);
             for (Index n = 0; n < count; ++n) {
                 re[n] = row[2 * stride * n] * root[n];
@@ -163,7 +164,8 @@ struct Ascent {
     View<c16, 1> y;
     View<f4, 2> h;
     View<f8, 2> made;
-    View<f4, 3> tile, L;
+    solving::Copied tiles;
+    RegionWorkspace& w;
     nb::handle spent;
     f8 cost = 0.0;  // sum of c(x_n) at y
     std::vector<f4> plane{};
@@ -176,7 +178,7 @@ struct Ascent {
     }
 
     View<const f4, 2> planes(const c16* x) {
-        const Index rows = tile.shape[1];
+        const Index rows = tiles.rows;
         plane.assign(2 * rows, 0.0f);
         for (Index m = 0; m < count(); ++m) {
             plane[m] = static_cast<f4>(x[m].real());
@@ -192,7 +194,7 @@ struct Ascent {
     // Evaluate y = at + step d, and write F; return the value D(y) of the dual.
     f8 look(const Vector& at, f8 step, const Vector& d, Vector& F) {
         for (Index m = 0; m < count(); ++m) y[m] = at[m] + step * d[m];
-        cost = evaluate(B, planes(y.data), mu, h, made, tile);
+        cost = evaluate_tiles(tiles, planes(y.data), mu, h, made);
         f8 value = -cost;
         for (Index m = 0; m < count(); ++m) {
             value += y[m].real() * p[m].real() + y[m].imag() * p[m].imag() - 0.5 * D[m] * power(y[m]);
@@ -201,18 +203,31 @@ struct Ascent {
         return value;
     }
 
+    // Make the preconditioner at y; return whether all blocks are positive definite.
+    bool precondition() {
+        for (Index c = 0; c < w.C; ++c) {
+            couple(B, D, h, mu, w.blocks.view.row(c), w.stride, w.tile.view, w.block(c));
+            if (!decompose(w.block(c))) return false;
+        }
+        return true;
+    }
+
     // Write z = the preconditioner times r.
     void approximate(const Vector& r, bool factored, Vector& z) {
         z = r;
         if (!factored) return;
-        const Index K = L.shape[1];
-        plane.assign(2 * K, 0.0f);
-        for (Index m = 0; m < count(); ++m) {
-            plane[m] = static_cast<f4>(r[m].real());
-            plane[K + m] = static_cast<f4>(r[m].imag());
+        plane.resize(2 * w.K);
+        for (Index c = 0; c < w.C; ++c) {
+            const i8* block = w.blocks.view.row(c);
+            const Index count = std::find(block, block + w.K, -1) - block;
+            std::fill(plane.begin(), plane.end(), 0.0f);
+            for (Index i = 0; i < count; ++i) {
+                plane[i] = static_cast<f4>(r[block[i]].real());
+                plane[w.K + i] = static_cast<f4>(r[block[i]].imag());
+            }
+            resolve(w.block(c), plane.data(), plane.data() + w.K);
+            for (Index i = 0; i < count; ++i) z[block[i]] = c16(plane[i], plane[w.K + i]);
         }
-        resolve(L, plane.data(), plane.data() + K);
-        for (Index m = 0; m < count(); ++m) z[m] = c16(plane[m], plane[K + m]);
     }
 
     // Solve (D + B W B^H) d = F with a residual of at most `enough`; return the number of products with B.
@@ -224,7 +239,7 @@ struct Ascent {
         Vector q = z;
         f8 weight = inner(r, q);
         for (Index done = 0; done < MAX_PASSES; ++done) {
-            apply_curvature(B, planes(q.data()), h, mu, made, tile);
+            apply_curvature_tiles(tiles, planes(q.data()), h, mu, made);
             for (Index m = 0; m < M; ++m) Hq[m] = D[m] * q[m] + made_at(m);
             const f8 a = weight / inner(q, Hq);
             f8 rest = 0.0;
@@ -291,8 +306,8 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     require(B.shape[0] == M && B.shape[1] == N && p.size() == M && D.size() == M && y.size() == M, "solve_region: the shapes differ");
     require(mu > 0.0f, "solve_region: mu is not positive");
     const View<f4, 2> h = w.h.view;
-    const View<f4, 3> tile = w.tile.view, L = w.factor.view;
-    Ascent ascent{B, p, D, mu, y, h, w.made.view, tile, L, spent};
+    for (Index i = 0; i < w.C * w.K; ++i) require(w.blocks.view.data[i] < M, "solve_region: a block has a sample that does not exist");
+    Ascent ascent{B, p, D, mu, y, h, w.made.view, w.copy(B), w, spent};
     using Factor = RegionWorkspace::Factor;
     f8 size = 0.0;
     for (Index m = 0; m < M; ++m) size += power(p[m]);
@@ -311,13 +326,12 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     Index steps = 0;
     while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
         const bool old = w.state != Factor::none;
-        if (!old && L.size()) {
-            couple(B, D, h, mu, tile, L);
-            w.state = decompose(L) ? Factor::usable : Factor::indefinite;
-        }
+        if (!old && w.C) w.state = ascent.precondition() ? Factor::usable : Factor::indefinite;
         const f8 enough = std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0);
         const bool usable = w.state == Factor::usable;
-        if (ascent.direction(F, enough, usable, d) > MAX_OLD_PASSES && old && usable) w.state = Factor::none;
+        const Index passes = ascent.direction(F, enough, usable, d);
+        if (!old) w.passes = passes;
+        else if (usable && passes > std::max(MAX_OLD_PASSES, MAX_OLD_RATIO * w.passes)) w.state = Factor::none;
         const f8 slope = inner(F, d), before = value;
         std::copy(y.data, y.data + M, at.begin());
         f8 step = 1.0;

@@ -6,10 +6,10 @@ that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 ov
 Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
 its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
-Some of the transducers suffice to capture the coupling of the samples: all of a small array, and every fourth of a
+Some of the transducers suffice to capture the coupling of nearby samples: all of a small array, and every fourth of a
 large one. D + B W B^H is computed and factored for these only, and preconditions the conjugate gradients. This needs 2
 to 4 products instead of 30 to 60. The coupling hardly changes while samples move together, so the next solve begins
-with the same preconditioner.
+with the same preconditioner. If the samples are many, or lie far apart, only blocks on the diagonal are factored.
 
 An error d of the sound pressure changes the radiation pressure by 2 |p| d where the target is |p|, but only by d^2
 where the target is 0. So a small weight keeps points beside a region quiet, and leaves the region itself unchanged.
@@ -35,11 +35,17 @@ from pacinian_plugins.solvers.lagrange.reference import solve_newton
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:
-    from pacinian.types import Complexes, Floats, Gains
+    from pacinian.types import Complexes, Floats, Gains, Indices
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
 OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
-MAX_SAMPLES = 512  # largest number of samples with a preconditioner
+# Of the transducers in the preconditioner: number from which only some are in it, and largest stride.
+MIN_COLUMNS, MAX_STRIDE = 500, 4
+# Largest number of samples whose preconditioner is one block, and largest size of the blocks of more samples.
+MAX_WHOLE, MAX_BLOCK = 512, 256
+# Largest width of a block [m]. Some of the transducers, 40 mm apart, couple samples further apart that all of them do
+# not couple.
+MAX_WIDTH = 0.075
 # Largest duality gap of the last multipliers, relative to that of none, to start from them: if they had converged, and
 # if there was no time for that. If late solves began anew each time, none of them would ever converge (decision 75).
 MAX_GAP, MAX_LATE_GAP = 0.25, 1.0
@@ -101,8 +107,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         targets.amplitudes, targets.phases, targets.beside, scale, OUTSIDE_WEIGHT, before, phases, scale * factor,
         p, D, y,
     )  # fmt: skip
-    workspace = find_workspace(propagator)
-    workspace.restart(len(before) > 0 and moved_together(propagator, warm))
+    workspace = find_workspace(propagator, len(before) > 0 and moved_together(propagator, warm))
     max_gap = MAX_LATE_GAP if warm is not None and warm.late else MAX_GAP
     ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
     strongest = problem.strongest
@@ -146,13 +151,48 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     )
 
 
-def find_workspace(propagator: pc.Propagator) -> RegionWorkspace:
-    """Return the workspace that the propagator keeps from the last solve, or a new one for other numbers."""
+def find_workspace(propagator: pc.Propagator, same: bool) -> RegionWorkspace:
+    """Return the workspace that the propagator keeps from the last solve, or a new one for other numbers.
+
+    same: whether its preconditioner serves again, because the samples are the same or have moved as one.
+    """
     M, N = propagator.B.shape
     kept = propagator.workspace
     if not isinstance(kept, RegionWorkspace) or kept.made.shape[1] != M:
-        kept = propagator.workspace = RegionWorkspace(M, N, M <= MAX_SAMPLES)
+        kept = None
+    if kept is None or not same:
+        stride = min(max(1, N // MIN_COLUMNS), MAX_STRIDE)
+        blocks = divide_samples(propagator.points, math.inf if stride == 1 else MAX_WIDTH)
+        if kept is None or kept.blocks.shape != blocks.shape:
+            kept = propagator.workspace = RegionWorkspace(M, N, *blocks.shape, stride)
+        kept.blocks[:] = blocks
+    kept.restart(same)
     return kept
+
+
+def divide_samples(points: Floats, width: float) -> Indices:
+    """Return the samples of each block of the preconditioner, (C, K), and -1 after the last; K is even.
+
+    The samples are halved across their longest side until each block is small enough, and at most `width` [m] wide.
+    """
+    parts, most = [np.arange(len(points))], MAX_WHOLE
+    while any(_is_large(points[part], most, width) for part in parts):
+        parts, most = [half for part in parts for half in _halve(points, part)], MAX_BLOCK
+    K = max(map(len, parts))
+    blocks = np.full((len(parts), K + K % 2), -1)
+    for row, part in zip(blocks, parts, strict=True):
+        row[: len(part)] = part
+    return blocks
+
+
+def _is_large(q: Floats, most: int, width: float) -> bool:
+    return len(q) > most or (len(q) > 1 and bool(np.ptp(q, axis=0).max() > width))
+
+
+def _halve(points: Floats, part: Indices) -> tuple[Indices, Indices]:
+    q = points[part]
+    order = part[np.argsort(q[:, np.ptp(q, axis=0).argmax()], kind="stable")]
+    return order[: len(order) // 2], order[len(order) // 2 :]
 
 
 def moved_together(propagator: pc.Propagator, warm: pc.Solution | None) -> bool:

@@ -21,6 +21,7 @@ struct Shared {
 
     explicit Shared(std::initializer_list<Index> shape) {
         constexpr int type = std::is_same_v<T, bool> ? NPY_BOOL
+                             : std::is_same_v<T, i8> ? NPY_INT64
                              : std::is_same_v<T, f4> ? NPY_FLOAT
                              : std::is_same_v<T, f8> ? NPY_DOUBLE
                                                      : NPY_CDOUBLE;
@@ -83,26 +84,45 @@ private:
     std::unique_ptr<bool[]> at_limit = std::make_unique<bool[]>(N);
 };
 
-// For regions. K: size of the preconditioner, M rounded up to 2; 0 for none.
+// For regions. C: number of blocks of the preconditioner; 0 for none. K: size of a block, even. stride: every so many
+// transducers one is in the preconditioner.
 struct RegionWorkspace {
-    Index M, N, K;
+    Index M, N, C, K, stride;
     Shared<f4, 2> h{{3, N}};
     Shared<f8, 2> made{{2, M}};
-    Shared<f4, 3> tile{{2, tile_rows(M), TILE}};
-    Shared<f4, 3> factor{{2, K, K}};
+    Shared<f4, 3> tile{{2, tile_rows(std::max(M, K)), TILE}};
+    Shared<i8, 2> blocks{{C, K}};
+    Shared<f4, 3> factor{{2 * C, K, K}};
 
     bool met = false;
     f8 bound = 0.0, objective = 0.0;
     i8 held = 0;
     enum class Factor { none, usable, indefinite } state = Factor::none;
+    Index passes = 0;  // conjugate gradients in the first step with this preconditioner
 
-    RegionWorkspace(Index samples, Index transducers, bool preconditioned)
-        : M(samples), N(transducers), K(preconditioned ? samples + samples % 2 : 0) {}
+    RegionWorkspace(Index samples, Index transducers, Index count, Index size, Index step)
+        : M(samples), N(transducers), C(count), K(size), stride(step) {
+        require(K >= 0 && K % 2 == 0 && (C == 0 || C * K >= M) && stride > 0, "RegionWorkspace: the blocks do not hold all samples");
+    }
+
+    // Copy all tiles of B.
+    solving::Copied copy(View<const c8, 2> B) {
+        const Index rows = tile_rows(M), size = 2 * rows * TILE;
+        copied.resize((N + TILE - 1) / TILE * size);
+        for (Index first = 0, at = 0; first < N; first += TILE, at += size)
+            solving::load(B, first, std::min(TILE, N - first), {copied.data() + at, {2, rows, TILE}});
+        return {copied.data(), rows};
+    }
+
+    View<f4, 3> block(Index c) const { return {factor.view.data + c * 2 * K * K, {2, K, K}}; }
 
     void restart(bool same) {
         met = false;
         if (!same || state == Factor::indefinite) state = Factor::none;
     }
+
+private:
+    std::vector<f4> copied;
 };
 
 }  // namespace MODULE
@@ -135,10 +155,13 @@ inline void define_workspace(nb::module_& m) {
 
     nb::class_<RegionWorkspace> r(m, "RegionWorkspace",
                                   "Memory for regions with M samples and N transducers, and what `solve_region` found.\n\n"
-                                  "h, made: as in `Workspace`. factor: the preconditioner, real and imaginary part, (2, K, K), K = M rounded up to 2;\n"
-                                  "of size 0 for none. met: whether the steps have converged. bound, objective: D(y), and\n"
-                                  "1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.");
-    r.def(nb::init<Index, Index, bool>(), nb::arg("M"), nb::arg("N"), nb::arg("preconditioned"));
+                                  "C, K: number and size of the blocks of the preconditioner; K is even, and C is 0 for no preconditioner. stride:\n"
+                                  "every so many transducers one is in it.\n"
+                                  "h, made: as in `Workspace`. blocks: the samples of each block, (C, K), and -1 after the last; the caller writes\n"
+                                  "them. factor: of each block, real and imaginary part, (2 C, K, K). met: whether the steps have converged. bound,\n"
+                                  "objective: D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.");
+    r.def(nb::init<Index, Index, Index, Index, Index>(), nb::arg("M"), nb::arg("N"), nb::arg("C"), nb::arg("K"), nb::arg("stride"));
+    share(r, "blocks", &RegionWorkspace::blocks, "def blocks(self, /) -> pacinian.types.Indices");
     share(r, "h", &RegionWorkspace::h, "def h(self, /) -> pacinian.types.Singles");
     share(r, "made", &RegionWorkspace::made, "def made(self, /) -> pacinian.types.Floats");
     share(r, "factor", &RegionWorkspace::factor, "def factor(self, /) -> pacinian.types.Singles");
