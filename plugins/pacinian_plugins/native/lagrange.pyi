@@ -71,17 +71,17 @@ class RegionWorkspace:
     """
     Memory for regions with M samples and N transducers, and what `solve_region` found.
 
-    C, K: number and size of the blocks of the preconditioner; K is even, and C is 0 for no preconditioner. stride:
-    every so many transducers one is in it.
-    h, made: as in `Workspace`. blocks: the samples of each block, (C, K), and -1 after the last; the caller writes
-    them. factor: of each block, real and imaginary part, (2 C, K, K). met: whether the steps have converged. bound,
-    objective: D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.
+    sizes: number of samples of each block of the preconditioner; empty for no preconditioner. stride: every so many
+    transducers one is in it. order: the samples of the first block, then those of the next, (M,); the caller writes
+    them. factor: of each block, real and imaginary part, (2, K, K), K = its size rounded up to 2. h, made: as in
+    `Workspace`. met: whether the steps have converged. bound, objective: D(y), and
+    1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.
     """
 
-    def __init__(self, M: int, N: int, C: int, K: int, stride: int) -> None: ...
+    def __init__(self, M: int, N: int, sizes: Longs, stride: int) -> None: ...
 
     @property
-    def blocks(self, /) -> Indices: ...
+    def order(self, /) -> Indices: ...
 
     @property
     def h(self, /) -> Singles: ...

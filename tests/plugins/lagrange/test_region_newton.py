@@ -39,13 +39,12 @@ def problem(seed, M, level, array=ARRAY):
     return B, p, np.where(silent, 50.0, 1.0), mu
 
 
-def run(B, p, D, mu, y, budget=None, blocks=None, stride=None):
+def run(B, p, D, mu, y, budget=None, blocks=None):
     M, N = B.shape
-    blocks = divide_samples(np.zeros((M, 3)), math.inf) if blocks is None else blocks
-    workspace = RegionWorkspace(
-        M, N, *blocks.shape, stride or min(max(1, N // MIN_COLUMNS), MAX_STRIDE)
-    )
-    workspace.blocks[:] = blocks
+    blocks = [np.arange(M)] if blocks is None else blocks
+    sizes = np.array([len(block) for block in blocks])
+    workspace = RegionWorkspace(M, N, sizes, min(max(1, N // MIN_COLUMNS), MAX_STRIDE))
+    workspace.order[:] = np.concatenate(blocks)
     ascent = Ascent(B, p, D, y, mu, 0.25, workspace, budget or pc.Budget())
     ascent.run()
     return ascent, ascent.workspace
@@ -55,6 +54,18 @@ def gains(B, y, mu):
     """h(B^H y) and |B^H y|."""
     x = B.astype(complex).conj().T @ y
     return x / np.maximum(np.abs(x), mu), np.abs(x)
+
+
+def factors(space, sizes):
+    """The Cholesky factors of blocks of these sizes."""
+    found, flat = [], space.factor
+    for size in sizes:
+        K = size + size % 2
+        re, im = flat[: 2 * K * K].reshape(2, K, K)
+        found.append(np.tril(re + 1j * im)[:size, :size].astype(complex))
+        flat = flat[2 * K * K :]
+    assert not len(flat)
+    return found
 
 
 class Counts(pc.Budget):
@@ -101,21 +112,19 @@ def test_preconditioner_is_the_cholesky_factor_for_some_transducers(M, array, st
     weight = np.where(size > mu, 0.5 / np.maximum(size, mu), 1 / mu)
     whole = np.diag(D) + (some * (weight * B.shape[1] / len(size))) @ some.conj().T
     _, space = run(B, p, D, mu, y.copy())
-    factor = np.tril(space.factor[0] + 1j * space.factor[1])[:M, :M].astype(complex)
+    (factor,) = factors(space, [M])
     difference = factor @ factor.conj().T - whole
     assert np.abs(difference).max() < 1e-4 * np.abs(whole).max()
 
 
 def test_each_block_is_factored_for_itself():
     B, p, D, mu = problem(1, 45, 0.5)
-    blocks = np.array([[*range(1, 44, 2), -1, -1, -1, -1], [*range(0, 45, 2), -1, -1, -1]])
+    blocks = [np.arange(1, 44, 2), np.array([44]), np.arange(0, 43, 2)]
     one_step = pc.Budget.until(0.0, ManualClock().now)
     _, space = run(B, p, D, mu, np.zeros(45, complex), one_step, blocks)
     whole = np.diag(D) + B.astype(complex) @ B.conj().T / mu
-    for c, block in enumerate(blocks):
-        own = block[block >= 0]
-        L = np.tril(space.factor[2 * c] + 1j * space.factor[2 * c + 1])[: len(own), : len(own)]
-        difference = L.astype(complex) @ L.conj().T - whole[np.ix_(own, own)]
+    for L, own in zip(factors(space, map(len, blocks)), blocks, strict=True):
+        difference = L @ L.conj().T - whole[np.ix_(own, own)]
         assert np.abs(difference).max() < 1e-4 * np.abs(whole).max()
 
 
@@ -126,22 +135,25 @@ def test_each_block_is_factored_for_itself():
 def test_blocks_hold_each_sample_once_and_are_small(seed, M, size, width):
     q = size * np.random.default_rng(seed).random((M, 3)) * [1.0, 0.4, 0.1]
     blocks = divide_samples(q, width)
-    C, K = blocks.shape
-    assert sorted(blocks[blocks >= 0]) == list(range(M))
-    assert K % 2 == 0
-    assert (MAX_WHOLE if C == 1 else MAX_BLOCK) >= K
-    for block in blocks:
-        count = int((block >= 0).sum())
-        assert (block[count:] == -1).all()
-        assert count == 0 or np.ptp(q[block[:count]], axis=0).max() <= width
+    assert sorted(np.concatenate(blocks)) == list(range(M))
+    assert max(map(len, blocks)) <= (MAX_WHOLE if len(blocks) == 1 else MAX_BLOCK)
+    assert all(np.ptp(q[block], axis=0).max() <= width for block in blocks)
+
+
+def test_a_sample_far_away_has_a_block_of_its_own():
+    q = 0.05 * np.random.default_rng(0).random((200, 3))
+    q[17] = 1.0
+    assert sorted(map(len, divide_samples(q, MAX_WIDTH))) == [1, 199]
 
 
 def test_blocks_that_do_not_hold_the_samples_are_refused():
     with pytest.raises(ValueError, match="hold all samples"):
-        RegionWorkspace(10, 249, 2, 4, 1)
+        RegionWorkspace(10, 249, np.array([4, 4]), 1)
+    with pytest.raises(ValueError, match="is empty"):
+        RegionWorkspace(10, 249, np.array([10, 0]), 1)
     B, p, D, mu = problem(1, 3, 0.5)
     with pytest.raises(ValueError, match="does not exist"):
-        run(B, p, D, mu, np.zeros(3, complex), blocks=np.array([[0, 1, 2, 3]]))
+        run(B, p, D, mu, np.zeros(3, complex), blocks=[np.array([0, 1, 3])])
 
 
 def test_a_wide_region_takes_fewer_products_with_blocks():

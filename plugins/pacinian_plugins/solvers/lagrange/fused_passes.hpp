@@ -1,8 +1,9 @@
 // Fused passes over all transducers: each reads B once, tile by tile, in single precision.
 //
-// Common arguments: B [Pa], (M, N); tiles: `Loaded` or `Copied`. y: real and imaginary parts of the multipliers, (2, M). h: real and imaginary part of
-// h(x_n), and |x_n|, of each transducer, (3, N), with x = B^H y. p: real and imaginary parts of B h, (2, M). tile: as in
-// `pacinian/solving/matvec.hpp`. Sums within a tile have single precision, sums over tiles double precision.
+// Common arguments: B [Pa], (M, N). y: real and imaginary parts of the multipliers, (2, M). h: real and imaginary part of
+// h(x_n), and |x_n|, of each transducer, (3, N), with x = B^H y. p: real and imaginary parts of B h, (2, M). tile, and
+// tiles, `Loaded` or `Copied`: as in `pacinian/solving/matvec.hpp`. Sums within a tile have single precision, sums over
+// tiles double precision.
 #pragma once
 #include <algorithm>
 #include <cmath>

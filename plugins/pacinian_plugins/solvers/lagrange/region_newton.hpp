@@ -3,8 +3,8 @@
 // See regions.py for the equations. A step solves (D + B W B^H) d = F. The preconditioner is the Cholesky factor of that
 // matrix for some of the transducers, in single precision: of the whole matrix, or of blocks on its diagonal.
 //
-// Common arguments: B, y, h, made, tile: as in fused_passes.hpp. block: samples of one block, (K,), and -1 after the last.
-// L: lower triangle for one block, real and imaginary parts, (2, K, K). See `RegionWorkspace`.
+// Common arguments: B, y, h, made, tile: as in fused_passes.hpp. block: the M samples of one block. L: lower triangle for it,
+// real and imaginary parts, (2, K, K), K = M rounded up to 2. See `RegionWorkspace`.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -52,14 +52,13 @@ inline void products(const f4* __restrict xr0, const f4* __restrict xi0, const f
 }
 
 // Write D + B W B^H of one block for every `stride`-th transducer, each with that weight, to the lower triangle L.
-inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, const i8* block, Index stride, View<f4, 3> tile,
-                   View<f4, 3> L) {
+inline void couple(View<const c8, 2> B, View<const f8, 1> D, View<const f4, 2> h, f4 mu, const i8* block, Index M, Index stride,
+                   View<f4, 3> tile, View<f4, 3> L) {
     const Index N = B.shape[1], K = L.shape[1], all = (N + stride - 1) / stride;
-    const Index M = std::find(block, block + K, -1) - block;
     const f4 share = static_cast<f4>(N) / static_cast<f4>(all);
     std::fill(L.data, L.data + L.size(), 0.0f);
     for (Index i = 0; i < K; ++i) L(0, i, i) = i < M ? static_cast<f4>(D[block[i]]) : 1.0f;
-    for (Index i = M; i < K; ++i) std::fill(tile.row(0, i), tile.row(0, i) + TILE, 0.0f), std::fill(tile.row(1, i), tile.row(1, i) + TILE, 0.0f);
+    if (K > M) std::fill(tile.row(0, M), tile.row(0, M) + TILE, 0.0f), std::fill(tile.row(1, M), tile.row(1, M) + TILE, 0.0f);
     alignas(64) f4 root[TILE];
     for (Index first = 0; first < all; first += TILE) {
         const Index count = std::min(TILE, all - first);
@@ -205,29 +204,27 @@ struct Ascent {
 
     // Make the preconditioner at y; return whether all blocks are positive definite.
     bool precondition() {
-        for (Index c = 0; c < w.C; ++c) {
-            couple(B, D, h, mu, w.blocks.view.row(c), w.stride, w.tile.view, w.block(c));
-            if (!decompose(w.block(c))) return false;
-        }
-        return true;
+        return w.visit_blocks([&](const i8* block, Index size, View<f4, 3> L) {
+            couple(B, D, h, mu, block, size, w.stride, w.tile.view, L);
+            return decompose(L);
+        });
     }
 
     // Write z = the preconditioner times r.
     void approximate(const Vector& r, bool factored, Vector& z) {
         z = r;
         if (!factored) return;
-        plane.resize(2 * w.K);
-        for (Index c = 0; c < w.C; ++c) {
-            const i8* block = w.blocks.view.row(c);
-            const Index count = std::find(block, block + w.K, -1) - block;
-            std::fill(plane.begin(), plane.end(), 0.0f);
-            for (Index i = 0; i < count; ++i) {
+        w.visit_blocks([&](const i8* block, Index size, View<f4, 3> L) {
+            const Index K = L.shape[1];
+            plane.assign(2 * K, 0.0f);
+            for (Index i = 0; i < size; ++i) {
                 plane[i] = static_cast<f4>(r[block[i]].real());
-                plane[w.K + i] = static_cast<f4>(r[block[i]].imag());
+                plane[K + i] = static_cast<f4>(r[block[i]].imag());
             }
-            resolve(w.block(c), plane.data(), plane.data() + w.K);
-            for (Index i = 0; i < count; ++i) z[block[i]] = c16(plane[i], plane[w.K + i]);
-        }
+            resolve(L, plane.data(), plane.data() + K);
+            for (Index i = 0; i < size; ++i) z[block[i]] = c16(plane[i], plane[K + i]);
+            return true;
+        });
     }
 
     // Solve (D + B W B^H) d = F with a residual of at most `enough`; return the number of products with B.
@@ -306,7 +303,7 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     require(B.shape[0] == M && B.shape[1] == N && p.size() == M && D.size() == M && y.size() == M, "solve_region: the shapes differ");
     require(mu > 0.0f, "solve_region: mu is not positive");
     const View<f4, 2> h = w.h.view;
-    for (Index i = 0; i < w.C * w.K; ++i) require(w.blocks.view.data[i] < M, "solve_region: a block has a sample that does not exist");
+    for (Index m = 0; m < M; ++m) require(w.order.view[m] >= 0 && w.order.view[m] < M, "solve_region: a block has a sample that does not exist");
     Ascent ascent{B, p, D, mu, y, h, w.made.view, w.copy(B), w, spent};
     using Factor = RegionWorkspace::Factor;
     f8 size = 0.0;
@@ -326,7 +323,7 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     Index steps = 0;
     while (missed > STOP_RESIDUAL * size && steps < MAX_STEPS && !(steps && ascent.late())) {
         const bool old = w.state != Factor::none;
-        if (!old && w.C) w.state = ascent.precondition() ? Factor::usable : Factor::indefinite;
+        if (!old && !w.sizes.empty()) w.state = ascent.precondition() ? Factor::usable : Factor::indefinite;
         const f8 enough = std::max(INEXACT * missed, STOP_RESIDUAL * size / 2.0);
         const bool usable = w.state == Factor::usable;
         const Index passes = ascent.direction(F, enough, usable, d);

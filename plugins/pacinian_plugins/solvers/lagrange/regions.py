@@ -163,36 +163,35 @@ def find_workspace(propagator: pc.Propagator, same: bool) -> RegionWorkspace:
     if kept is None or not same:
         stride = min(max(1, N // MIN_COLUMNS), MAX_STRIDE)
         blocks = divide_samples(propagator.points, math.inf if stride == 1 else MAX_WIDTH)
-        if kept is None or kept.blocks.shape != blocks.shape:
-            kept = propagator.workspace = RegionWorkspace(M, N, *blocks.shape, stride)
-        kept.blocks[:] = blocks
+        sizes = np.array([len(block) for block in blocks])
+        kept = propagator.workspace = RegionWorkspace(M, N, sizes, stride)
+        kept.order[:] = np.concatenate(blocks)
     kept.restart(same)
     return kept
 
 
-def divide_samples(points: Floats, width: float) -> Indices:
-    """Return the samples of each block of the preconditioner, (C, K), and -1 after the last; K is even.
-
-    The samples are halved across their longest side until each block is small enough, and at most `width` [m] wide.
-    """
-    parts, most = [np.arange(len(points))], MAX_WHOLE
-    while any(_is_large(points[part], most, width) for part in parts):
-        parts, most = [half for part in parts for half in _halve(points, part)], MAX_BLOCK
-    K = max(map(len, parts))
-    blocks = np.full((len(parts), K + K % 2), -1)
-    for row, part in zip(blocks, parts, strict=True):
-        row[: len(part)] = part
+def divide_samples(points: Floats, width: float) -> list[Indices]:
+    """Return the samples of each block of the preconditioner, so that it is small, and at most `width` [m] wide."""
+    blocks: list[Indices] = []
+    open_ = [(np.arange(len(points)), MAX_WHOLE)]
+    while open_:
+        block, most = open_.pop()
+        x, size = _along_longest_side(points[block])
+        if size > width:
+            first = x < x.min() + size / 2.0
+        elif len(block) > most:
+            first = np.argsort(np.argsort(x, kind="stable")) < len(x) // 2
+        else:
+            blocks.append(block)
+            continue
+        open_ += (block[~first], MAX_BLOCK), (block[first], MAX_BLOCK)
     return blocks
 
 
-def _is_large(q: Floats, most: int, width: float) -> bool:
-    return len(q) > most or (len(q) > 1 and bool(np.ptp(q, axis=0).max() > width))
-
-
-def _halve(points: Floats, part: Indices) -> tuple[Indices, Indices]:
-    q = points[part]
-    order = part[np.argsort(q[:, np.ptp(q, axis=0).argmax()], kind="stable")]
-    return order[: len(order) // 2], order[len(order) // 2 :]
+def _along_longest_side(q: Floats) -> tuple[Floats, float]:
+    """Return the coordinates of points along the longest side of their box, (M,) [m], and its length [m]."""
+    sides = np.ptp(q, axis=0)
+    return q[:, sides.argmax()], float(sides.max())
 
 
 def moved_together(propagator: pc.Propagator, warm: pc.Solution | None) -> bool:

@@ -84,15 +84,15 @@ private:
     std::unique_ptr<bool[]> at_limit = std::make_unique<bool[]>(N);
 };
 
-// For regions. C: number of blocks of the preconditioner; 0 for none. K: size of a block, even. stride: every so many
-// transducers one is in the preconditioner.
+// For regions. The preconditioner has a block for each of the `sizes`, a number of samples; none if there are none.
 struct RegionWorkspace {
-    Index M, N, C, K, stride;
+    Index M, N, stride;
+    std::vector<Index> sizes;
     Shared<f4, 2> h{{3, N}};
     Shared<f8, 2> made{{2, M}};
-    Shared<f4, 3> tile{{2, tile_rows(std::max(M, K)), TILE}};
-    Shared<i8, 2> blocks{{C, K}};
-    Shared<f4, 3> factor{{2 * C, K, K}};
+    Shared<f4, 3> tile{{2, tile_rows(M), TILE}};
+    Shared<i8, 1> order{{M}};
+    Shared<f4, 1> factor{{count_elements(sizes)}};
 
     bool met = false;
     f8 bound = 0.0, objective = 0.0;
@@ -100,9 +100,36 @@ struct RegionWorkspace {
     enum class Factor { none, usable, indefinite } state = Factor::none;
     Index passes = 0;  // conjugate gradients in the first step with this preconditioner
 
-    RegionWorkspace(Index samples, Index transducers, Index count, Index size, Index step)
-        : M(samples), N(transducers), C(count), K(size), stride(step) {
-        require(K >= 0 && K % 2 == 0 && (C == 0 || C * K >= M) && stride > 0, "RegionWorkspace: the blocks do not hold all samples");
+    RegionWorkspace(Index samples, Index transducers, View<const i8, 1> blocks, Index step)
+        : M(samples), N(transducers), stride(step), sizes(blocks.data, blocks.data + blocks.size()) {
+        Index held = 0;
+        for (const Index size : sizes) {
+            require(size > 0, "RegionWorkspace: a block is empty");
+            held += size;
+        }
+        require(stride > 0 && (sizes.empty() || held == M), "RegionWorkspace: the blocks do not hold all samples");
+    }
+
+    // Size of the factor of a block of so many samples: two rows at a time are computed.
+    static Index even(Index size) { return size + size % 2; }
+    static Index count_elements(const std::vector<Index>& sizes) {
+        Index count = 0;
+        for (const Index size : sizes) count += 2 * even(size) * even(size);
+        return count;
+    }
+
+    // Call `each` with the samples of each block, their number, and its factor, until that returns false; return whether none did.
+    template <typename Each>
+    bool visit_blocks(const Each& each) {
+        const i8* block = order.view.data;
+        f4* L = factor.view.data;
+        for (const Index size : sizes) {
+            const Index K = even(size);
+            if (!each(block, size, View<f4, 3>{L, {2, K, K}})) return false;
+            block += size;
+            L += 2 * K * K;
+        }
+        return true;
     }
 
     // Copy all tiles of B.
@@ -113,8 +140,6 @@ struct RegionWorkspace {
             solving::load(B, first, std::min(TILE, N - first), {copied.data() + at, {2, rows, TILE}});
         return {copied.data(), rows};
     }
-
-    View<f4, 3> block(Index c) const { return {factor.view.data + c * 2 * K * K, {2, K, K}}; }
 
     void restart(bool same) {
         met = false;
@@ -155,13 +180,13 @@ inline void define_workspace(nb::module_& m) {
 
     nb::class_<RegionWorkspace> r(m, "RegionWorkspace",
                                   "Memory for regions with M samples and N transducers, and what `solve_region` found.\n\n"
-                                  "C, K: number and size of the blocks of the preconditioner; K is even, and C is 0 for no preconditioner. stride:\n"
-                                  "every so many transducers one is in it.\n"
-                                  "h, made: as in `Workspace`. blocks: the samples of each block, (C, K), and -1 after the last; the caller writes\n"
-                                  "them. factor: of each block, real and imaginary part, (2 C, K, K). met: whether the steps have converged. bound,\n"
-                                  "objective: D(y), and 1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.");
-    r.def(nb::init<Index, Index, Index, Index, Index>(), nb::arg("M"), nb::arg("N"), nb::arg("C"), nb::arg("K"), nb::arg("stride"));
-    share(r, "blocks", &RegionWorkspace::blocks, "def blocks(self, /) -> pacinian.types.Indices");
+                                  "sizes: number of samples of each block of the preconditioner; empty for no preconditioner. stride: every so many\n"
+                                  "transducers one is in it. order: the samples of the first block, then those of the next, (M,); the caller writes\n"
+                                  "them. factor: of each block, real and imaginary part, (2, K, K), K = its size rounded up to 2. h, made: as in\n"
+                                  "`Workspace`. met: whether the steps have converged. bound, objective: D(y), and\n"
+                                  "1/2 sum_m |p - B h|_m^2 / D_m + mu/2 ||h||^2. held: gains at their limit.");
+    r.def(nb::init<Index, Index, View<const i8, 1>, Index>(), nb::arg("M"), nb::arg("N"), nb::arg("sizes"), nb::arg("stride"));
+    share(r, "order", &RegionWorkspace::order, "def order(self, /) -> pacinian.types.Indices");
     share(r, "h", &RegionWorkspace::h, "def h(self, /) -> pacinian.types.Singles");
     share(r, "made", &RegionWorkspace::made, "def made(self, /) -> pacinian.types.Floats");
     share(r, "factor", &RegionWorkspace::factor, "def factor(self, /) -> pacinian.types.Singles");
