@@ -4,6 +4,7 @@
 // tile: workspace for one tile of B, (2, M rounded up to 4, TILE). Sums within a tile are single, across tiles double.
 #pragma once
 #include <algorithm>
+#include <vector>
 
 #include "pacinian/native/views.hpp"
 
@@ -47,6 +48,19 @@ struct Copied {
         return tile;
     }
 };
+
+// Copy all tiles of B to `room`, which grows as needed.
+inline Copied copy_tiles(View<const c8, 2> B, std::vector<f4>& room) {
+    const Index N = B.shape[1], rows = (B.shape[0] + 3) / 4 * 4, size = 2 * rows * TILE;
+    room.resize((N + TILE - 1) / TILE * size);
+    for (Index first = 0, at = 0; first < N; first += TILE, at += size) {
+        const View<f4, 3> tile{room.data() + at, {2, rows, TILE}};
+        load(B, first, std::min(TILE, N - first), tile);
+        for (Index m = B.shape[0]; m < rows; ++m)
+            for (Index part = 0; part < 2; ++part) std::fill(tile.row(part, m), tile.row(part, m) + TILE, 0.0f);
+    }
+    return {room.data(), rows};
+}
 
 // Write x = B^H y for one tile. Rows of `tile` and of y beyond M must be 0.
 inline void backward(View<const f4, 3> tile, Index count, View<const f4, 2> y, f4* __restrict xr, f4* __restrict xi) {

@@ -25,6 +25,7 @@ constexpr Index MAX_PASSES = 300;      // conjugate gradients in one Newton step
 // the new one.
 constexpr Index MAX_OLD_PASSES = 8, MAX_OLD_RATIO = 2;
 constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without time, so that the next call starts closer
+constexpr Index MAX_KEPT = 1 << 22;    // elements of B whose copy is kept for the next call
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
 constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_metrics.AT_LIMIT`
@@ -304,7 +305,10 @@ inline Index solve_region(View<const c8, 2> B, View<const c16, 1> p, View<const 
     require(mu > 0.0f, "solve_region: mu is not positive");
     const View<f4, 2> h = w.h.view;
     for (Index m = 0; m < M; ++m) require(w.order.view[m] >= 0 && w.order.view[m] < M, "solve_region: a block has a sample that does not exist");
-    Ascent ascent{B, p, D, mu, y, h, w.made.view, w.copy(B), w, spent};
+    // for the tiles of B: all problems of a thread share it, but a very large one
+    static thread_local std::vector<f4> kept;
+    std::vector<f4> large;
+    Ascent ascent{B, p, D, mu, y, h, w.made.view, solving::copy_tiles(B, B.size() > MAX_KEPT ? large : kept), w, spent};
     using Factor = RegionWorkspace::Factor;
     f8 size = 0.0;
     for (Index m = 0; m < M; ++m) size += power(p[m]);

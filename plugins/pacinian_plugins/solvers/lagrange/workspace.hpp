@@ -132,22 +132,10 @@ struct RegionWorkspace {
         return true;
     }
 
-    // Copy all tiles of B.
-    solving::Copied copy(View<const c8, 2> B) {
-        const Index rows = tile_rows(M), size = 2 * rows * TILE;
-        copied.resize((N + TILE - 1) / TILE * size);
-        for (Index first = 0, at = 0; first < N; first += TILE, at += size)
-            solving::load(B, first, std::min(TILE, N - first), {copied.data() + at, {2, rows, TILE}});
-        return {copied.data(), rows};
-    }
-
     void restart(bool same) {
         met = false;
         if (!same || state == Factor::indefinite) state = Factor::none;
     }
-
-private:
-    std::vector<f4> copied;
 };
 
 }  // namespace MODULE
