@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.solve_result import SolveResult
+    from pacinian.rendering.solved import Solved
     from pacinian.scene.sampling.samples import Samples
 
 
@@ -71,11 +72,26 @@ def _describe(before: SolveResult, played: SolveResult, between: bool, held_back
     made: Reasons = counts.deviations
     for label, count in _count(short, lambda one: one.weakened).items():
         made = mark(made, [label], WEAKENED, count)
-    for label, count in _count(short, lambda one: one.missed).items():
+    for label, count in _count_missed(played.solved, short).items():
         made = mark(made, [label], MISSED_TARGET, count)
     for reason in sorted(reasons):
         made = mark(made, sorted(before.labels | played.labels), reason)
     return made
+
+
+def _count_missed(solved: Solved, short: Iterable[CachedSolution]) -> Counter[str]:
+    """Return the number of samples by object that get clearly less than their target.
+
+    In a cycle, a frame that was solved later may have made up for what an earlier one missed.
+    """
+    samples = solved.samples
+    if not solved.cycle:
+        return _count(short, lambda one: one.missed)
+    before = [one for one in short if one.whole is not samples]  # frames of earlier samples
+    items = samples.objects[list(solved.missed)].tolist()
+    return _count(before, lambda one: one.missed) | Counter(
+        label_object(samples.items[i], i) for i in items
+    )
 
 
 def _count(

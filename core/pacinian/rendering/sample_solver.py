@@ -82,6 +82,7 @@ class SampleSolver:
         self._growth = 1.0
         # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
+        self._missed = np.zeros(0, np.bool_)  # samples of a cycle that get clearly less than their target, (M,)
         self._last: Solved | None = None
         self._steered.reset()
         self.fresh = []
@@ -261,6 +262,11 @@ class SampleSolver:
         once: whether a second solve for the same samples is not worth its time, because they move on.
         """
         cycle = self.cycle
+        if self._common[0] is not samples:
+            far = self.reach.find_unreachable(samples.positions)
+            reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
+            self._common = samples, samples if far is None else samples.only(reached), reached
+            self._missed = np.zeros(len(samples), np.bool_)
         part = cycle.due(t, 1) if once else cycle.due(t)
         if part is None:
             self.skipped[NOTHING_MOVED] += 1
@@ -270,17 +276,16 @@ class SampleSolver:
             made = self._solve_part(
                 part, samples, P, groups, False, limits, solver, deadline, again=again
             )
+            self._missed[cycle.sounds(part)] = False
+            self._missed[list(made.missed)] = True
             cycle.keep(part, made, t)
             cycle.consider(made)
             self.fresh.append(made)
-        if self._common[0] is not samples:
-            far = self.reach.find_unreachable(samples.positions)
-            reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
-            self._common = samples, samples if far is None else samples.only(reached), reached
         _, common, reached = self._common
         return Solved(
             samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
             common=common, asked=cycle.asked[reached], growth=self._growth, hurried=cycle.hurried,
+            missed=tuple(np.flatnonzero(self._missed).tolist()),
         )  # fmt: skip
 
     def _solve_part(

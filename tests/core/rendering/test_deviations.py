@@ -211,13 +211,21 @@ def test_what_the_array_cannot_make_is_named(pressure: float, frames: int) -> No
     play(renderer, device, clock, [0.0] * 40)
     samples, air = renderer.samples, renderer.session.medium
     assert samples is not None
-    made = [pc.field(SMALL, g, samples.positions, air, "double") for g in renderer.sounding]
-    P = pc.radiation_pressure(np.sqrt((np.abs(made) ** 2).mean(axis=0)), air)
-    weak = (P - 0.9 * samples.radiation_pressure < 0.0) & (samples.regions != BESIDE)
+
+    def compute_shares(frames: list[pc.Gains]) -> Any:
+        made = [pc.field(SMALL, g, samples.positions, air, "double") for g in frames]
+        P = pc.radiation_pressure(np.sqrt((np.abs(made) ** 2).mean(axis=0)), air)
+        return P / samples.radiation_pressure
+
+    share = compute_shares(list(renderer.sounding))
+    before_rounding = compute_shares([one.gains for one in renderer.played.rows])
+    weak = (share < 0.9) & (samples.regions != BESIDE)
     told = at(renderer.report, 39)
     for k, name in enumerate(("plate", "ring")):
-        count = np.count_nonzero(weak & (samples.objects == k))
-        assert told.get(name, {}).get(named.MISSED_TARGET, 0) == pytest.approx(count, abs=2)
+        own, count = samples.objects == k, told.get(name, {}).get(named.MISSED_TARGET, 0)
+        assert count == pytest.approx(np.count_nonzero(before_rounding[own] < 0.9), abs=1)
+        least, most = np.count_nonzero(share[own] < 0.89), np.count_nonzero(share[own] < 0.91)
+        assert least <= count <= most
     assert pressure < 1.0 or not renderer.report.as_asked
     assert weak.mean() > 0.3 if pressure > 1.0 else weak.mean() < 0.3
 
