@@ -34,6 +34,12 @@ SAFE = "-O2", "-fno-fast-math"
 COMMON = (
     "-std=c++17", "-fPIC", "-fvisibility=hidden", "-DNDEBUG", "-DNB_COMPACT_ASSERTIONS", "-Wall", "-Wextra",
 )  # fmt: skip
+CHECKED = (
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+    "-g",
+    "-O1",
+)  # what a sanitizer finds ends the process
 X86 = {
     "_v4": "v4",
     "_v3": "v3",
@@ -90,14 +96,14 @@ def dependencies(root: Path = ROOT) -> list[str]:
 def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
     """Compile and link what is old; the modules' files. Raises NativeError.
 
-    sanitize: checks of GCC's and Clang's that are compiled in, such as "address,undefined"; the files then go to
-    build/native-sanitize and are linked for nobody.
+    sanitize: checks of GCC's and Clang's that are compiled in, such as "address,undefined"; then only the lowest
+    variant is built, into build/native-address-undefined, where nobody but `tests/sanitized.py` finds it.
     """
     compiler = system() or Compiler((sys.executable, "-m", "ziglang", "c++"), zig=True)
     folder = root / "build" / ("native-" + sanitize.replace(",", "-") if sanitize else "native")
     folder.mkdir(parents=True, exist_ok=True)
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
-    levels = X86 if x86() else OTHER
+    levels = X86 if x86() and not sanitize else OTHER
     targets = {
         (where, name): (folder / where if sanitize else root / where) / f"{name}{suffix}"
         for where in MODULES
@@ -114,7 +120,7 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
     ):
         return list(targets.values())
     stamp.unlink(missing_ok=True)
-    extra = [f"-fsanitize={sanitize}", "-fno-omit-frame-pointer", "-g", "-O1"] if sanitize else []
+    extra = [f"-fsanitize={sanitize}", *CHECKED] if sanitize else []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         shared = pool.submit(
             _compile,

@@ -165,7 +165,7 @@ def test_a_wide_region_takes_fewer_products_with_blocks():
     q = q.reshape(-1, 3)
     B = pc.matrix(array, q, pc.Air()).astype(np.complex64)
     M = len(q)
-    p = 0.05 * np.abs(B).sum(axis=1).mean() * np.exp(1j * pc.joint_phases(array, q, pc.Air()))
+    p = 0.01 * np.abs(B).sum(axis=1).mean() * np.exp(1j * pc.joint_phases(array, q, pc.Air()))
     mu, asked = MU * float((np.abs(B) ** 2).sum()) / M, []
     for width in (math.inf, MAX_WIDTH):
         Counts.asked = 0
