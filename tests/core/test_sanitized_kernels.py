@@ -82,7 +82,9 @@ def compile_kernels() -> dict[str, str]:
         sys.path.remove(str(ROOT))
     build.build(sanitize=CHECKS)
     libraries = [
-        subprocess.check_output([*build.system().command, f"-print-file-name={name}"], text=True).strip()
+        subprocess.check_output(
+            [*build.system().command, f"-print-file-name={name}"], text=True
+        ).strip()
         for name in ("libasan.so", "libstdc++.so.6")
     ]
     return {

@@ -82,7 +82,8 @@ class SampleSolver:
         self._growth = 1.0
         # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
-        self._missed = np.zeros(0, np.bool_)  # samples of a cycle that get clearly less than their target, (M,)
+        # Samples of a cycle that get clearly less than their target, (M,).
+        self._missed = np.zeros(0, np.bool_)
         self._last: Solved | None = None
         self._steered.reset()
         self.fresh = []

@@ -26,9 +26,9 @@ class Solved:
     cycle are solved. common: in a cycle, the samples of all frames together that sound can reach. asked: their
     target, (M,) [Pa]. brief: whether this is right for one tick only. growth: factor by which the gains will grow
     once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames than they
-    could have, for want of time. missed: in a cycle, indices of the samples that get clearly less than their target from
-    all frames together, by the last solve that each sample was part of. motion: how `samples` have moved since the solve; None if the field stays where it was
-    solved for.
+    could have, for want of time. missed: in a cycle, indices of the samples that get clearly less than their target
+    from all frames together, by the last solve that each sample was part of. motion: how `samples` have moved since the
+    solve; None if the field stays where it was solved for.
     """
 
     samples: Samples
