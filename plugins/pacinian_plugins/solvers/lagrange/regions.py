@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
 OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
-# Of the transducers in the preconditioner: number from which only some are in it, and largest stride.
+# Least number of transducers in the preconditioner of an array that has more, and largest stride from one to the next.
 MIN_COLUMNS, MAX_STRIDE = 500, 4
 # Largest number of samples whose preconditioner is one block, and largest size of the blocks of more samples.
 MAX_WHOLE, MAX_BLOCK = 512, 256
-# Largest width of a block [m]. Some of the transducers, 40 mm apart, couple samples further apart that all of them do
-# not couple.
+# Largest width of a block [m]. Every fourth transducer (40 mm apart) would couple samples at larger distances that the
+# whole array does not couple.
 MAX_WIDTH = 0.075
 # Largest duality gap of the last multipliers, relative to that of none, to start from them: if they had converged, and
 # if there was no time for that. If late solves began anew each time, none of them would ever converge (decision 75).
