@@ -1,8 +1,12 @@
-"""A pytest plug-in that imports the kernels that `native_build.build(sanitize=CHECKS)` has compiled."""
+"""A pytest plug-in that imports kernels with sanitizers, from the folder that `PACINIAN_SANITIZED` names.
+
+`core/test_sanitized_kernels.py` compiles them, and starts pytest with this plug-in.
+"""
 
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
 import sysconfig
 from importlib.abc import MetaPathFinder
@@ -14,9 +18,7 @@ if TYPE_CHECKING:
     from importlib.machinery import ModuleSpec
     from types import ModuleType
 
-CHECKS = "address,undefined"
-ROOT = Path(__file__).parents[1]
-FOLDER = ROOT / "build" / f"native-{CHECKS.replace(',', '-')}"
+FOLDER = Path(os.environ["PACINIAN_SANITIZED"])
 NAME = "_plain"  # the variant that is compiled with them
 PACKAGES = {"pacinian.native": "core", "pacinian_plugins.native": "plugins"}
 

@@ -6,11 +6,12 @@ import importlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
-from ..sanitized import CHECKS, NAME, ROOT
-
+ROOT = Path(__file__).parents[2]
+CHECKS = "address,undefined"
 # tests of kernels, which call nearly all of them
 TESTS = (
     "tests/core/acoustics/test_propagation.py",
@@ -93,5 +94,6 @@ def compile_kernels() -> dict[str, str]:
         "ASAN_OPTIONS": "detect_leaks=0",  # Python keeps what it has
         "UBSAN_OPTIONS": "print_stacktrace=1",
         "PYTHONMALLOC": "malloc",
-        "PACINIAN_VARIANT": NAME.lstrip("_"),
+        "PACINIAN_SANITIZED": str(ROOT / "build" / f"native-{CHECKS.replace(',', '-')}"),
+        "PACINIAN_VARIANT": "plain",
     }
