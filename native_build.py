@@ -34,12 +34,8 @@ SAFE = "-O2", "-fno-fast-math"
 COMMON = (
     "-std=c++17", "-fPIC", "-fvisibility=hidden", "-DNDEBUG", "-DNB_COMPACT_ASSERTIONS", "-Wall", "-Wextra",
 )  # fmt: skip
-CHECKED = (
-    "-fno-sanitize-recover=all",
-    "-fno-omit-frame-pointer",
-    "-g",
-    "-O1",
-)  # what a sanitizer finds ends the process
+# With sanitizers: what one finds ends the process.
+SANITIZED = "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1"
 X86 = {
     "_v4": "v4",
     "_v3": "v3",
@@ -120,7 +116,7 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
     ):
         return list(targets.values())
     stamp.unlink(missing_ok=True)
-    extra = [f"-fsanitize={sanitize}", *CHECKED] if sanitize else []
+    extra = [f"-fsanitize={sanitize}", *SANITIZED] if sanitize else []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         shared = pool.submit(
             _compile,

@@ -35,8 +35,7 @@ struct Loaded {
     }
 };
 
-// The tiles of B, all copied before: for many passes, each of which takes half of the time. data: (N / TILE rounded up, 2,
-// rows, TILE).
+// The tiles of B, all copied before: for many passes. data: (N / TILE rounded up, 2, rows, TILE).
 struct Copied {
     const f4* data;
     Index rows;

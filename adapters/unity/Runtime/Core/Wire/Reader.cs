@@ -133,13 +133,13 @@ namespace Pacinian.Wire
             }
             if (value == null || !Utf8.Same(_data, head.Start, head.Count, value))
             {
-                value = head.Count <= LongestRecent ? Recent(head) : Encoding.UTF8.GetString(_data, head.Start, head.Count);
+                value = head.Count <= LongestRecent ? FindRecent(head) : Encoding.UTF8.GetString(_data, head.Start, head.Count);
             }
             return true;
         }
 
         /// <summary>Returns a text that was read recently, or a new one in place of the oldest.</summary>
-        private string Recent(Head head)
+        private string FindRecent(Head head)
         {
             foreach (string text in _recent)
             {
