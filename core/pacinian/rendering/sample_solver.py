@@ -157,7 +157,7 @@ class SampleSolver:
             and not len(last.samples)
             and key[1:] == self._key[1:]
         ):
-            self.cycle.begin(samples)
+            self.cycle.begin(samples, t)
             self.cycle.consider(last.rows[0])
             self.skipped[NOTHING_MOVED] += 1
             return last  # a hand that moves through empty space needs no new silence
@@ -166,7 +166,7 @@ class SampleSolver:
             self._samples, self._begun = samples, t
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
-            self.cycle.begin(samples, 1 if alone else None)
+            self.cycle.begin(samples, t, 1 if alone else None)
         if self.cycle.count > 1:
             return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)
         self.cycle.forget()
