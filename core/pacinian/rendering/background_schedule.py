@@ -7,9 +7,9 @@ from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 
-LONG_SHARE = 0.8  # duration above which a tick is long, relative to the period
+LONG_SHARE = 0.65  # duration above which a tick is long, relative to the period; it begins up to 0.2 ms late
 TICKS_SEEN = 64  # last ticks with a solve that count
-MIN_LONG_TICKS = 12  # long ones among them from which solves run beside the ticks
+MIN_LONG_TICKS = 8  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
 # Duration within which a solve must fit to run in a tick again, relative to the period.
 SHORT_SHARE = 0.5
