@@ -7,7 +7,9 @@ from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 
-LONG_SHARE = 0.65  # duration above which a tick is long, relative to the period; it begins up to 0.2 ms late
+LONG_SHARE = (
+    0.65  # duration above which a tick is long, relative to the period; it begins up to 0.2 ms late
+)
 TICKS_SEEN = 64  # last ticks with a solve that count
 MIN_LONG_TICKS = 8  # long ones among them from which solves run beside the ticks
 FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
@@ -21,6 +23,8 @@ MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected t
 # shortest time from the beginning of a solve beside the ticks to that of the next [s]
 MIN_INTERVAL = 0.008
 MAX_INTERVAL = 0.012  # after which a solve begins although the scene is the same; longest spread of a change [s]
+# the same, if the last solve has changed nothing and the passing of time moves nothing [s]
+REST_INTERVAL = 0.05
 # time in which the last solution fades out [s]; clients wait 20 ms for silence
 END_SPREAD = 0.006
 SOLVES_SEEN = 5  # last solves whose medians are expected of the next
@@ -31,13 +35,15 @@ class BackgroundSchedule:
     """Decides whether solves run beside the ticks, and when. Counts long ticks, and solves that would fit.
 
     period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the next solve will
-    take, by the last ones. interval: number of ticks from one solution to the next, likewise.
+    take, by the last ones. interval: number of ticks from one solution to the next, likewise. rests: whether the last
+    solve has changed nothing, and the passing of time moves nothing.
     """
 
     period: float
     beside: bool = False
     ticks: int = 1
     interval: int = 1
+    rests: bool = False
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
     _intervals: deque[int] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
@@ -70,7 +76,8 @@ class BackgroundSchedule:
         games. Between them, objects and hands move on as they moved.
         """
         least, most = self._count_ticks(MIN_INTERVAL), self._count_ticks(MAX_INTERVAL)
-        if self._since < (most if not changed else 1 if urgent else least):
+        unchanged = self._count_ticks(REST_INTERVAL) if self.rests else most
+        if self._since < (unchanged if not changed else 1 if urgent else least):
             return False
         self._intervals.append(min(self._since, most))
         self.interval, self._since = math.ceil(median(self._intervals)), 0

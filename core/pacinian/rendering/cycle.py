@@ -105,9 +105,12 @@ class Cycle:
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved = 0.0, False, False
-        self._given_up, self._paused_until = False, -math.inf  # whether two frames are, and until when [s]
+        self._given_up, self._paused_until = (
+            False,
+            -math.inf,
+        )  # whether two frames are, and until when [s]
         self._bands, self._banded, self._overdriven = Bands(), False, False
-        self._on_skin, self._tilted, self._turn = False, False, 0
+        self._on_skin, self._tilts, self._tilted, self._turn = False, True, False, 0
         self.samples = no_samples()
         """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
@@ -135,11 +138,16 @@ class Cycle:
         """Largest number of bands for the next samples."""
         return 1 if self._overdriven else self.allowed
 
-    def begin(self, samples: Samples, t: float, most: int | None = None) -> None:
-        """Render these samples from time t [s] on. most: largest number of frames; `self.most` by default."""
+    def begin(
+        self, samples: Samples, t: float, most: int | None = None, *, tilts: bool = True
+    ) -> None:
+        """Render these samples from time t [s] on.
+
+        most: largest number of frames; `self.most` by default. tilts: whether two waves may render the same samples.
+        """
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
-        self._moved = True
+        self._moved, self._tilts = True, tilts
         self._given_up = 0.0 < self._paused_until - t <= MIN_PAUSE
         if not np.array_equal(samples.keys, self.samples.keys):
             for part in self.parts:
@@ -154,7 +162,7 @@ class Cycle:
     @property
     def _may_tilt(self) -> bool:
         """Whether two waves may render these samples. On skin, one wave whose phases relax is better."""
-        enough = self._wanted >= len(TILTS) and not self._given_up
+        enough = self._tilts and self._wanted >= len(TILTS) and not self._given_up
         return enough and not self._banded and not self._on_skin
 
     def forget(self) -> None:

@@ -161,6 +161,7 @@ class Pipeline:
             return
         times, gap = compute_row_times(capability, self.period)
         self._discard_job()
+        self.played = self.played._replace(heard=None)
         self.player.retime(times, gap)
         self.solver.times = times
         self.solver.cycle.most = split_frames(self._most, capability.rate)
@@ -350,20 +351,23 @@ class Pipeline:
         time = (MAX_TICKS if beside else 1) * self.period
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
         at = self._find_aim(t, beside)
-        last = self.sampler.sample_counts
+        last, known = self.played, self.sampler.sample_counts
 
         def run() -> SolveResult:
             begin = self._job_recording_clock.now() if beside else math.nan
             samples = self.sampler.sample(scene, at, at - t)
             counts = self.sampler.sample_counts
-            if counts is not last and len(counts.samples):
+            if counts is not known and len(counts.samples):
                 self._note_unreachable(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solved = self.solver.solve(samples, t, limits, solver, deadline, near, at)
-            fresh, heard = tuple(self.solver.fresh), self._hear(solved, limits) if beside else None
+            fresh, heard = tuple(self.solver.fresh), None
+            if beside:  # a steered field makes at its samples what it made where it was solved for
+                same = solved.rows == last.solved.rows and solved.limits is last.solved.limits
+                heard = last.heard if same else self._hear(solved, limits)
             seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
@@ -373,6 +377,7 @@ class Pipeline:
 
     def _hear(self, solved: Solved, limits: Limits) -> Floats | None:
         """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
+        solved = replace(solved, motion=None)
         samples = solved.played_samples
         for part in self.solver.cycle.parts:
             propagator = part.session.propagator
@@ -402,6 +407,7 @@ class Pipeline:
         self._skipped.clear()
         if outcome.tells_time and not math.isnan(outcome.seconds):
             self.schedule.note_solve(outcome.seconds, self._allowed == self.sampler.budget)
+        self.schedule.rests = outcome.solved is self.played.solved and self.sampler.still
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
         self._before, self.played, self._taken = self.played, outcome, outcome
@@ -493,7 +499,8 @@ class Pipeline:
 
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)
-            p = self._job_probe.hear(samples.positions, facing, gains) if heard is None else heard
+            p = None if play.motion is not None else heard
+            p = self._job_probe.hear(samples.positions, facing, gains) if p is None else p
             felt = self._job_probe.look(samples, targets, facing, gains, p)
             return Measurement(targets.relative_error(p), felt)
 

@@ -418,7 +418,10 @@ class Renderer(Closeable):
 
     @property
     def heard(self) -> Floats:
-        """Like `hear` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks."""
+        """Like `hear` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks.
+
+        If the field is steered, this is of the samples where they were solved for.
+        """
         outcome, samples = self._pipeline.played, self.samples
         if outcome.heard is not None or samples is None:
             return np.empty(0) if outcome.heard is None else outcome.heard

@@ -20,8 +20,8 @@ class SolveResult(NamedTuple):
     """The result of sampling and solving for a scene.
 
     solver: that solved. fresh: the solutions that are new. heard: sound pressure amplitude at the played samples, as
-    emitted, (M,) [Pa]; None if it is not known. time: that this was made for [s]. seconds: that it took beside the
-    ticks [s]; NaN in a tick.
+    emitted where they were solved for, (M,) [Pa]; None if it is not known. time: that this was made for [s]. seconds:
+    that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene

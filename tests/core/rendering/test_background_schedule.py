@@ -18,6 +18,7 @@ from pacinian.rendering.background_schedule import (
     MIN_FITTING,
     MIN_INTERVAL,
     MIN_LONG_TICKS,
+    REST_INTERVAL,
     SHORT_SHARE,
     SOLVES_SEEN,
     TICKS_SEEN,
@@ -119,6 +120,20 @@ def test_a_new_scene_begins_a_solve_at_once_at_the_rate_of_a_tracker(
     schedule, began = list_solves(every, 200, taken)
     assert began == list(range(0, 200, every))
     assert schedule.interval == every
+
+
+def test_while_nothing_moves_solves_are_rare_until_the_scene_changes() -> None:
+    schedule = beside()
+    assert schedule.begin_solve(changed=True)
+    schedule.rests = True
+    for _ in range(round(REST_INTERVAL / PERIOD) - 1):
+        schedule.pass_ticks(1)
+        assert not schedule.begin_solve(changed=False)
+    schedule.pass_ticks(1)
+    assert schedule.begin_solve(changed=False)
+    assert schedule.interval <= MOST, "a change is spread over no longer time"
+    schedule.pass_ticks(LEAST)
+    assert schedule.begin_solve(changed=True)
 
 
 @bounded

@@ -6,6 +6,7 @@ import gc
 import subprocess
 import sys
 import threading
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +15,11 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.gallery import SCENES
-from pacinian.rendering.background_schedule import MAX_TICKS, BackgroundSchedule
+from pacinian.rendering.background_schedule import MAX_TICKS, REST_INTERVAL, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
-from pacinian.rendering.pipeline import MAX_AGE
+from pacinian.rendering.pipeline import MAX_AGE, Pipeline
 from pacinian.rendering.rerender import rerender
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
@@ -323,6 +324,31 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
         outcome = renderer._pipeline.played
         assert outcome.solved.cycle or name not in ("palm", "two frames")
         assert (outcome.heard is None) is (name == "palm")  # its frames are bands
+        finer = Simulated(rate=1000.0)
+        finer.open(ARRAY)
+        renderer.use(finer).close()
+        heard = renderer.hear(renderer.samples.positions, renderer.played.facing)  # type: ignore[union-attr]
+        np.testing.assert_allclose(renderer.heard, heard)
+
+
+def test_what_is_heard_of_a_still_scene_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor does a still scene begin many solves."""
+    counted = Counter[str]()
+    hear = Pipeline._hear
+
+    def count(self: Pipeline, *arguments: Any) -> Any:
+        counted["heard"] += 1
+        return hear(self, *arguments)
+
+    monkeypatch.setattr(Pipeline, "_hear", count)
+    with pc.Renderer(ARRAY, SCENES["static-focus"](0.0), clock=ManualClock()) as renderer:
+        background = solve_beside(renderer)
+        renderer._pipeline.schedule = BackgroundSchedule(TICK, beside=True)
+        for k in range(1000):
+            renderer.tick(k * TICK)
+        assert counted["heard"] <= 1 + renderer.report.solves
+        assert background.started < 2 * 1000 * TICK / REST_INTERVAL
+        assert len(renderer.heard) == 1
 
 
 @pytest.mark.parametrize("since", range(0, 12, 3))

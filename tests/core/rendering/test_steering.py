@@ -12,7 +12,13 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.steered_solver import MAX_LATE_SHIFT, PATIENCE, SteeredSolver
+from pacinian.rendering.steered_solver import (
+    MAX_LATE_SHIFT,
+    MAX_LIMITED_SHIFT,
+    PATIENCE,
+    Anchor,
+    SteeredSolver,
+)
 from pacinian.rendering.steering import MAX_JUMP, MAX_STANDSTILL, Motion, Steering, find_factors
 from pacinian.solving.solution_status import Status
 from pacinian.testing import ManualClock
@@ -150,10 +156,13 @@ class Solving:
         self.late, self.error, self.status, self.due = False, 0.01, Status.ok, True
         self.solved: list[Any] = []
         self.factors: list[float] = []
+        self.anchors: list[Anchor] = []
         self.moves: list[Any] = []
 
-    def solve(self, samples: Any, factor: float) -> Any:
+    def solve(self, anchor: Anchor, factor: float) -> Any:
+        samples = anchor.samples
         self.factors.append(factor)
+        self.anchors.append(anchor)
         if self.solved and self.solved[-1].samples is samples and not self.late:
             return self.solved[-1]
         solution = SimpleNamespace(error=self.error, status=self.status)
@@ -200,6 +209,19 @@ def test_samples_that_stand_are_solved_for_where_they_are(solving: Solving) -> N
     assert at_rest.rows != first.rows
     assert not at_rest.motion.shift.any()
     assert solving.at((0.001, 0.0, 0.0), 0.3).rows == at_rest.rows
+
+
+def test_what_has_come_to_rest_is_solved_for_once_more_as_it_stands(solving: Solving) -> None:
+    """While it moves, it gets no second frame; the last solve of the movement is where it stands."""
+    for n in range(7):
+        solving.at((0.0002 * n, 0.0, 0.0), 0.01 * n)
+    solving.at((0.005, 0.0, 0.0), 0.07)
+    assert solving.anchors[-1].moving
+    moving = len(solving.solved)
+    for n in range(8, 40):
+        solving.at((0.005, 0.0, 0.0), 0.01 * n)
+        assert solving.anchors[-1].moving == (n < 8 + MAX_STANDSTILL // 0.01)
+    assert len(solving.solved) == moving + 1
 
 
 def test_samples_that_tremble_stand(solving: Solving) -> None:
@@ -271,7 +293,7 @@ def test_a_late_solve_that_helps_no_more_does_not_hold_up_the_next(
 ) -> None:
     solving.late, solving.due = True, due
     solving.at((0.0, 0.0, 0.0), 0.0)
-    solving.at((0.005, 0.0, 0.0), 0.01)
+    solving.at((1.1 * MAX_LIMITED_SHIFT * 0.15, 0.0, 0.0), 0.01)
     assert (len({id(one.samples) for one in solving.solved}) == 1) == due
 
 

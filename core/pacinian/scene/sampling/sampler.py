@@ -178,6 +178,11 @@ class Sampler:
         self._resolving = ArrayResolution(array, medium)
         self.reset()
 
+    @property
+    def still(self) -> bool:
+        """Whether the passing of time moves nothing in the scene of the last call of `sample`; ramps do not count."""
+        return self._still
+
     def invalidate(self) -> None:
         """Sample again at the next call, even if the scene is the same."""
         self._still = False
