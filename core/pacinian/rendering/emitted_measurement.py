@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 MIN_DISTANCE = DISTANCES[0]  # of a place beside a region from its samples [m]
 PLACES = 24  # places between samples in one measurement; many measurements are added
+SAMPLES = 48  # samples of a steered field in one measurement
+MIN_NORM = 1e-30  # smallest norm used as a divisor [Pa]
 
 
 class Probe:
@@ -67,6 +69,15 @@ class Probe:
                 if name in found:
                     found[name] = found[name].plus(FeltSums(beside=float(p[m] ** 2)))
         return found
+
+    def estimate_error(self, samples: Samples, targets: Targets, gains: Gains) -> float:
+        """Return the relative error of the sound pressures at some samples in free air, other ones each time.
+
+        targets: of the samples. gains: as for `look`.
+        """
+        some = self._chance.permutation(len(samples))[:SAMPLES]
+        t, p = targets.amplitudes[some], self._measure(samples.positions[some], None, gains)
+        return float(np.linalg.norm(p - t)) / max(float(np.linalg.norm(t)), MIN_NORM)
 
     def hear(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].

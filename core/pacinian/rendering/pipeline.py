@@ -499,10 +499,13 @@ class Pipeline:
 
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)
-            p = None if play.motion is not None else heard
-            p = self._job_probe.hear(samples.positions, facing, gains) if p is None else p
-            felt = self._job_probe.look(samples, targets, facing, gains, p)
-            return Measurement(targets.relative_error(p), felt)
+            probe, p = self._job_probe, heard
+            if p is None:
+                p = probe.hear(samples.positions, facing, gains)
+            error = targets.relative_error(p)
+            if play.motion is not None and play.motion.shift.any():
+                error = probe.estimate_error(samples, targets, gains)
+            return Measurement(error, probe.look(samples, targets, facing, gains, p))
 
         return measure
 
