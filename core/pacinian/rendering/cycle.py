@@ -47,7 +47,6 @@ MAX_TRIES = (
 )
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
 MAX_LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
-MIN_PAUSE = 2.0  # for these samples, and for others within this time [s]
 
 
 @dataclass
@@ -104,13 +103,9 @@ class Cycle:
         self._first.forget_rest()
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
-        self._late, self._hurried, self._moved = 0.0, False, False
-        self._given_up, self._paused_until = (
-            False,
-            -math.inf,
-        )  # whether two frames are, and until when [s]
+        self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
         self._bands, self._banded, self._overdriven = Bands(), False, False
-        self._on_skin, self._tilts, self._tilted, self._turn = False, True, False, 0
+        self._on_skin, self._tilted, self._turn = False, False, 0
         self.samples = no_samples()
         """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
@@ -138,17 +133,11 @@ class Cycle:
         """Largest number of bands for the next samples."""
         return 1 if self._overdriven else self.allowed
 
-    def begin(
-        self, samples: Samples, t: float, most: int | None = None, *, tilts: bool = True
-    ) -> None:
-        """Render these samples from time t [s] on.
-
-        most: largest number of frames; `self.most` by default. tilts: whether two waves may render the same samples.
-        """
+    def begin(self, samples: Samples, most: int | None = None) -> None:
+        """Render these samples from now on. most: largest number of frames; `self.most` by default."""
         solid = bool((samples.regions >= 0).any())
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
-        self._moved, self._tilts = True, tilts
-        self._given_up = 0.0 < self._paused_until - t <= MIN_PAUSE
+        self._moved, self._given_up = True, False
         if not np.array_equal(samples.keys, self.samples.keys):
             for part in self.parts:
                 part.forget_rest()
@@ -162,8 +151,7 @@ class Cycle:
     @property
     def _may_tilt(self) -> bool:
         """Whether two waves may render these samples. On skin, one wave whose phases relax is better."""
-        enough = self._tilts and self._wanted >= len(TILTS) and not self._given_up
-        return enough and not self._banded and not self._on_skin
+        return not self._banded and not self._on_skin and self._wanted >= len(TILTS)
 
     def forget(self) -> None:
         """Discard what the frames played: while one frame renders all samples, that grows old."""
@@ -280,7 +268,7 @@ class Cycle:
         part.rounds += solved.final
         part.retry = t + RETRY_INTERVAL
         if self._tilted and not part.rounds and part.tries == MAX_LATE_TRIES:
-            self._given_up, self._tilted, self._paused_until = True, False, t + MIN_PAUSE
+            self._given_up, self._tilted, self._wanted = True, False, 1
             self._arrange()
 
     @property

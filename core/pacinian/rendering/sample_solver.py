@@ -109,9 +109,7 @@ class SampleSolver:
             steered = self._steered.solve(
                 samples,
                 t if at is None else at,
-                lambda anchor, factor: self._solve(
-                    anchor.samples, t, limits, solver, factor * deadline, moving=anchor.moving
-                ),
+                lambda samples, factor: self._solve(samples, t, limits, solver, factor * deadline),
                 lambda solved: self._is_due(solved, t),
                 self._move_frames,
             )
@@ -149,21 +147,17 @@ class SampleSolver:
         )
 
     def _solve(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False,
-        moving: bool = False,
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False
     ) -> Solved:  # fmt: skip
-        """Return what to play for `samples` at time t [s].
-
-        once: see `_solve_cycle_frame`. moving: whether they soon move on, so that two frames would come too late.
-        """
-        key, last = ((samples, moving), limits, solver), self._last
+        """Return what to play for `samples` at time t [s]. once: see `_solve_cycle_frame`."""
+        key, last = (samples, limits, solver), self._last
         if (
             last is not None
             and not len(samples)
             and not len(last.samples)
             and key[1:] == self._key[1:]
         ):
-            self.cycle.begin(samples, t)
+            self.cycle.begin(samples)
             self.cycle.consider(last.rows[0])
             self.skipped[NOTHING_MOVED] += 1
             return last  # a hand that moves through empty space needs no new silence
@@ -172,7 +166,7 @@ class SampleSolver:
             self._samples, self._begun = samples, t
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
-            self.cycle.begin(samples, t, 1 if alone else None, tilts=not moving)
+            self.cycle.begin(samples, 1 if alone else None)
         if self.cycle.count > 1:
             return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)
         self.cycle.forget()

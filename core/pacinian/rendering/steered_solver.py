@@ -6,31 +6,28 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.rendering.steering import MotionTracker
-from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
     from pacinian.rendering.solved import Solved
-    from pacinian.rendering.steering import Motion
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
 # Largest shift before samples are solved for where they are, over their distance from the nearest transducer. At the
-# array's limit, and where time was short, solutions are less exact and take longer. While a solve is not done, no other
-# one begins.
+# array's limit, solutions are less exact and take longer. While a solve is not done, no other one begins.
 MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
+LIMITED_FROM = 0.02  # share of the transducers at their limit from which MAX_LIMITED_SHIFT holds
 MAX_ERROR_RATIO = 1.25  # of a solution that ran out of time to that which it replaces
 PATIENCE = 2.5  # factor on the time of a solve while there is something to steer
 
 
 class Anchor(NamedTuple):
-    """Samples that were solved for, their centre, (3,) [m], and whether they were moving."""
+    """Samples that were solved for, and their centre, (3,) [m]."""
 
     samples: Samples
     centre: Floats
-    moving: bool
 
 
 class SteeredSolver:
@@ -51,37 +48,35 @@ class SteeredSolver:
         self._result: Solved | None = None  # of the last call of `solve`
 
     def solve(
-        self, samples: Samples, t: float, solve: Callable[[Anchor, float], Solved], is_due: Callable[[Solved], bool],
+        self, samples: Samples, t: float, solve: Callable[[Samples, float], Solved], is_due: Callable[[Solved], bool],
         move: Callable[[Floats, Floats], None],
     ) -> Solved | None:  # fmt: skip
         """Return what to play for samples that are where they are at time t [s]; None if they are close to the array.
 
-        solve: solves for the samples of an anchor, within a factor on the time that there is. is_due: whether a further
-        solve for the same samples may come nearer to the targets. move: steers all solutions that the next solve goes
-        on from, from one place, (3,) [m], to another one. Call `reset` if other limits or another solver are used.
+        solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
+        same samples may come nearer to the targets. move: steers all solutions that the next solve goes on from, from
+        one place, (3,) [m], to another one. Call `reset` if other limits or another solver are used.
         """
-        tracker, motion, anchor, ended = self._tracker, None, self._anchor, False
+        tracker, motion, anchor = self._tracker, None, self._anchor
         tracker.track(samples, t)
         if tracker.close:
             self.reset()
             return None
         if anchor is not None:
-            motion = tracker.find_motion(samples, anchor.samples, anchor.centre, self._max_shift)
-            if motion is not None and tracker.stands and not self._late:
-                ended = motion.misplaced or anchor.moving
+            motion = tracker.find_motion(samples, *anchor, self._max_shift)
+            if motion is not None and motion.misplaced and tracker.stands and not self._late:
+                motion = None
         goes_on = anchor is not None and motion is not None and self._late
-        if anchor is None or motion is None or ended:
+        if anchor is None or motion is None:
             motion = tracker.begin()
-            if anchor is not None and self._find_late_motion(samples, anchor):
+            if anchor is not None and tracker.find_motion(samples, *anchor, MAX_LATE_SHIFT):
                 move(anchor.centre, motion.centre)
-            anchor = self._anchor = Anchor(
-                samples, motion.centre, bool(motion.velocity.any()) and not ended
-            )
+            anchor = self._anchor = Anchor(samples, motion.centre)
         played = self._played
-        since = played and self._find_late_motion(samples, played[1])
-        solved = solve(anchor, PATIENCE if since or goes_on else 1.0)
+        since = played and tracker.find_motion(samples, *played[1], MAX_LATE_SHIFT)
+        solved = solve(anchor.samples, PATIENCE if since or goes_on else 1.0)
         late = any(one.ran_out_of_time for one in solved.rows)
-        limited = late or any(one.solution.status is Status.limited for one in solved.rows)
+        limited = any(one.solution.saturation >= LIMITED_FROM for one in solved.rows)
         self._late = late and is_due(solved)
         self._max_shift = MAX_LIMITED_SHIFT if limited else MAX_SHIFT
         if self._late:
@@ -97,9 +92,6 @@ class SteeredSolver:
                 return last  # nothing has changed
         self._result = replace(solved, samples=samples, motion=motion)
         return self._result
-
-    def _find_late_motion(self, samples: Samples, anchor: Anchor) -> Motion | None:
-        return self._tracker.find_motion(samples, anchor.samples, anchor.centre, MAX_LATE_SHIFT)
 
 
 def _is_worse(solved: Solved, played: Solved) -> bool:

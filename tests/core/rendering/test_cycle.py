@@ -12,7 +12,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.acoustics.propagation import field
 from pacinian.gallery import SCENES
-from pacinian.rendering.cycle import MIN_PAUSE, split_frames
+from pacinian.rendering.cycle import split_frames
 from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
@@ -301,7 +301,7 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     cycle.reset()
     sampler = pc.Sampler()
     sampler.prepare(ONE, AIR)
-    cycle.begin(sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),))), 0.0)
+    cycle.begin(sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),))))
     held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
     free: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.0), final=False)
     cycle.consider(held)
@@ -319,7 +319,7 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     sampler = pc.Sampler()
     sampler.prepare(ONE, AIR)
     samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
-    cycle.begin(samples, 0.0)
+    cycle.begin(samples)
     solution = SimpleNamespace(late=False, saturation=0.5)
     held: Any = SimpleNamespace(solution=solution, ran_out_of_time=False)
     late: Any = SimpleNamespace(solution=solution, ran_out_of_time=True)
@@ -335,7 +335,7 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     assert find(0.8, held) == pytest.approx(1.2 * P)
     assert find(0.1, late) == pytest.approx(1.2 * P), "as at the last solve"
     assert find(0.9, held) == pytest.approx(1.1 * P)
-    cycle.begin(samples.changed(keys=samples.keys + 1), 0.0)
+    cycle.begin(samples.changed(keys=samples.keys + 1))
     assert find(0.1, late) == pytest.approx(P), "of other samples"
     find(0.9, held)
     cycle.reset()
@@ -351,7 +351,7 @@ def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None
     samples = sampler.sample(pc.Scene((surface(ONE, pc.Disc(0.01), 1.0),)))
     held: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.5), final=True)
     late: Any = SimpleNamespace(solution=SimpleNamespace(late=True, saturation=0.5), final=False)
-    cycle.begin(samples, 0.0)
+    cycle.begin(samples)
     cycle.consider(held)
     for _ in range(2 * 2):
         assert cycle.count == 2
@@ -362,12 +362,9 @@ def test_without_time_for_two_frames_of_what_stands_still_there_is_one() -> None
     assert cycle.hurried
     cycle.consider(held)
     assert cycle.count == 1
-    # for a while also for samples that follow, unless time jumps back
-    for t, count in (0.0, 1), (0.9 * MIN_PAUSE, 1), (1.1 * MIN_PAUSE, 2), (-0.1, 2):
-        cycle.begin(samples, t)
-        cycle.consider(held)
-        assert cycle.count == count
-        assert cycle.hurried == (count == 1)
+    cycle.begin(samples)
+    cycle.consider(held)
+    assert cycle.count == 2
 
 
 def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
@@ -386,9 +383,9 @@ def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
         )
         for k in range(times):
             if moving or k == 0:
-                cycle.begin(large, 0.0)
+                cycle.begin(large)
             cycle.consider(solved)
-        cycle.begin(large, 0.0)
+        cycle.begin(large)
 
     solve(late=True, times=200, moving=False)
     assert cycle.count > 1
@@ -404,7 +401,7 @@ def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
     solve(late=True, times=60)
     assert cycle.count == 1
     cycle.reset()
-    cycle.begin(large, 0.0)
+    cycle.begin(large)
     assert cycle.count > 1
 
 

@@ -13,14 +13,14 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.rendering.steered_solver import (
+    LIMITED_FROM,
     MAX_LATE_SHIFT,
     MAX_LIMITED_SHIFT,
+    MAX_SHIFT,
     PATIENCE,
-    Anchor,
     SteeredSolver,
 )
 from pacinian.rendering.steering import MAX_JUMP, MAX_STANDSTILL, Motion, Steering, find_factors
-from pacinian.solving.solution_status import Status
 from pacinian.testing import ManualClock
 
 from .manual_background import solve_beside
@@ -153,19 +153,16 @@ class Solving:
         monkeypatch.setattr("pacinian.rendering.steered_solver.replace", copy)
         self.steered, self.sampler = SteeredSolver(ARRAY), pc.Sampler()
         self.sampler.prepare(ARRAY, AIR)
-        self.late, self.error, self.status, self.due = False, 0.01, Status.ok, True
+        self.late, self.error, self.saturation, self.due = False, 0.01, 0.0, True
         self.solved: list[Any] = []
         self.factors: list[float] = []
-        self.anchors: list[Anchor] = []
         self.moves: list[Any] = []
 
-    def solve(self, anchor: Anchor, factor: float) -> Any:
-        samples = anchor.samples
+    def solve(self, samples: Any, factor: float) -> Any:
         self.factors.append(factor)
-        self.anchors.append(anchor)
         if self.solved and self.solved[-1].samples is samples and not self.late:
             return self.solved[-1]
-        solution = SimpleNamespace(error=self.error, status=self.status)
+        solution = SimpleNamespace(error=self.error, saturation=self.saturation)
         row = Row(solution=solution, ran_out_of_time=self.late)
         self.solved.append(Solved(samples=samples, rows=(row,), motion=None))
         return self.solved[-1]
@@ -194,6 +191,18 @@ def test_there_is_no_other_solve_until_the_samples_have_moved_far(solving: Solvi
     assert solving.moves == [pytest.approx([0.004, 0.0, 0.0])]
 
 
+@pytest.mark.parametrize("late", [False, True])  # as a solution at the limit often is
+def test_at_the_limit_samples_move_further_until_the_next_solve(
+    solving: Solving, late: bool
+) -> None:
+    solving.late, solving.due, solving.saturation = late, False, LIMITED_FROM
+    first = solving.at((0.0, 0.0, 0.0), 0.0)
+    assert solving.at((0.9 * MAX_LIMITED_SHIFT * 0.15, 0.0, 0.0), 0.01).motion.shift[0] > 0.0
+    assert len({id(one.samples) for one in solving.solved}) == 1
+    third = solving.at((1.1 * MAX_LIMITED_SHIFT * 0.15, 0.0, 0.0), 0.02)
+    assert third.rows != first.rows
+
+
 def test_towards_the_array_half_the_way_counts(solving: Solving) -> None:
     first = solving.at((0.0, 0.0, 0.0), 0.0)
     assert solving.at((0.0, 0.0, 0.0014), 0.01).rows == first.rows
@@ -209,19 +218,6 @@ def test_samples_that_stand_are_solved_for_where_they_are(solving: Solving) -> N
     assert at_rest.rows != first.rows
     assert not at_rest.motion.shift.any()
     assert solving.at((0.001, 0.0, 0.0), 0.3).rows == at_rest.rows
-
-
-def test_what_has_come_to_rest_is_solved_for_once_more_as_it_stands(solving: Solving) -> None:
-    """While it moves, it gets no second frame; the last solve of the movement is where it stands."""
-    for n in range(7):
-        solving.at((0.0002 * n, 0.0, 0.0), 0.01 * n)
-    solving.at((0.005, 0.0, 0.0), 0.07)
-    assert solving.anchors[-1].moving
-    moving = len(solving.solved)
-    for n in range(8, 40):
-        solving.at((0.005, 0.0, 0.0), 0.01 * n)
-        assert solving.anchors[-1].moving == (n < 8 + MAX_STANDSTILL // 0.01)
-    assert len(solving.solved) == moving + 1
 
 
 def test_samples_that_tremble_stand(solving: Solving) -> None:
@@ -293,7 +289,7 @@ def test_a_late_solve_that_helps_no_more_does_not_hold_up_the_next(
 ) -> None:
     solving.late, solving.due = True, due
     solving.at((0.0, 0.0, 0.0), 0.0)
-    solving.at((1.1 * MAX_LIMITED_SHIFT * 0.15, 0.0, 0.0), 0.01)
+    solving.at((1.1 * MAX_SHIFT * 0.15, 0.0, 0.0), 0.01)
     assert (len({id(one.samples) for one in solving.solved}) == 1) == due
 
 
