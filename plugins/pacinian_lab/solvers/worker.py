@@ -4,10 +4,10 @@ First line out: {"versions": {...}, "offers": [[solver, mode], ...]}. For each l
 "problem"}, a line out: {"re", "im", "points", "p50", "p99", "samples", "traced", "resident"}, or {"error"}. Standard
 library only, because Pacinian is not installed in the peers' environments.
 
-A project's file in workers/ defines `versions()` and `offers(threads)`, a map from (solver, mode) to a function of the
-problem. That function prepares what may be kept from solve to solve, and returns two functions. The first maps points
-to the solver's own output, and is timed. The second maps the output to (gains, points), with gains in the
-convention p = B g, B ~ exp(-jkr), or to None if there are none.
+A project's file in workers/ defines `LIBRARIES`, the distributions whose versions are told, and `offers(threads)`, a
+map from (solver, mode) to a function of the problem. That function prepares what may be kept from solve to solve, and
+returns two functions. The first maps points to the solver's own output, and is timed. The second maps the output to
+(gains, points), with gains in the convention p = B g, B ~ exp(-jkr), or to None if there are none.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import json
 import math
 import os
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,8 @@ def main() -> None:
     sys.argv[1:] = []  # AcousTools reads the arguments
     timing, project = load(Path(__file__).with_name("timing.py")), load(file)
     offers = project.offers(threads)
-    reply: dict[str, Any] = {"versions": project.versions(), "offers": list(offers)}
+    versions = {name: version(name) for name in project.LIBRARIES}
+    reply: dict[str, Any] = {"versions": versions, "offers": list(offers)}
     while True:
         print(json.dumps(reply), file=lines, flush=True)
         line = sys.stdin.readline()

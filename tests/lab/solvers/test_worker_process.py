@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -105,9 +106,8 @@ PROJECT = """
 import os, sys
 import numpy as np
 print("libraries talk")
-
-def versions():
-    return {"argv": str(len(sys.argv))}
+LIBRARIES = ["numpy"]
+assert len(sys.argv) == 1
 
 def offers(threads):
     print("and talk")
@@ -129,7 +129,7 @@ def test_the_worker_measures_and_keeps_its_lines_clean(made: list[Worker], tmp_p
     made.append(Worker("constant", command, 2))
     entry = run.Entry(made[0], "constant", "cold")
     assert made[0].offers() == [("constant", "cold")]
-    assert made[0].versions == {"argv": "1"}
+    assert made[0].versions == {"numpy": version("numpy")}
     told = made[0].ask(run.message(entry, PROBLEM, 0.0), LIMIT)
     assert told["re"] == [2.0] * 249
     assert told["im"] == [1.0] * 249

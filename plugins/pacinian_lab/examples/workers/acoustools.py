@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +14,7 @@ torch: Any = import_module("torch")
 solvers: Any = import_module("acoustools.Solvers")
 utilities: Any = import_module("acoustools.Utilities")
 
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("acoustools", "torch", "numpy")}
+LIBRARIES = "acoustools", "torch", "numpy"
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

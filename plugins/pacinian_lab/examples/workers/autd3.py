@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +14,8 @@ core: Any = import_module("autd3_core")
 holo: Any = import_module("autd3_pattern_holo")
 pattern: Any = import_module("autd3_pattern")
 
+LIBRARIES = "autd3", "autd3-pattern-holo", "numpy"
 FULL = 255  # intensity
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("autd3", "autd3-pattern-holo", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,12 +15,8 @@ with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it uses names that NumPy 1.23 deprecates
     levitate: Any = import_module("levitate")
 
+LIBRARIES = "levitate", "scipy", "numpy"
 FAST = 1e3  # weight of the velocity, as in the notebook
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("levitate", "scipy", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

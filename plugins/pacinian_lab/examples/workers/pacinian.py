@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,13 +11,9 @@ import pacinian as pc
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+LIBRARIES = "pacinian", "numpy", "scipy"
 QUIET, RADIUS = 50.0, 0.001  # pressure [Pa] and radius [m] of a quiet place
 CROSS = 0.001 * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])  # points in it [m]
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("pacinian", "numpy", "scipy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

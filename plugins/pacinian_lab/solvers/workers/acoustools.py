@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,12 +13,8 @@ if TYPE_CHECKING:
 torch: Any = import_module("torch")
 solvers: Any = import_module("acoustools.Solvers")
 
+LIBRARIES = "acoustools", "torch", "numpy"
 STEPS = 200  # the peer's default
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("acoustools", "torch", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

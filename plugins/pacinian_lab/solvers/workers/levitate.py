@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import warnings
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +23,7 @@ with warnings.catch_warnings():
     transducers: Any = import_module("levitate.transducers")
     fields: Any = import_module("levitate.fields._wrappers")
 
+LIBRARIES = "levitate", "scipy", "numpy"
 LOOSE = {"options": {"ftol": 1e-4, "gtol": 1e-9}}  # levitate's default: ftol 1e-15
 
 
@@ -49,11 +49,6 @@ class Misses(fields.FieldImplementation):  # type: ignore[misc]
         p = pressure_derivs_summed[0]
         size = np.abs(p)
         return pressure_derivs_individual[0] @ (2.0 * (size - self.t) * p.conj() / size)
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("levitate", "scipy", "numpy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,12 +17,8 @@ from pacinian_lab.solvers.problems import AIR
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+LIBRARIES = "pacinian", "numpy", "scipy"
 Task = tuple["Callable[[], Any]", "Callable[[Any], Any]"]
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of the relevant libraries."""
-    return {name: version(name) for name in ("pacinian", "numpy", "scipy")}
 
 
 def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Task]]:
