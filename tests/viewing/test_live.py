@@ -483,6 +483,7 @@ def test_a_recording_is_the_feed(url: str, server: Running, folder: Path) -> Non
         assert again.newest["array"] == live
         found_at = again.newest["replay"]["time"]
         again.say("replay", time=duration, playing=False)  # the history is of all that was before
+        again.until(lambda: again.newest["replay"]["time"] == duration)
         again.until(lambda: len(again.newest["history"]["times"]) > 8)
         past = again.newest["history"]
         count = len(past["times"]) // 8
