@@ -4,8 +4,6 @@ from typing import overload
 from pacinian.types import Complexes, Flags, Floats, Gains, Indices, Longs, Singles
 
 
-TILE: int = 256
-
 class Workspace:
     """
     Memory for M samples and N transducers, reused from solve to solve, and what the kernels found.
@@ -150,11 +148,6 @@ def curvature(B: Gains, sample: Longs, u: Singles, h: Singles, mu: float, few: b
     Where h is free it is 1 / mu in both directions, at the limit 1 / |x| along its phase. few: subtract instead, from
     1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its
     phasor, (2, K). h: as of `evaluate`. Workspace: V, (K rounded up to 4, 2 TILE); which, (TILE,).
-    """
-
-def apply_curvature(B: Gains, d: Singles, h: Singles, mu: float, p: Floats, tile: Singles) -> None:
-    """
-    Write p = B W B^H d, (2, M), W = dh/dx at the gains h; arguments as of `evaluate`. d: (2, rows of `tile`).
     """
 
 def solve_dual(B: Gains, G: Complexes, mu: float, steps: int, enough: float, workspace: Workspace, unit: float, out: Gains) -> int:

@@ -11,7 +11,6 @@ namespace pacinian::lagrange {
 void define_unbounded(nb::module_& m);  // in unbounded.cpp
 
 static void define(nb::module_& m) {
-    m.attr("TILE") = TILE;
     define_workspace(m);
     define_small(m);
     define_sweeps(m);

@@ -155,7 +155,7 @@ inline void curvature_of(View<const c8, 2> B, View<const i8, 1> sample, View<con
 
 // Write p = B W B^H d, W = dh/dx at the gains h, for d, (2, M rounded up to 4).
 template <typename Tiles>
-inline void apply_curvature_tiles(const Tiles& tiles, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p) {
+inline void apply_curvature(const Tiles& tiles, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p) {
     const Index N = h.shape[1];
     alignas(64) f4 xr[TILE], xi[TILE];
     std::fill(p.data, p.data + p.size(), 0.0);
@@ -175,13 +175,6 @@ inline void apply_curvature_tiles(const Tiles& tiles, View<const f4, 2> d, View<
     }
 }
 
-inline void apply_curvature(View<const c8, 2> B, View<const f4, 2> d, View<const f4, 2> h, f4 mu, View<f8, 2> p, View<f4, 3> tile) {
-    solving::require_tile(tile, B.shape[0]);
-    require(d.shape[0] == 2 && d.shape[1] >= tile.shape[1] && h.shape[0] >= 3 && h.shape[1] == B.shape[1], "apply_curvature: the shapes differ");
-    require(p.shape[0] == 2 && p.shape[1] == B.shape[0], "apply_curvature: the shapes differ");
-    apply_curvature_tiles(solving::Loaded{B, tile}, d, h, mu, p);
-}
-
 inline void define_sweeps(nb::module_& m) {
     kernel(m, "evaluate", &evaluate,
            "Write h(x), |x| and p for multipliers y, (2, rows of `tile`); return the sum of c(x_n).\n\n"
@@ -194,9 +187,6 @@ inline void define_sweeps(nb::module_& m) {
            "1 / mu for all, what those at their limit lack: cheap while they are few. sample: of each equation, (K,); u: its\n"
            "phasor, (2, K). h: as of `evaluate`. Workspace: V, (K rounded up to 4, 2 TILE); which, (TILE,).",
            "B", "sample", "u", "h", "mu", "few", "A", "V", "which");
-    kernel(m, "apply_curvature", &apply_curvature,
-           "Write p = B W B^H d, (2, M), W = dh/dx at the gains h; arguments as of `evaluate`. d: (2, rows of `tile`).", "B", "d", "h", "mu",
-           "p", "tile");
 }
 
 }  // namespace pacinian::lagrange

@@ -237,7 +237,7 @@ struct Ascent {
         Vector q = z;
         f8 weight = inner(r, q);
         for (Index done = 0; done < MAX_PASSES; ++done) {
-            apply_curvature_tiles(tiles, planes(q.data()), h, mu, made);
+            apply_curvature(tiles, planes(q.data()), h, mu, made);
             for (Index m = 0; m < M; ++m) Hq[m] = D[m] * q[m] + made_at(m);
             const f8 a = weight / inner(q, Hq);
             f8 rest = 0.0;
