@@ -28,20 +28,6 @@ AWAY_FROM_HANDS = "objects away from hands"
 SAMPLES_MERGED = "samples merged"
 SAMPLES_FAINT = "samples too faint to feel"
 
-PROBLEMS = frozenset(
-    {
-        MISSED_TICKS,
-        COARSENED_SAMPLES,
-        SAMPLES_OVER_BUDGET,
-        OBJECTS_OUTSIDE,
-        SAMPLES_TOO_FAR,
-        SAMPLES_HARDLY_REACHED,
-        SAMPLES_ON_TRANSDUCER,
-        FORCES_LIMITED,
-        HANDS_LOST,
-        TICKS_HALTED,
-    }
-)
 SAVED = frozenset(
     {
         NOTHING_MOVED,
