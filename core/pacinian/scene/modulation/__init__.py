@@ -8,8 +8,7 @@ wav.py            reads WAV files
 presets.py        "impulsive", "rapturous", "trembling", "buzzing": textures of Hasegawa and Shinoda
 technique.py      `Simultaneous`, `AM`, `STM` (moving focus), `LM` (lateral movement): frequency, path, places
 presentation.py   the samples that a technique shows at a time
-stm_paths.py      the path of an STM focus through samples
-visit_order.py    order in which a focus visits points: a tour to the nearest one left, or the convex hull
-visit_order.hpp   the tour: called by visit_order.py
+stm_paths.py      the path of an STM focus through samples: a tour to the nearest one left, or around the convex hull
+visit_order.hpp   the order of the samples: called by stm_paths.py
 tangent_plane.py  plane fitted to a contact; directions along skin, for LM
 """

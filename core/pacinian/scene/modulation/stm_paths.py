@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.shapes.curves import Curve
-    from pacinian.types import Floats
+    from pacinian.types import Floats, Indices
 
 DIGITS = 9  # decimal places to which coordinates are rounded, in metres
 
@@ -30,10 +30,8 @@ def visit_one_by_one(samples: Samples) -> Route:
     The focus has the radiation pressure of the current sample. If there are more samples than places, some are left
     out.
     """
-    from pacinian.scene.modulation import visit_order
-
     by_key = np.argsort(samples.keys, kind="stable")
-    order = by_key[visit_order.order_through(np.ascontiguousarray(samples.positions[by_key]))]
+    order = by_key[_order_through(np.ascontiguousarray(samples.positions[by_key]))]
 
     @functools.cache
     def stop(m: int) -> Samples:
@@ -48,12 +46,10 @@ def visit_around(samples: Samples, frame: Floats) -> Route:
     The path starts in the direction of the plane's x-axis, and goes towards y. frame: as for `fit_plane`. The radiation
     pressure is the mean of the samples, weighted by their pressures, so that samples that hardly press do not count.
     """
-    from pacinian.scene.modulation import visit_order
-
     w = compute_weights(samples)
     centre, axes, _ = fit_plane(samples, w, frame)
     flat = (samples.positions - centre) @ axes.T[:, :2]
-    corners = visit_order.order_around(flat, np.lexsort((flat[:, 1], flat[:, 0])))
+    corners = _order_around(flat, np.lexsort((flat[:, 1], flat[:, 0])))
     ring = np.concatenate([corners, corners[:1]])
     pieces = Polyline3D(np.concatenate([samples.positions[ring], samples.normals[ring]], axis=1))
     mean, start = _mean(samples, w, np.zeros(3)), _start(flat[ring], pieces.arc)
@@ -77,6 +73,26 @@ def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
     centre, axes, normal = fit_plane(samples, w, frame)
     mean = _mean(samples, w, normal)
     return lambda i, n: replace(mean, positions=centre + curve.at(np.array([i / n])) @ axes)
+
+
+def _order_through(q: Floats) -> Indices:
+    """Return the indices of points q, (M, 3) [m], on a tour from the first one, always to the nearest one left."""
+    from pacinian.native import scene as kernels
+
+    order = np.empty(len(q), dtype=np.int64)
+    kernels.visit_through(q, order)
+    return order
+
+
+def _order_around(q: Floats, order: Indices) -> Indices:
+    """Return the indices of the convex hull of points q, (M, 2) [m], anticlockwise; of points on a line, the two ends.
+
+    order: of the points by x, then y, (M,). Andrew's monotone chain: the lower side, then the upper one.
+    """
+    from pacinian.native import scene as kernels
+
+    corners = np.empty(2 * len(q) + 1, dtype=np.int64)
+    return corners[: kernels.visit_around(q, order, corners)]
 
 
 def _replace_key(one: Samples) -> Samples:
