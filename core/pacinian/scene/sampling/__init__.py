@@ -9,7 +9,6 @@ Where
     posed_skin.hpp            skin near an object, forces: called by posed_skin.py and distance_cache.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
-    texture_factor.py         `apply_texture`: factor of a texture on pressures; why a sweeping finger vibrates
     sources.py                objects without a hand; points, paths, particles that touch one; samples' keys
     spacing.py                distance between samples: a wavelength, or the array's resolution; closer in contacts
     array_resolution.py       resolution of the array by place; how well it sees skin (incidence)

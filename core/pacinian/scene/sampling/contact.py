@@ -11,7 +11,7 @@ from pacinian.native.scene import press_on
 from pacinian.scene.hands.skin_lod import MIN_SPACING as FINEST_OF_SKIN
 from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.sampling.sources import number_region
-from pacinian.scene.sampling.texture_factor import apply_texture
+from pacinian.scene.shapes.texture import apply_texture
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,8 +13,8 @@ from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
-from pacinian.scene.sampling.texture_factor import apply_texture
 from pacinian.scene.shapes.sphere_capsule import Sphere
+from pacinian.scene.shapes.texture import apply_texture
 
 if TYPE_CHECKING:
     from pacinian.scene.haptic_object import HapticObject

@@ -1,4 +1,8 @@
-"""Textures: pressure that varies over a surface."""
+"""Textures: pressure that varies over a surface.
+
+The factor on the pressure depends on the place alone, not on time: a finger that rests on ridges feels them, and one
+that sweeps across them vibrates, at its speed divided by the texture's period.
+"""
 
 from __future__ import annotations
 
@@ -91,6 +95,15 @@ class Texture(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, dic
         return map_coordinates(
             self.factors, at, order=1, mode="grid-wrap" if self.repeat else "nearest"
         )
+
+
+def apply_texture(texture: Texture | None, points: Floats, pressed: Floats) -> None:
+    """Multiply pressures [Pa] or forces [N], (K,), in place, by the texture's factor at their points.
+
+    texture: None leaves them as they are. points: in the object's own frame, (K, 3) [m].
+    """
+    if texture is not None:
+        pressed *= texture.at(points)
 
 
 def grating(period: float, duty: float = 0.5) -> Texture:
