@@ -8,7 +8,7 @@ motion.py           `Motion`: velocity; extrapolates a pose between two updates,
 file.py             scene files, TOML or JSON; their JSON Schema
 config_sections.py  sections of scene files and server settings: array, medium, plug-in, sampling, workspace; FINEST
 point_sets.py       `grid`, `disc`, `ball` of points
-unbounded.hpp       kernels safe for NaN and infinity: called by sampling/broad_phase.py and shapes/mesh_*.py
+unbounded.hpp       kernels safe for NaN and infinity: called by sampling/sources.py and shapes/mesh_*.py
 shapes/             what is felt: signed distances, meshes, textures
 hands/              joints and skin of hands; what trackers send
 modulation/         envelopes and techniques: AM, STM, LM, waves

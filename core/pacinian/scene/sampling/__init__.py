@@ -3,13 +3,12 @@
 sampler.py                    `Sampler`: one tick, from scene to samples; merges those that the array cannot resolve
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
-    broad_phase.py            which objects are near which hand
     merge_samples.hpp         merges close samples of different objects: called by sampler.py
     contact.py                `find_contact`: skin inside a surface or volume, and its forces by the material's law
     posed_skin.hpp            skin near an object, forces: called by posed_skin.py and distance_cache.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
-    sources.py                objects without a hand; points, paths, particles that touch one; samples' keys
+    sources.py                objects near hands; objects without one; points, paths, particles that touch one; keys
     spacing.py                distance between samples: a wavelength, or the array's resolution; closer in contacts
     array_resolution.py       resolution of the array by place; how well it sees skin (incidence)
     refine.py                 closer samples for small regions

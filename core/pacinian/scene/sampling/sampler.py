@@ -16,7 +16,6 @@ from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.broad_phase import cull
 from pacinian.scene.sampling.contact import find_contact
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
@@ -50,6 +49,7 @@ from pacinian.scene.sampling.sources import (
     SinglePoint,
     Source,
     WholeObject,
+    cull,
     is_dense,
     is_sequential,
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
+from pacinian.native import scene as kernels
 from pacinian.scene.config_sections import MIN_SPACING
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.array_resolution import ArrayResolution
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.sample_cache import SampleCache
-    from pacinian.types import Indices, Longs
+    from pacinian.types import Floats, Indices, Longs
 
 
 UNTURNED = np.zeros((1, 3))
@@ -155,6 +156,16 @@ class PointContacts:
             np.full(len(kept), item.pressure), np.full(len(kept), ISOLATED),
             self.items, self.hand.capsules,
         )  # fmt: skip
+
+
+def cull(bounds: Floats, t: float, boxes: Floats) -> Indices:
+    """Return the indices, in order, of the objects whose bounding spheres touch any of the boxes at time t [s].
+
+    The broad phase discards the others. bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners,
+    (boxes, 6) [m].
+    """
+    found = np.empty(len(bounds), dtype=np.int64)
+    return found[: kernels.near(bounds, t, boxes, found)]
 
 
 def make_keys(name: int, spacing: float, which: Indices) -> Longs:

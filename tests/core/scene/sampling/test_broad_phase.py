@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pacinian.native.scene import merge
 from pacinian.scene.motion import MAX_EXTRAPOLATION
-from pacinian.scene.sampling import broad_phase
+from pacinian.scene.sampling.sources import cull
 
 bounded = settings(max_examples=100)
 seeds = st.integers(0, 2**31)
@@ -34,16 +34,16 @@ def test_near_is_what_touches_a_box(seed: int, count: int, boxes: int, t: float)
     for box in corners:
         away = centres - np.clip(centres, box[:3], box[3:])
         expected |= np.linalg.norm(away, axis=1) <= bounds[:, 7]
-    assert broad_phase.cull(bounds, t, corners).tolist() == np.flatnonzero(expected).tolist()
+    assert cull(bounds, t, corners).tolist() == np.flatnonzero(expected).tolist()
 
 
 def test_a_box_without_end_holds_everything() -> None:
     everywhere = np.array([[-np.inf] * 3 + [np.inf] * 3])
     bounds = np.zeros((5, 8))
-    assert broad_phase.cull(bounds, 0.0, everywhere).tolist() == [0, 1, 2, 3, 4]
+    assert cull(bounds, 0.0, everywhere).tolist() == [0, 1, 2, 3, 4]
     bounds[1:, 0] = 1e150, -1e300, 1e300, 1e308
     here = np.array([[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]])
-    assert broad_phase.cull(bounds, 0.0, here).tolist() == [0]
+    assert cull(bounds, 0.0, here).tolist() == [0]
 
 
 def merged(seed: int, count: int, radius: float) -> tuple[Any, ...]:
