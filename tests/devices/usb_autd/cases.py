@@ -15,7 +15,7 @@ import numpy as np
 from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.model import Device
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, Verdict
-from pacinian_plugins.backends.usb_autd.reports import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

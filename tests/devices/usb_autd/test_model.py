@@ -11,7 +11,7 @@ import pytest
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, State, Verdict
-from pacinian_plugins.backends.usb_autd.reports import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
 
 from .cases import message
 

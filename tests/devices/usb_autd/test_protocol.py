@@ -13,7 +13,7 @@ from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
 from pacinian_plugins.backends.usb_autd.frames import Frame, is_newer
 from pacinian_plugins.backends.usb_autd.protocol import FULL, State, Verdict
-from pacinian_plugins.backends.usb_autd.reports import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
 
 WORDS = st.integers(0, 0xFFFFFFFF)
 CAN = Capability(units=16, transducers=5, queue=40, samples=80)

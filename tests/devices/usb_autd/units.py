@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pacinian.testing import UsbDevice
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import ENDPOINT, INTERFACE, PRODUCT, VENDOR
-from pacinian_plugins.backends.usb_autd.reports import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import ENDPOINT, INTERFACE, PRODUCT, VENDOR
-from pacinian_plugins.backends.usb_autd.reports import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 from .port import Answer, Port
 

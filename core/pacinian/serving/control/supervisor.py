@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.child_process import MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import HangDetector, compute_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,26 +19,6 @@ if TYPE_CHECKING:
 
 # Interval between two checks of the guard, while there may be sound and otherwise [s].
 CHECK_INTERVAL, IDLE_INTERVAL = 0.02, 0.1
-
-
-class HangDetector:
-    """Detects a guard that hangs. limit: time without a heartbeat while there may be sound [s], as in `Supervisor`."""
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-        self._beat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
-        self._last = -1.0  # time of the last check [s]
-
-    def detect_hang(self, beat: float, sound: bool, now: float) -> bool:
-        """Check the last heartbeat `beat` [s] at `now` [s]; return whether the guard hangs.
-
-        sound: whether there may be sound.
-        """
-        self._silent += min(now - self._last, MAX_LOOK_GAP)
-        self._last = now
-        if beat != self._beat or not sound:
-            self._beat, self._silent = beat, 0.0
-        return self._silent > self._limit
 
 
 def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float, bool]]) -> None:

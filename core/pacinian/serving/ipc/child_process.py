@@ -26,12 +26,6 @@ if TYPE_CHECKING:
 
 MAX_CONFIG_BYTES = 1 << 20  # largest launch configuration [bytes]
 PDEATHSIG = 1  # option of Linux's prctl
-# The hang limit of a guard that may sound is that of other processes divided by this.
-SOUNDING_HANG_DIVISOR = 8
-MIN_HANG_LIMIT = 0.1  # lower bound of the divided limit [s]
-# Cap on the time counted between two checks [s]: a late process cannot tell whether another one is
-# late.
-MAX_LOOK_GAP = 0.05
 # Byte that tells a spare to begin.
 ACTIVATE = b"!"
 
@@ -214,12 +208,3 @@ def _read(pipe: int, length: int) -> bytes:
     while len(data) < length and (more := os.read(pipe, length - len(data))):
         data += more
     return data
-
-
-def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
-    """Return the time without a heartbeat after which a process is killed [s]. sound: the guard's limit with sound."""
-    return (
-        min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / SOUNDING_HANG_DIVISOR))
-        if sound
-        else hang_timeout
-    )

@@ -1,14 +1,14 @@
 """Arrays of AUTD units on USB, by Pacinian's own format: docs/usb-autd.md.
 
 backend.py         the backend: which devices, a part of each frame for each
-board.py           one device: packs frames, checks its status
+board.py           one device: packs frames, checks its status, says what is wrong with it
 link.py            its claimed USB interface: queries, requests
 simulated_link.py  a link to the reference device
 model.py           the reference device: what the firmware must do
 decoder.py         how it reads bytes and resynchronises
 protocol.py        constants: sizes, requests, states, verdicts
 frames.py          frames: header, body, CRC
-reports.py         reports of capability and status, 64 bytes
+report_layout.py   layout of the reports of capability and status, 64 bytes
 """
 
 from __future__ import annotations

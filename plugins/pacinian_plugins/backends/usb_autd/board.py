@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.link import DEVICES, RESET_ADVICE
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
-from pacinian_plugins.backends.usb_autd.reports import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
 
 if TYPE_CHECKING:
     from pacinian.types import Levels

@@ -11,7 +11,7 @@ from pacinian_plugins.backends.usb_autd.protocol import MAJOR, Verdict
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pacinian_plugins.backends.usb_autd.reports import Capability
+    from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 
 class Decoder:

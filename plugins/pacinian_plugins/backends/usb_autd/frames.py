@@ -13,7 +13,7 @@ from pacinian_plugins.backends.usb_autd.protocol import FULL, MAJOR, Verdict
 
 if TYPE_CHECKING:
     from pacinian.types import Levels
-    from pacinian_plugins.backends.usb_autd.reports import Capability
+    from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 Bytes: TypeAlias = NDArray[np.uint8]
 

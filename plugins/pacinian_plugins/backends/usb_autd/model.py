@@ -14,7 +14,7 @@ import numpy as np
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
 from pacinian_plugins.backends.usb_autd.frames import is_newer
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, State, Verdict
-from pacinian_plugins.backends.usb_autd.reports import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
-from pacinian_plugins.backends.usb_autd.reports import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import Capability
 
 if TYPE_CHECKING:
     from array import array

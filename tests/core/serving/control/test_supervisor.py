@@ -25,7 +25,7 @@ from pacinian.serving.control.supervisor import (
     STARTING,
     Supervisor,
 )
-from pacinian.serving.ipc.child_process import (
+from pacinian.serving.ipc.hang_detection import (
     MAX_LOOK_GAP,
     SOUNDING_HANG_DIVISOR,
     compute_hang_limit,

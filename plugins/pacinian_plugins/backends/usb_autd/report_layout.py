@@ -1,4 +1,4 @@
-"""Reports of a device about itself, 64 bytes each."""
+"""The layout of a device's reports about itself, 64 bytes each."""
 
 from __future__ import annotations
 
