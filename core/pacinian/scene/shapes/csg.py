@@ -119,41 +119,35 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         return csg_shell.sample_shell(self, self.sides, spacing)
 
 
-class Union(Combination, frozen=True, tag="union"):
+class _OfParts(Combination, frozen=True):
+    """The base of unions and intersections, whose parts all count in the same way."""
+
+    parts: tuple[SolidShape, ...]
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "parts", _solids("parts", self.parts))
+        _limit("parts", self)
+
+    @cached_property
+    def sides(self) -> Sides:
+        """The parts, each with 1 if its shell faces outward, or -1."""
+        return tuple((part, 1.0) for part in self.parts)
+
+
+class Union(_OfParts, frozen=True, tag="union"):
     """The union of solids. Inside, where parts overlap, the true depth can exceed the computed one.
 
     Raises ArgumentError.
     """
 
     united = True
-    parts: tuple[SolidShape, ...]
-
-    def __post_init__(self) -> None:
-        force_setattr(self, "parts", _solids("parts", self.parts))
-        _limit("parts", self)
-
-    @cached_property
-    def sides(self) -> Sides:
-        """The parts, each with 1 if its shell faces outward, or -1."""
-        return tuple((part, 1.0) for part in self.parts)
 
 
-class Intersection(Combination, frozen=True, tag="intersection"):
+class Intersection(_OfParts, frozen=True, tag="intersection"):
     """The intersection of solids. Outside its edges, the true distance can exceed the computed one.
 
     Raises ArgumentError.
     """
-
-    parts: tuple[SolidShape, ...]
-
-    def __post_init__(self) -> None:
-        force_setattr(self, "parts", _solids("parts", self.parts))
-        _limit("parts", self)
-
-    @cached_property
-    def sides(self) -> Sides:
-        """The parts, each with 1 if its shell faces outward, or -1."""
-        return tuple((part, 1.0) for part in self.parts)
 
 
 class Difference(Combination, frozen=True, tag="difference"):
