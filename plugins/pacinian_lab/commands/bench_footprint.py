@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import side
+from pacinian_lab.commands.bench_server import units
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -27,10 +27,7 @@ if TYPE_CHECKING:
 @click.option(
     "--rounds", type=click.IntRange(1), default=3, show_default=True, help="Number of servers."
 )
-@click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
+@units
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a table.")
 def footprint(seconds: float, rounds: int, side: int, as_json: bool) -> None:
     """Measure a server's wait until it is ready, its memory, and its share of the processor.

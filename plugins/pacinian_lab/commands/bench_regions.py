@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian_lab.commands.bench_server import units
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
@@ -18,9 +19,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option(
-    "--units", type=int, default=9, show_default=True, help="AUTD units, a square number."
-)
+@units
 @click.option(
     "--shape", "chosen", multiple=True, metavar="NAME", help="Only this shape; repeatable."
 )
@@ -53,7 +52,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON list instead of tables.")
 def regions(
-    units: int,
+    side: int,
     chosen: tuple[str, ...],
     solvers: tuple[str, ...],
     strengths: tuple[float, ...],
@@ -72,9 +71,6 @@ def regions(
     from pacinian.plugins.registry import discover_plugins
     from pacinian_lab.regions.shapes import SHAPES
 
-    side = math.isqrt(max(units, 0))
-    if side * side != units or not units:
-        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}", param_hint="--units")
     for name in chosen:
         if name not in SHAPES:
             raise click.BadParameter(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian_lab.commands.bench_server import units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,9 +37,7 @@ def names(
 
 
 @click.command()
-@click.option(
-    "--units", type=int, default=9, show_default=True, help="AUTD units, a square number."
-)
+@units
 @click.option(
     "--seconds",
     type=FiniteRange(0.02, 600.0),
@@ -67,7 +65,7 @@ def names(
     help="One JSON list of scenes instead of tables; skips and growth need --out.",
 )  # fmt: skip
 def scenes(
-    units: int,
+    side: int,
     seconds: float,
     chosen: tuple[str, ...],
     out: Path | None,
@@ -84,9 +82,6 @@ def scenes(
     from pacinian.gallery import SCENES
     from pacinian_lab.scenes import report as scene_report
 
-    side = math.isqrt(max(units, 0))
-    if side * side != units or not units:
-        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}", param_hint="--units")
     array, todo = autd(side, side), chosen or tuple(SCENES)
     _try(out, pictures)
     if pictures is not None:
@@ -95,7 +90,9 @@ def scenes(
     more = not chosen and (out is not None or not as_json)
     found, interrupted = _measure(array, todo, seconds, more)
     if out is not None:
-        result = scene_report.plain(*found, units=units, seconds=seconds, interrupted=interrupted)
+        result = scene_report.plain(
+            *found, units=side * side, seconds=seconds, interrupted=interrupted
+        )
         out.write_text(json.dumps(result), encoding="utf-8")
     if as_json:
         click.echo(json.dumps([asdict(row) for row in found.rows]))

@@ -25,6 +25,13 @@ def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
     return root
 
 
+units = click.option(
+    "--units", "side", callback=side, type=int, default=9, show_default=True,
+    help="AUTD units, a square number.",
+)  # fmt: skip
+"""Option of commands that measure a square array; passes its side length [units]."""
+
+
 @click.command()
 @click.argument("what", type=click.Choice(["latency", "load", "all"]), default="all")
 @click.option(
@@ -34,10 +41,7 @@ def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
     show_default=True,
     help="Time to measure each rate; runs for comparison take a quarter.",
 )
-@click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
+@units
 @click.option(
     "--clients", type=int, multiple=True, default=(1, 8, 64), show_default=True,
     help="Number of clients that load the server; repeatable.",

@@ -9,7 +9,7 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_scenes import names
-from pacinian_lab.commands.bench_server import side
+from pacinian_lab.commands.bench_server import units
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
+@units
 @click.option(
     "--seconds",
     type=FiniteRange(0.1, 600.0),

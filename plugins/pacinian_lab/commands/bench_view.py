@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import side
+from pacinian_lab.commands.bench_server import units
 
 if TYPE_CHECKING:
     from pacinian_lab.server.viewer import Row
@@ -33,10 +33,7 @@ def program(context: click.Context, parameter: click.Parameter, name: str) -> st
 @click.option(
     "--rounds", type=click.IntRange(1), default=3, show_default=True, help="Rounds of windows."
 )
-@click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
+@units
 @click.option(
     "--browser", callback=program, default="", metavar="PATH",
     help="Also open the page in this Chromium.",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import side
+from pacinian_lab.commands.bench_server import units
 from pacinian_lab.server import soak_drift
 
 if TYPE_CHECKING:
@@ -27,10 +27,7 @@ SHORT = 10.0  # [s]
     help="Length of the run.",
 )  # fmt: skip
 @click.option("--short", is_flag=True, help="About 10 seconds instead.")
-@click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
+@units
 @click.option(
     "--picture",
     type=click.Path(dir_okay=False, path_type=Path),
