@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.directivity import DirectivityTable, Piston, omni, t4010a1
+from pacinian.acoustics.directivity import DIRECTIVITIES, DirectivityTable, Piston
 from pacinian.acoustics.transducer import Transducer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.types import Floats
-
-NAMED = {"omni": omni, "t4010a1": t4010a1}
 
 
 def to_map(array: Array) -> dict[str, Any]:
@@ -55,10 +53,10 @@ def _describe_directivity(D: Callable[[Floats], Floats]) -> dict[str, Any] | str
         return asdict(D)
     if isinstance(D, DirectivityTable):
         return {"angles": list(D.angles), "values": list(D.values)}
-    return next((name for name, function in NAMED.items() if function is D), None)
+    return next((name for name, function in DIRECTIVITIES.items() if function is D), None)
 
 
 def _make_directivity(record: dict[str, Any] | str | None) -> Callable[[Floats], Floats]:
     if isinstance(record, dict):
         return DirectivityTable(**record) if "angles" in record else Piston(**record)
-    return NAMED["omni" if record is None else record]
+    return DIRECTIVITIES["omni" if record is None else record]

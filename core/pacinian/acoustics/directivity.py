@@ -57,6 +57,10 @@ def t4010a1(cos_theta: Floats) -> Floats:
     return np.where(cos_theta > 0.0, A + x * (B + x * (C + x * D)), 0.0)
 
 
+DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
+"""The directivities that have a name in files and on the wire."""
+
+
 @dataclass(frozen=True)
 class Piston:
     """A circular piston in a baffle, D = 2 J1(ka sin t) / (ka sin t); zero behind it.

@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.directivity import DirectivityTable, omni, t4010a1
+from pacinian.acoustics.directivity import DIRECTIVITIES, DirectivityTable
 from pacinian.acoustics.transducer import Transducer
 from pacinian.acoustics.uncertainty import MAX_PRESSURE, Uncertainty
 from pacinian.checks import check_integer, check_number
@@ -22,8 +22,6 @@ from pacinian.toml_json_files import decode_document, json_schema
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
-
-DIRECTIVITIES = {"omni": omni, "t4010a1": t4010a1}
 
 
 class Element(Struct, frozen=True, forbid_unknown_fields=True):

@@ -11,8 +11,8 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
+from pacinian.acoustics.directivity import DIRECTIVITIES
 from pacinian.acoustics.transducer import Transducer
-from pacinian.devices.description import DIRECTIVITIES
 from pacinian.plugins.backend import Capability, Frame
 
 if TYPE_CHECKING:

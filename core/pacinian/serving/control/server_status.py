@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from pacinian.devices.description import DIRECTIVITIES
+from pacinian.acoustics.directivity import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
 from pacinian.serving.control.explain_silence import find_cause
 from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
