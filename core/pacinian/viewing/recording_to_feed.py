@@ -10,18 +10,19 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-import numpy as np
 from msgspec import Raw
+from msgspec.structs import replace
 
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
+from pacinian.serving.control.server_status import describe_sound
 from pacinian.serving.render import renderer_status
 from pacinian.viewing.messages import ArrayMessage, encode_message
 from pacinian.viewing.recording_tick_stats import TickStats
 from pacinian.viewing.scene_mirror import SceneMirror
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.convert import to_wire
-from pacinian.wire.replies import Plugin, Sound
+from pacinian.wire.replies import Plugin
 from pacinian.wire.state import FrameState, State
 
 if TYPE_CHECKING:
@@ -99,23 +100,12 @@ def _iterate_objects(scene: Scene) -> Iterator[tuple[str, Object]]:
 
 def _array(recording: Recording) -> ArrayMessage:
     settings, can, medium = recording.settings, recording.capability, recording.medium
-    _ = recording.array  # raises RecordingError if the transducers are damaged
+    array = recording.array  # raises RecordingError if the transducers are damaged
     kind: dict[str, Any] = settings["transducer"]
-    directivity = kind["directivity"]
     sound = None
-    if isinstance(directivity, str):  # others have no name on the wire
-        response = settings.get("response") or b""
-        sound = Sound(
-            pressure=kind["pressure"],
-            directivity=directivity,
-            response=pack(np.frombuffer(response, "<f8")),
-            sizes=b"" if can.uniform else pack(can.sizes),
-            speed_of_sound=medium.speed_of_sound,
-            density=medium.density,
-            power=medium.power,
-            absorption=medium.beta(kind["frequency"]),
-            temperature=medium.temperature,
-        )
+    if isinstance(kind["directivity"], str):  # others have no name on the wire
+        sizes = b"" if can.uniform else pack(can.sizes)
+        sound = replace(describe_sound(array, medium), sizes=sizes)
     return ArrayMessage(
         server=f"recording {recording.path.name}",
         positions=pack(recording.positions),
