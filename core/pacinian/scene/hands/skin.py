@@ -82,11 +82,6 @@ class Skin(ABC):
             for (indices, weights), count in coarser
         )
 
-    @cached_property
-    def of_bone(self) -> tuple[Indices, ...]:
-        """The indices of the points of each bone, in order."""
-        return tuple(np.flatnonzero(self.bone == c) for c in range(int(self.bone.max()) + 1))
-
     @abstractmethod
     def place(self, hand: Hand) -> PosedPoints:
         """Place the points on a hand of this kind, which must not be lost."""
