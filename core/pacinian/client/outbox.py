@@ -43,8 +43,6 @@ class Outbox:
         self.waiting: list[AnyCommand] = []
         self.superseded = 0
         """Number of commands superseded, wholly or partly, before they were sent."""
-        self.overdue = 0
-        """Number of commands that expired before they were sent."""
 
     def add(self, command: AnyCommand) -> None:
         """Add a command, and remove what it supersedes from the waiting ones."""
@@ -61,9 +59,7 @@ class Outbox:
 
     def flush(self, now: float, send: Callable[[AnyCommand], bool]) -> bool:
         """Send the waiting commands until `send` returns False; return whether none is left. Drops expired ones."""
-        fresh = [c for c in self.waiting if now - c.time <= c.ttl]
-        self.overdue += len(self.waiting) - len(fresh)
-        self.waiting = fresh
+        self.waiting = [c for c in self.waiting if now - c.time <= c.ttl]
         while self.waiting and send(self.waiting[0]):
             del self.waiting[0]
         return not self.waiting
