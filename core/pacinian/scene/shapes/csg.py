@@ -205,7 +205,7 @@ def _solids(name: str, solids: Iterable[SolidShape]) -> tuple[SolidShape, ...]:
     return solids
 
 
-def _limit(name: str, whole: SolidShape) -> None:
+def _limit(name: str, whole: SolidShape | Combination) -> None:
     depth, number = _measure_nesting(whole)
     if depth > MAX_DEPTH or number > MAX_SOLIDS:
         raise ArgumentError(
@@ -213,12 +213,12 @@ def _limit(name: str, whole: SolidShape) -> None:
         )
 
 
-def _measure_nesting(solid: SolidShape) -> tuple[int, int]:
+def _measure_nesting(solid: SolidShape | Combination) -> tuple[int, int]:
     inner = [_measure_nesting(part) for part in _inner(solid)]
     return 1 + max((depth for depth, _ in inner), default=-1), sum(n for _, n in inner) or 1
 
 
-def _inner(solid: SolidShape) -> tuple[SolidShape, ...]:
+def _inner(solid: SolidShape | Combination) -> tuple[SolidShape, ...]:
     if isinstance(solid, Placed):
         return (solid.shape,)
     return tuple(part for part, _ in solid.sides) if isinstance(solid, Combination) else ()
