@@ -67,7 +67,7 @@ QUEUE = 256  # messages of one client that may wait here
 
 
 class Bus:
-    """Connects the dispatcher to its socket and to the shared memory. Times are those of `clock` [s].
+    """Connects the dispatcher to its socket and to the shared memory. Times are those of `time.perf_counter` [s].
 
     wake: ends the wait for messages, if the sessions have changed or the renderer has taken a batch.
     """
@@ -81,15 +81,14 @@ class Bus:
         name: Callable[[str], str],
         executor: Executor,
         wake: WakePipe,
-        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.port = int(socket.getsockopt_string(zmq.LAST_ENDPOINT).rpartition(":")[2])
-        self._socket, self._memory, self._name, self._clock = socket, memory, name, clock
+        self._socket, self._memory, self._name = socket, memory, name
         self._seen: dict[str, int] = dict.fromkeys(FILES, 0)
         self._emitted = EmittedGains(len(array))
         run = random.getrandbits(62) + 1
         self.dispatcher = CommandDispatcher(
-            settings, array, run, self._sessions, self._gains, RateLimitedLog(clock), executor
+            settings, array, run, self._sessions, self._gains, RateLimitedLog(), executor
         )
         self._wake = wake
         self._poller = zmq.Poller()
@@ -104,10 +103,10 @@ class Bus:
 
     def round(self) -> None:
         """Receive messages, send changes to the renderer, reply."""
-        begin = self._clock()
+        begin = time.perf_counter()
         if begin < self._begun + MIN_ROUND_INTERVAL:
             time.sleep(self._begun + MIN_ROUND_INTERVAL - begin)
-        self._begun = self._clock()
+        self._begun = time.perf_counter()
         outbox = self.dispatcher.batcher
         wait = LATER if self._wake.works else POLLED
         if outbox.waits or len(self.dispatcher.converter):
@@ -123,15 +122,15 @@ class Bus:
                 self.dispatcher.sessions(sessions)
         with self.dispatcher.catch_faults("publishing"):
             self._publish()
-        self.dispatcher.round(self._clock())
+        self.dispatcher.round(time.perf_counter())
         self._reply()
-        if self._clock() - self._reported_at >= REPORT_INTERVAL:
+        if time.perf_counter() - self._reported_at >= REPORT_INTERVAL:
             self.tell()
         self._busy = len(self.dispatcher.queries) > 0
 
     def tell(self) -> None:
         """Report the status to control."""
-        now = self._clock()
+        now = time.perf_counter()
         with self.dispatcher.catch_faults("device"):
             self._new("device", DeviceStatus, self._emitted.device)
         self._memory["bus_status"].write(pack(self.dispatcher.bus_status(now, self.port)))
@@ -140,11 +139,11 @@ class Bus:
     def _take(self) -> None:
         """Receive all waiting messages at once, because superseded ones then cost next to nothing."""
         messages: list[Message] = []
-        end, size = self._clock() + MAX_RECEIVE_TIME, 0
+        end, size = time.perf_counter() + MAX_RECEIVE_TIME, 0
         while (
             len(messages) < MAX_ROUND_MESSAGES
             and size < MAX_ROUND_BYTES
-            and (now := self._clock()) < end
+            and (now := time.perf_counter()) < end
         ):
             taken = receive(self._socket)
             if taken is None:

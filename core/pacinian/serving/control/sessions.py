@@ -12,8 +12,6 @@ from pacinian.wire.protocol import MAJOR, MINOR, SESSION
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from pacinian.serving.settings import Settings
     from pacinian.wire.control import AnyControl
     from pacinian.wire.replies import Code, Reply
@@ -29,18 +27,13 @@ class ClientSessions:
 
     server: the server's name and version, sent to clients. changes: number of sessions that came or went. resets:
     number of stops and faults that were reset. replayed: number of times a session's key was used on another
-    connection. key: makes the keys.
+    connection.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        server: str = "pacinian",
-        key: Callable[[], bytes] = lambda: secrets.token_bytes(SESSION),
-    ) -> None:
+    def __init__(self, settings: Settings, server: str = "pacinian") -> None:
         self.lease = OutputLease(settings.safety.takeover)
         self.changes = self.resets = self.replayed = 0
-        self._settings, self._server, self._key = settings, server, key
+        self._settings, self._server = settings, server
         self._scenes = 0  # that have begun
         self._by_key: dict[bytes, ClientSession] = {}
         self._by_peer: dict[bytes, ClientSession] = {}
@@ -158,7 +151,7 @@ class ClientSessions:
         most_lease = self._settings.safety.lease
         scene = message.scene or f"{OWN}{secrets.token_hex(8)}"
         session = ClientSession(
-            key=self._key(),
+            key=secrets.token_bytes(SESSION),
             peer=peer,
             user=user,
             name=message.client,

@@ -13,7 +13,7 @@ from pacinian.errors import ServerError
 from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
 START_ORDER = "guard", "bus", "render"  # in starting order
 # The guard has a spare, which waits to be called.
@@ -104,7 +104,6 @@ class Supervisor:
         start: Callable[[str, int], Process],
         hang_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
-        names: Iterable[str] = START_ORDER,
     ) -> None:
         self._start, self._hang_timeout, self._clock = start, hang_timeout, clock
         self.trusted = False
@@ -114,7 +113,7 @@ class Supervisor:
         self._spare_due = 0.0  # when to start the spare [s]
         self.children: dict[str, Child] = {}
         try:
-            for name in names:
+            for name in START_ORDER:
                 self.children[name] = Child(name, start(name, 0), clock())
         except BaseException:
             self.end()
@@ -265,8 +264,7 @@ class Supervisor:
     def _end_children(self) -> list[str]:
         """End all processes but the spare, in order; return the names of those that had to be killed."""
         killed: list[str] = []
-        rest = [name for name in self.children if name not in END_ORDER]
-        for name in [*END_ORDER, *rest]:
+        for name in END_ORDER:
             child = self.children.get(name)
             if child is None or child.process.poll() is not None:
                 continue

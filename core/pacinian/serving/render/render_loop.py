@@ -210,7 +210,7 @@ class RenderLoop:
         """Silence the output."""
         self.renderer.close()
 
-    def run_between(self, report: object = None) -> None:
+    def run_between(self) -> None:
         """Do the work between two ticks: settings, a new device, a new solver, a report. Never raises an Exception."""
         for step in (
             self._follow_device,
