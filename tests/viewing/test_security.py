@@ -108,8 +108,7 @@ def test_no_file_but_the_pages_is_served(url: str, path: str) -> None:
 
 
 def test_a_missing_page_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert app_module.make_app.__defaults__ == (app_module.PAGE,)
-    monkeypatch.setattr(app_module.make_app, "__defaults__", (tmp_path,))
+    monkeypatch.setattr(app_module, "PAGE", tmp_path)
     with viewer(tmp_path / "no server") as url:
         response = asked(url, "localhost")
         assert response.status == 503

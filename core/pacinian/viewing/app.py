@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.slices import FieldWorker
 
 log = logging.getLogger(__name__)
-PAGE = Path(__file__).parent / "page"
+PAGE = Path(__file__).parent / "page"  # folder of the files that the browser loads
 LOCAL = "127.0.0.1", "localhost", "::1"  # names of this host that a browser on this machine uses
 CLOSED, FAILED = 1008, 1011  # websocket close codes: policy violation, internal error
 HEADERS = {
@@ -47,8 +47,8 @@ HEADERS = {
 UNBUILT = "This installation has no page: with Node.js (npm) there, `pip install` Pacinian again."
 
 
-def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> ASGIApp:
-    """Make the application. token: opens the feed. page: folder of the files that the browser loads."""
+def make_app(hub: Hub, fields: FieldWorker, token: str) -> ASGIApp:
+    """Make the application. token: opens the feed."""
 
     async def feed(socket: WebSocket) -> None:
         given = socket.query_params.get("token", "")
@@ -68,8 +68,8 @@ def make_app(hub: Hub, fields: FieldWorker, token: str, page: Path = PAGE) -> AS
     async def unbuilt(scope: Scope, receive: Receive, send: Send) -> None:
         await PlainTextResponse(UNBUILT, 503)(scope, receive, send)
 
-    built = (page / "index.html").is_file()
-    files: ASGIApp = StaticFiles(directory=page, html=True) if built else unbuilt
+    built = (PAGE / "index.html").is_file()
+    files: ASGIApp = StaticFiles(directory=PAGE, html=True) if built else unbuilt
     made = Starlette(routes=[WebSocketRoute("/feed", feed), Mount("/", files)])
     return HostGuard(made)
 

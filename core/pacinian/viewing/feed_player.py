@@ -33,8 +33,6 @@ from pacinian.wire.objects import Object
 from pacinian.wire.state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from pacinian.viewing.feed_file import Entry, FeedFile
     from pacinian.viewing.hub import Hub
     from pacinian.viewing.messages import AnyAsked
@@ -55,11 +53,9 @@ AGAINST = {
 class FeedPlayer:
     """Plays to the pages of a hub; starts at once, from the beginning."""
 
-    def __init__(
-        self, hub: Hub, recorded: FeedFile, clock: Callable[[], float] = time.perf_counter
-    ) -> None:
+    def __init__(self, hub: Hub, recorded: FeedFile) -> None:
         self.time, self.speed, self.playing = 0.0, 1.0, True
-        self._hub, self._recorded, self._clock = hub, recorded, clock
+        self._hub, self._recorded = hub, recorded
         self._times = [entry.at for entry in recorded.entries]
         self._place = 0  # index of the first entry that has not been shown
         self._scenery = SceneMirror()
@@ -93,11 +89,11 @@ class FeedPlayer:
     async def run(self) -> None:
         """Play until cancelled."""
         while True:
-            begin = self._clock()
+            begin = time.perf_counter()
             self.show()
             if self.playing:
                 await asyncio.sleep(UPDATE_INTERVAL)
-                self.advance(self._clock() - begin)
+                self.advance(time.perf_counter() - begin)
             else:
                 self._turn.clear()
                 await self._turn.wait()
