@@ -33,6 +33,7 @@ TREMBLE = Sine(150.0)
 PALM = 0.015  # distance from the palm joint to the skin below it [m]
 HAND = Hand.open("right", Pose((0.0, 0.0, HEIGHT + PALM)))
 TILTED = Hand.open("right", Pose((0.0, -0.08, HEIGHT + 0.03)).rotate("x", math.radians(-12.0)))
+STONE = 0.045  # mean radius of the stone [m]
 BUMPS = 0.08  # amplitude of the bumps on the stone, relative to its radius
 NEAR = (0.0, 0.0, HEIGHT - 0.007), (-0.026, 0.06, HEIGHT), (0.024, 0.06, HEIGHT)  # [m]
 AWAY = 0.2  # distance in x or y beyond the reach of the hand [m]
@@ -168,15 +169,15 @@ def _stone() -> Scene:
     return Scene((stone,))
 
 
-def stone_mesh(count: int = 51, radius: float = 0.045) -> Mesh:
-    """Make a closed, bumpy sphere of about 2 count^2 triangles; radius: its mean radius [m]."""
+def stone_mesh(count: int = 51) -> Mesh:
+    """Make a closed, bumpy sphere of about 2 count^2 triangles."""
     from trimesh.creation import uv_sphere
 
     from pacinian.scene.shapes.mesh import Mesh
 
     ball = uv_sphere(radius=1.0, count=[count, count])
     u = np.asarray(ball.vertices)
-    r = radius * (1.0 + BUMPS * np.sin(8.0 * u + np.arange(3.0)).prod(axis=1))
+    r = STONE * (1.0 + BUMPS * np.sin(8.0 * u + np.arange(3.0)).prod(axis=1))
     return Mesh(vertices=r[:, None] * u, faces=np.asarray(ball.faces))  # type: ignore[arg-type]
 
 

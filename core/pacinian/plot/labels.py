@@ -29,17 +29,8 @@ LABEL_PLACES = sorted(
 )
 
 
-def label(
-    panel: Panel,
-    texts: Sequence[Text],
-    others: Sequence[tuple[float, float]] = (),
-    *,
-    both: bool = True,
-) -> None:
-    """Write texts beside their points, each at the first free place near.
-
-    others: further marked points to avoid. both: allow labels on the left as well.
-    """
+def label(panel: Panel, texts: Sequence[Text], others: Sequence[tuple[float, float]] = ()) -> None:
+    """Write texts beside their points, each at the first free place near. others: further marked points to avoid."""
     pixel = panel.figure.dpi / 72.0
     size = SMALL * pixel
     places = [(x, y) for _, x, y, _ in texts]
@@ -50,8 +41,6 @@ def label(
         (text, x, y, colour), (u, v) = texts[index], spots[index]
         wide = 0.58 * size * len(text.translate(PLAIN))
         for lines, right, away in LABEL_PLACES:
-            if not (right or both):
-                continue
             left = u + (0.8 + away) * size if right else u - (0.8 + away) * size - wide
             box = (left, v + (lines - 0.65) * size, left + wide, v + (lines + 0.65) * size)
             inside = low[0] < box[0] and box[2] < high[0] and low[1] < box[1] and box[3] < high[1]

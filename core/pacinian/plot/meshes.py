@@ -53,11 +53,11 @@ def discs(array: Array) -> Triangles:
     return _copies(flat + array.positions[:, None], fan)
 
 
-def spots(points: Floats, radius: float = DOT) -> Triangles:
+def spots(points: Floats) -> Triangles:
     """Make a ball for each of the points, (K, 3) [m]."""
     from trimesh.creation import icosphere
 
-    ball = icosphere(subdivisions=2, radius=radius)
+    ball = icosphere(subdivisions=2, radius=DOT)
     return _copies(points[:, None] + np.asarray(ball.vertices), np.asarray(ball.faces))
 
 

@@ -49,8 +49,9 @@ def make_ring(inner: float, outer: float) -> Floats:
     return np.concatenate(made)
 
 
-def make_finger(radius: float = 0.008, length: float = 0.015) -> Floats:
-    """Return samples of half a cylinder along y, which faces the array."""
+def make_finger() -> Floats:
+    """Return samples of half a cylinder along y, 16 mm wide and 15 mm long, which faces the array."""
+    radius, length = 0.008, 0.015
     angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, round(np.pi * radius / SPACING) + 1)
     y = np.linspace(-length / 2.0, length / 2.0, round(length / SPACING) + 1)
     A, Y = (each.ravel() for each in np.meshgrid(angle, y))

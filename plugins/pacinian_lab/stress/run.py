@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 GRAM = 1e-6  # relative to the mean of the diagonal: one rounding of a sum in single precision
 HURRY = 0.03  # [s] deadline for solvers that promise nothing about the optimum
+MOVED = 8  # number of points that `drift` moves
 LOOKS = 20  # number of comparisons with a new propagator
 
 
@@ -101,17 +102,17 @@ def _find_largest(values: Iterable[float]) -> float:
     return max((v for v in values if not math.isnan(v)), default=math.nan)
 
 
-def drift(updates: int, points: int = 8) -> Evidence:
+def drift(updates: int) -> Evidence:
     """Move one point after another, and compare with a new propagator at intervals."""
     rng, air = np.random.default_rng(0), Air()
     array = SMALL_ARRAY.remove_transducers(range(16, len(SMALL_ARRAY)))
-    q = scatter_points(points)
+    q = scatter_points(MOVED)
     kept = Propagator(array, air)
     broken: dict[str, str] = {}
     worst = 0.0
     for n in range(1, updates + 1):
         q = q.copy()
-        q[rng.integers(points)] = rng.uniform((-0.05, -0.05, 0.05), (0.05, 0.05, 0.15))
+        q[rng.integers(MOVED)] = rng.uniform((-0.05, -0.05, 0.05), (0.05, 0.05, 0.15))
         kept.set_points(q)
         G = kept.gram
         if n % max(1, updates // LOOKS) == 0:
