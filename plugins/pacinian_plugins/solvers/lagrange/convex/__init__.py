@@ -5,9 +5,8 @@ max_scale.py        `maximise_scale`: strongest pressures of given proportions
 answer.py           `Answer`: gains and their certificate (bound)
 constraints.py      which rows are near, exact or quiet
 dual.py             the dual problem: its value, gains and residuals for multipliers
-dual_ascent.py      Newton ascent until the duality gap is closed
+dual_ascent.py      Newton ascent until the duality gap is closed, with less smoothing from step to step
 newton_step.py      one Newton step, line search, power limit
-smoothing.py        smoothing of the dual, less from step to step
 starting_points.py  regularised pseudo-inverses to start from
 gram_scale.py       mean square of a matrix, which scales mu
 kernels.hpp         products with A, discs: called by dual.py, dual_ascent.py, newton_step.py, starting_points.py
