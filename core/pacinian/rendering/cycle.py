@@ -46,6 +46,8 @@ MAX_TRIES = (
     12  # solves of each frame, with those that ran out of time, after which the next one waits
 )
 RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
+# Time after which samples that still stand get another chance to be rendered by two frames [s].
+TRY_AGAIN_AFTER = 2.0
 MAX_LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
 
 
@@ -104,6 +106,7 @@ class Cycle:
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
+        self._again = math.inf  # time from which samples given up get another chance [s]
         self._bands, self._banded, self._overdriven = Bands(), False, False
         self._on_skin, self._tilted, self._turn = False, False, 0
         self.samples = no_samples()
@@ -269,7 +272,17 @@ class Cycle:
         part.retry = t + RETRY_INTERVAL
         if self._tilted and not part.rounds and part.tries == MAX_LATE_TRIES:
             self._given_up, self._tilted, self._wanted = True, False, 1
+            self._again = t + TRY_AGAIN_AFTER
             self._arrange()
+
+    def try_again(self, solved: CachedSolution, t: float) -> None:
+        """Give samples for which there was no time for two frames another chance, if it is time to at t [s].
+
+        solved: what the one frame plays. A busy processor may have been the reason.
+        """
+        if self._given_up and t >= self._again:
+            self._given_up, self._wanted = False, min(self.allowed, self.most)
+            self.consider(solved)
 
     @property
     def frames(self) -> tuple[CachedSolution, ...]:

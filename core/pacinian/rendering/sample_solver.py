@@ -167,6 +167,8 @@ class SampleSolver:
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
+        if self._last is not None:
+            self.cycle.try_again(self._last.rows[0], t)
         if self.cycle.count > 1:
             return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)
         self.cycle.forget()

@@ -16,7 +16,7 @@ from pacinian.errors import PacinianError
 from pacinian.rendering.pipeline import MAX_AGE
 from pacinian.serving.control import process as control_process
 from pacinian.serving.guard import process as guard_process
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.hang_detection import SOUNDING_HANG_DIVISOR
 from pacinian.serving.settings import Safety
 from pacinian_lab.server.faults import client_faults
 from pacinian_lab.server.faults import server_faults as parts
@@ -39,7 +39,7 @@ LINK, ENDED = (
 )
 OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
 # [s]; a hang is detected in steps of 20 ms
-HUNG = STATED.hang_timeout / child_process.SOUNDING_HANG_DIVISOR + 0.05 + OPENED
+HUNG = STATED.hang_timeout / SOUNDING_HANG_DIVISOR + 0.05 + OPENED
 
 
 class Fault(NamedTuple):
