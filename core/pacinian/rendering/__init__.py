@@ -11,7 +11,7 @@ The loop
     scene_renderer.py         a renderer from a scene file
 Solve
     sample_solver.py          solves for samples; reuses solutions while nothing moves
-    steered_solver.py         solves for one object in free air only where its field cannot be steered to it
+    steered_solver.py         steers the field of one object in free air; solves again when it cannot be steered
     cached_solution.py        a solution as it is kept, and whether it needs another solve
     solved.py                 what to play for some samples: the result of `sample_solver.py`
     solve_result.py           what passes from a solve to the ticks that play it
@@ -21,11 +21,13 @@ Solve
     reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
     cycle.py                  regions whose mean over several frames meets the target; number of these frames
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
+    The solver returns a `Solution`. A `CachedSolution` keeps it. A `Solved` holds those of all frames of a cycle, or of
+    all steps of a modulation. A `SolveResult` passes a `Solved` from the job that solved to the tick that plays it.
 From gains to levels
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
     steering.py               moves the field with an object that moves as one, by factors on the gains
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
-    envelope_gains.py         puts envelopes on gains; fades from the envelopes of one solution to those of the next
+    envelope_gains.py         applies envelopes to gains; fades from the envelopes of one solution to those of the next
     envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains
     row_times.py              how many rows a frame has, and when each sounds
     quantiser.py              levels of the device: rounding, dither, inverse of its amplitude table

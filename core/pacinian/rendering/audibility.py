@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
 
-BANDWIDTH = 2000.0  # of a 40 kHz transducer at -6 dB, data sheet of the Pro-Wave 400PT120 [Hz]
+# Bandwidth of a 40 kHz transducer at -6 dB, from the data sheet of the Pro-Wave 400PT120 [Hz].
+BANDWIDTH = 2000.0
 BAND = (20.0, 20_000.0)  # range of human hearing [Hz]
 SAMPLING = 96_000.0  # lowest sampling rate of the envelope [Hz]
 

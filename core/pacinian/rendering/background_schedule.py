@@ -1,4 +1,7 @@
-"""Decide whether solves run in the ticks, or in a thread beside them, and when such a solve begins."""
+"""Decide whether solves run in the ticks, or in the background, and when a solve in the background begins.
+
+In the background means beside the ticks: in a thread of its own.
+"""
 
 from __future__ import annotations
 
@@ -7,36 +10,47 @@ from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 
-LONG_SHARE = (
-    0.65  # duration above which a tick is long, relative to the period; it begins up to 0.2 ms late
-)
-TICKS_SEEN = 64  # last ticks with a solve that count
-MIN_LONG_TICKS = 8  # long ones among them from which solves run beside the ticks
-FAR_TOO_LONG = 2.0  # two successive ticks of this duration, relative to the period, suffice
-# Duration within which a solve must fit to run in a tick again, relative to the period.
+# Duration above which a tick counts as long, relative to the period. A tick begins up to 0.2 ms late.
+LONG_SHARE = 0.65
+TICKS_SEEN = 64  # number of recent ticks with a solve that are considered
+# Number of long ticks among the last TICKS_SEEN that moves solves into the background.
+MIN_LONG_TICKS = 8
+# Two successive ticks of more than this duration, relative to the period, move solves into the background at once.
+FAR_TOO_LONG = 2.0
+# Duration below which a solve in the background would fit into a tick again, relative to the period.
 SHORT_SHARE = 0.5
-# successive short solves before solving returns into the ticks: at first, and at most; doubled after each return
+# Number of short solves in the background after which solves return into the ticks: first, and largest value. It
+# doubles with each return.
 MIN_FITTING, MAX_FITTING = 256, 4096
-PENALTY = 8  # short solves that a long one cancels; the machine may have caused it, so it does not cancel all
-SOLVE_TICKS = 4  # ticks that a solve beside them may take before the scene loses samples
-MAX_TICKS = 3 * SOLVE_TICKS  # most ticks that a solve beside them is expected to take
-# shortest time from the beginning of a solve beside the ticks to that of the next [s]
+# Number of short solves that a long one cancels. It does not cancel all, because the machine may have caused it.
+PENALTY = 8
+# Number of ticks that a solve in the background may take before the scene loses samples.
+SOLVE_TICKS = 4
+# Largest number of ticks that a solve in the background is expected to take.
+MAX_TICKS = 3 * SOLVE_TICKS
+# Shortest time from the beginning of a solve in the background to that of the next [s].
 MIN_INTERVAL = 0.008
-MAX_INTERVAL = 0.012  # after which a solve begins although the scene is the same; longest spread of a change [s]
-# the same, if the last solve has changed nothing and the passing of time moves nothing [s]
+# Time after which a solve begins even if the scene has not changed; also the longest time over which a change is
+# spread [s].
+MAX_INTERVAL = 0.012
+# Time after which a solve begins although the scene is at rest: the last solve has changed nothing, and nothing in the
+# scene moves by itself [s].
 REST_INTERVAL = 0.05
-# time in which the last solution fades out [s]; clients wait 20 ms for silence
+# Time in which the last solution fades out before silence [s]. Clients wait 20 ms for silence.
 END_SPREAD = 0.006
-SOLVES_SEEN = 5  # last solves whose medians are expected of the next
+# Number of recent solves whose median durations and intervals are expected of the next one.
+SOLVES_SEEN = 5
 
 
 @dataclass
 class BackgroundSchedule:
-    """Decides whether solves run beside the ticks, and when. Counts long ticks, and solves that would fit.
+    """Decides whether solves run in the background, and when.
 
-    period: of a tick [s]. beside: whether solves run beside the ticks. ticks: number of ticks that the next solve will
-    take, by the last ones. interval: number of ticks from one solution to the next, likewise. rests: whether the last
-    solve has changed nothing, and the passing of time moves nothing.
+    It counts ticks that were long, and solves in the background that would have fitted into a tick.
+
+    period: of a tick [s]. beside: whether solves run in the background. ticks: expected duration of the next solve,
+    from the last ones [ticks]. interval: expected time from one solution to the next, from the last ones [ticks].
+    rests: whether the last solve has changed nothing, and nothing in the scene moves by itself.
     """
 
     period: float
@@ -47,7 +61,7 @@ class BackgroundSchedule:
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
     _intervals: deque[int] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
-    _since: int = field(init=False)  # ticks since the last solve beside them began
+    _since: int = field(init=False)  # ticks since the last background solve began
     _far: bool = field(default=False, init=False)  # whether the last tick was far too long
     _fits: int = field(default=0, init=False)
     _wait: int = field(default=MIN_FITTING, init=False)
@@ -60,20 +74,21 @@ class BackgroundSchedule:
         return max(1, round(seconds / self.period))
 
     def find_spread(self, ends: bool) -> int:
-        """Return the number of ticks over which to spread a change. ends: whether there will be silence."""
+        """Return the number of ticks over which to spread a change. ends: whether silence follows."""
         return min(self.interval, self._count_ticks(END_SPREAD)) if ends else self.interval
 
     def pass_ticks(self, count: int) -> None:
-        """Count ticks, including those that did not take place."""
+        """Count ticks, including those that the loop left out because it rested."""
         self._since += count
 
     def begin_solve(self, changed: bool, urgent: bool = False) -> bool:
-        """Return whether a solve is to begin beside this tick, and count it if so.
+        """Return whether a solve is to begin in the background now, and count it if so.
 
-        changed: whether the scene has. urgent: whether there must be silence soon.
+        changed: whether the scene has changed since the last solve began. urgent: whether the output must become silent
+        soon.
 
         A new scene begins a solve at once if scenes come at intervals of at least MIN_INTERVAL, as from trackers and
-        games. Between them, objects and hands move on as they moved.
+        games. Between two scenes, objects and hands keep their velocities.
         """
         least, most = self._count_ticks(MIN_INTERVAL), self._count_ticks(MAX_INTERVAL)
         unchanged = self._count_ticks(REST_INTERVAL) if self.rests else most
@@ -95,7 +110,7 @@ class BackgroundSchedule:
         self._far = far
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:
-        """Take account of a solve beside the ticks that took `seconds` [s]. whole: whether no sample was dropped."""
+        """Take account of a background solve that took `seconds` [s]. whole: whether no sample was dropped."""
         fits = whole and seconds < SHORT_SHARE * self.period
         self._seconds.append(seconds)
         self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)

@@ -21,13 +21,14 @@ class CachedSolution:
 
     gains: at full envelope, (N,). groups: the samples' groups by envelope; None if the gains contain the envelopes.
     parts: contribution of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
-    those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would be
-    useless, because the solver had enough time. failed_improvements: number of successive solves that were not better.
-    averaged: whether envelopes that vary were replaced by their means. whole: the samples before those were left out
-    that no sound can reach, or that another frame of a cycle renders. weakened, missed: indices of the samples of
-    `whole` to which little sound comes, and of those that get clearly less than their target. limited: whether it is
-    scaled down, because the pressure on skin would exceed its limit. evaluated: whether that pressure was compared with
-    its limit, if there is one. retry: time from which to solve again if it is not final [s].
+    those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would not
+    help, because the solver had enough time. failed_improvements: number of successive solves that were not better.
+    averaged: whether envelopes that vary were replaced by their means. whole: all samples, including those that were
+    left out because no sound can reach them, or because another frame of the cycle renders them. weakened, missed:
+    indices into `whole`: of the samples that little sound reaches, and of those that get clearly less than their
+    target. limited: whether it is scaled down, because the pressure on skin would exceed its limit. evaluated: whether
+    the pressure on skin was compared with its limit, if there is a limit. retry: time from which to solve again if it
+    is not final [s].
     """
 
     gains: Gains

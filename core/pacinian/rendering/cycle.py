@@ -2,8 +2,8 @@
 
 Skin integrates pressures that repeat fast enough. Therefore a region that is too large for one solve is rendered in
 bands, one after the other. A region in free air that the array renders unevenly is rendered in two frames, whose waves
-come from different sides and have different errors. In a cycle of K frames, each is solved for the rest that the
-others leave: K P - sum_j P_j, where P is the target of the cycle and frame j produces P_j.
+come from different sides and have different errors. In a cycle of K frames, each frame is solved for the pressure that
+the others do not make: K P - sum_j P_j, where P is the target of the cycle and each other frame j produces P_j.
 """
 
 from __future__ import annotations
@@ -28,27 +28,31 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats
 
 MIN_REPETITION_RATE = 500.0  # repetition rate from which pressures up to some 6 Pa feel steady [Hz]
-MAX_FRAMES = 4  # default limit of the frames in a cycle
-TILTS = -0.15, 0.15  # of the waves of two frames, see `Session.tilt`
-# Fraction of transducers at their limit above which bands in free air, each with several times the target, are worse
-# than fewer samples. On skin, bands are better all the same. While a region moves, its bands stay.
+MAX_FRAMES = 4  # default limit of the number of frames in a cycle
+TILTS = -0.15, 0.15  # tilts of the waves of two frames, see `Session.tilt`
+# Share of transducers at their limit above which bands in free air, each with several times the target, are worse than
+# fewer samples. On skin, bands are better all the same. While a region moves, its bands stay.
 MAX_BAND_SATURATION = 0.1
-BANDS_AGAIN_BELOW = 0.02  # fraction with one frame below which there are bands again
-TWO_FRAMES_FROM = 0.02  # fraction of transducers at their limit from which two frames are used
-ONE_FRAME_BELOW = 0.01  # fraction below which one frame is used again
-ONE_FRAME_LATE_SHARE = 0.5  # fraction of late solves above which only one frame is used
-RECOVERED_LATE_SHARE = 0.1  # fraction below which several frames are allowed again
-AVERAGED_SOLVES = 64  # time constant of this fraction, in solves
+# Share of transducers at their limit, with a single frame, below which the region may be divided into bands again.
+BANDS_AGAIN_BELOW = 0.02
+TWO_FRAMES_FROM = 0.02  # share of transducers at their limit from which two frames are used
+ONE_FRAME_BELOW = 0.01  # share of transducers at their limit below which one frame is used again
+ONE_FRAME_LATE_SHARE = 0.5  # share of late solves above which only one frame is used
+RECOVERED_LATE_SHARE = 0.1  # share of late solves below which several frames are allowed again
+AVERAGED_SOLVES = 64  # time constant of the share of late solves, in solves
 MIN_SHARE, MAX_SHARE = 0.15, 2.5  # range of a frame's target, relative to its nominal share
 MIN_PRESSURE = 1e-30  # smallest target used as a divisor [Pa]
-MAX_ROUNDS = 3  # most complete solves of each frame after the samples have changed
-MAX_TRIES = (
-    12  # solves of each frame, with those that ran out of time, after which the next one waits
-)
-RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
-# Time after which samples that still stand get another chance to be rendered by two frames [s].
+MAX_ROUNDS = 3  # largest number of complete solves of each frame after the samples have changed
+# Number of solves of a frame for the same samples, late ones included, after which the frame waits for RETRY_INTERVAL
+# before each further solve.
+MAX_TRIES = 12
+# Pause before each further solve of a frame after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
+RETRY_INTERVAL = 0.25
+# Samples for which two frames were given up (MAX_LATE_TRIES) get another chance after this time, if they still have not
+# moved [s].
 TRY_AGAIN_AFTER = 2.0
-MAX_LATE_TRIES = 3  # solves of a frame that ran out of time, and none that did not, after which one frame is used
+# After this number of solves of a frame, if all of them ran out of time, one frame is used instead of two.
+MAX_LATE_TRIES = 3
 
 
 @dataclass
@@ -57,9 +61,10 @@ class Part:
 
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
-    that had enough time. turn: number of the cycle's solve in which it was solved last. retry: time from which to solve
-    again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal share, (M',). own: mask
-    of the samples for which that was, (M,); of size 0 for none.
+    that had enough time. turn: sequence number, among all solves of the cycle, of this frame's last one. retry: time
+    from which to solve again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal
+    share, (M',). own: mask of the samples that the last solve was for, (M,); of size 0 if its target is forgotten, or
+    before the first solve.
     """
 
     session: Session
@@ -157,7 +162,7 @@ class Cycle:
         return not self._banded and not self._on_skin and self._wanted >= len(TILTS)
 
     def forget(self) -> None:
-        """Discard what the frames played: while one frame renders all samples, that grows old."""
+        """Discard the first frame's solution, which becomes outdated while a single frame renders all samples."""
         self._first.solved = None
 
     def consider(self, solved: CachedSolution) -> None:
@@ -246,10 +251,11 @@ class Cycle:
         return others
 
     def find_rest(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
-        """Return the target of one frame at its own samples, (M',) [Pa]: the rest that the other frames leave.
+        """Return the target of one frame at its own samples, (M',) [Pa]: what the other frames do not make.
 
-        own, P: as for `sum_others`. others: its result. If another frame had no time to come near its target, the rest
-        is that of the last solve, because this frame would else follow the errors of the other one, and never settle.
+        own, P: as for `sum_others`. others: its result. If another frame had no time to come near its target, the
+        target is that of the last solve. Otherwise, this frame would follow the errors of the other one, and never
+        settle.
         """
         nominal = self.count * self._shares[own, self.parts.index(part)] * P
         if not np.array_equal(own, part.own):
@@ -278,7 +284,7 @@ class Cycle:
     def try_again(self, solved: CachedSolution, t: float) -> None:
         """Give samples for which there was no time for two frames another chance, if it is time to at t [s].
 
-        solved: what the one frame plays. A busy processor may have been the reason.
+        solved: what the single frame plays. A busy processor may have been the reason.
         """
         if self._given_up and t >= self._again:
             self._given_up, self._wanted = False, min(self.allowed, self.most)

@@ -31,9 +31,10 @@ BY_TICK = frozenset(
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""
-MAX_SPANS = 10_000  # spans that are kept
-MAX_NAMED = 50_000  # objects in all of them together: a scene of many objects keeps fewer spans
-MAX_LABELS = 1000  # objects with totals of their own
+MAX_SPANS = 10_000  # largest number of spans that are kept
+# Largest number of objects in all kept spans together, so that a scene of many objects keeps fewer spans.
+MAX_NAMED = 50_000
+MAX_LABELS = 1000  # largest number of objects with totals of their own
 OTHERS = "other objects"
 NOTHING: Reasons = {}
 

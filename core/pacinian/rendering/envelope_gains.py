@@ -1,4 +1,4 @@
-"""Put envelopes on rows of gains, also while one solution fades into the next.
+"""Apply envelopes to rows of gains, also while the output moves from one solution to the next.
 
 A group is all samples that share one envelope; see `EnvelopeGroups`.
 """
@@ -16,10 +16,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Indices, Singles
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
-# regularisation, relative to total power; parts that differ by less are not separated
+# Regularisation of the least squares in `mix`, relative to the total power of all parts. Parts that differ by less are
+# not separated.
 MIN_DIFFERENCE = 1e-6
-MAX_COEFFICIENT = 4.0  # of a part; more is rounding
-MAX_PAST = 8  # past solutions; of more, the first two become one
+MAX_COEFFICIENT = 4.0  # largest amplitude of the coefficient of a part; anything more is rounding
+MAX_PAST = 8  # largest number of past solutions; beyond it, the two oldest are merged
 
 
 def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singles:
@@ -69,10 +70,11 @@ class Source:
 def mix(sources: Sequence[Source], s: Gains) -> Gains:
     """Return the gains s, (K, N), under the envelopes of the solutions that they consist of.
 
-    sources: the present solution, then past ones. The coefficient of each part in s is found by least squares. Where s
-    cannot tell, because parts of two solutions are alike, it is the expected one. The rest follows all by their shares.
+    sources: the present solution, then past ones. The coefficient of each part in s is found by least squares. Where
+    parts of two solutions are too similar to separate, the expected coefficient is used. What no part explains is
+    multiplied by the mean amplitude of all solutions, weighted by their shares.
     """
-    # parts that are alike need double precision, or rounding decides
+    # similar parts need double precision, or rounding decides
     exact = any(one.share.any() for one in sources[1:])
     parts = np.concatenate([one.parts for one in sources])
     parts = parts.astype(np.complex128 if exact else np.complex64, copy=False)
@@ -92,9 +94,9 @@ def mix(sources: Sequence[Source], s: Gains) -> Gains:
 class EnvelopeFade:
     """Past solutions whose envelopes still count.
 
-    Gains on their way from one solution to another tell how much of each they contain. They do not if an object only
-    got another envelope. Therefore a past solution also has a share, which falls from row to row, no faster than gains
-    may change.
+    While gains move from one solution to another, least squares shows how much of each they contain. It does not if
+    only the envelope of an object has changed. Therefore each past solution also has an expected share of the gains,
+    which falls from row to row, no faster than gains may change.
     """
 
     def __init__(self) -> None:
@@ -108,7 +110,7 @@ class EnvelopeFade:
         return self._step > 0.0 and any(share > 0.0 for _, share in self._past)
 
     def begin(self, solved: Sequence[CachedSolution], step: float) -> None:
-        """Fade to other solutions from the next row on, if these are others.
+        """Fade to these solutions from the next row on, if they are not the present ones.
 
         solved: one, or the frames of a cycle. step: fall of a share from row to row.
         """
@@ -116,11 +118,11 @@ class EnvelopeFade:
             return
         self._past = [(past, share) for past, share in self._past if share > 0.0]
         match _compare_envelopes(self._present, solved):
-            case "differ":
+            case "new_envelopes":
                 self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
-            case "alike":  # the gains tell how much of it they still contain
+            case "same_envelopes":  # least squares shows how much of it the gains still contain
                 self._past.append((self._present, 0.0))
-            case "same":
+            case "nothing_to_fade":
                 pass
         if len(self._past) > MAX_PAST:
             (_, first), (past, share), *later = self._past
@@ -171,21 +173,22 @@ class EnvelopeFade:
 
 def _compare_envelopes(
     last: Sequence[CachedSolution], now: Sequence[CachedSolution]
-) -> Literal["differ", "alike", "same"]:
+) -> Literal["new_envelopes", "same_envelopes", "nothing_to_fade"]:
     """Return how the envelopes of the last solutions count further.
 
-    "differ": they fade out. "alike": each of several groups keeps its envelope, but its contribution to the gains has
-    changed. "same": there is nothing to tell apart, or frames of a cycle with several groups, which jump anyway.
+    "new_envelopes": they fade out. "same_envelopes": several groups have the same envelopes as before, but other
+    contributions to the gains. "nothing_to_fade": there is nothing to tell apart, or the solutions are frames of a
+    cycle with several groups, which jump anyway.
     """
     if not last or not len(last[0].samples):
-        return "same"
+        return "nothing_to_fade"
     before, then = last[0].groups, now[0].groups
     single = len(last) == len(now) == 1
     if before is None:  # these gains contain their envelopes
-        return "differ" if then and single else "same"
+        return "new_envelopes" if then and single else "nothing_to_fade"
     if not len(before):
-        return "same"
+        return "nothing_to_fade"
     if then is not None and before.alike(then):
-        return "alike" if single and len(before) > 1 else "same"
+        return "same_envelopes" if single and len(before) > 1 else "nothing_to_fade"
     one_each = len(before) == 1 and then is not None and len(then) <= 1
-    return "differ" if single or one_each else "same"
+    return "new_envelopes" if single or one_each else "nothing_to_fade"

@@ -1,4 +1,4 @@
-"""Voices: groups of samples that share one envelope, and the contribution of each to the gains."""
+"""Groups of samples that share one envelope, and the contribution of each to the gains (voices in decision 16)."""
 
 from __future__ import annotations
 

@@ -39,9 +39,10 @@ class FrameDeviations:
     def describe(
         self, before: SolveResult, played: SolveResult, *, between: bool, held_back: bool
     ) -> Reasons:
-        """Return what a frame leaves out or changes that plays `played` after `before`.
+        """Return what a frame leaves out or changes, if it plays `played` and the previous result was `before`.
 
-        between: whether frames lie between those for two results. held_back: whether the slew-rate limit changed it.
+        between: whether the frame is interpolated between the two results. held_back: whether the slew-rate limit
+        changed it.
         """
         given = before, played, between, held_back
         if any(now is not then for now, then in zip(given, self._of, strict=True)):

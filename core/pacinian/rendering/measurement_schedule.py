@@ -9,12 +9,13 @@ if TYPE_CHECKING:
     from pacinian.rendering.solved import Solved
     from pacinian.solving.felt_regions import FeltSums
 
-TICKS_PER_LOOK = 64  # ticks between measurements of the emitted field
-FIRST_LOOK = 4  # ticks from silence to the first one, so that the first solves have more time
+TICKS_PER_LOOK = 64  # number of ticks between measurements of the emitted field
+# Number of ticks from silence to the first measurement, so that the first solves have more time.
+FIRST_LOOK = 4
 
 
 class Measurement(NamedTuple):
-    """What the device emits of a solution, as `Report.add_measurement` takes it."""
+    """How the device emits a solution: the arguments of `Report.add_measurement`."""
 
     error: float
     felt: dict[str, FeltSums]
@@ -28,7 +29,7 @@ class MeasurementSchedule:
         self._measured: tuple[CachedSolution, ...] = ()
 
     def pass_ticks(self, played: Solved, count: int) -> None:
-        """Count ticks that play this, including those that did not take place."""
+        """Count ticks that play this result, including those that the loop left out because it rested."""
         if len(played.samples):
             self._passed += count
         else:

@@ -29,7 +29,7 @@ MIN_POWER = 1e-30  # smallest power used as a divisor
 class Slot:
     """One frame of a cycle that is played: it has every K-th row, and follows its own solutions.
 
-    last: limiter from whose last row it begins. span: remaining rows of a change.
+    last: the `GainSmoother` from whose last row this frame starts. span: remaining rows of a change.
     """
 
     def __init__(self, last: GainSmoother) -> None:
@@ -77,7 +77,10 @@ class Modulator:
         self.smoother.reset()
 
     def multiply(self, factors: Gains | None) -> None:
-        """Multiply the gains of the last row by factors, (N,), which keep its field, before it follows others."""
+        """Multiply the gains of the last row by factors, (N,), that leave its steered field unchanged.
+
+        factors: None to change nothing.
+        """
         if factors is None:
             return
         for smoother in (self.smoother, *(slot.smoother for slot in self._slots)):
@@ -87,7 +90,7 @@ class Modulator:
 
     @property
     def held_back(self) -> bool:
-        """Whether the limit of the slew rate kept the last row from its solution for longer than a change may take."""
+        """Whether the slew-rate limit keeps the last row from its solution, although the change should be over."""
         # a frame begins with what another one played, and may take one row more
         followers = [(slot.smoother, slot.span + 1) for slot in self._slots]
         return any(
@@ -129,7 +132,7 @@ class Modulator:
         return self._rows
 
     def _mix(self, one: CachedSolution, own: slice, t: Floats, s: Gains) -> Gains:
-        """Put envelopes on the smooth gains s, (K, N), of one solution's rows `own` of this tick, at times t [s]."""
+        """Apply envelopes to the smooth gains s, (K, N), of one solution's rows `own` of this tick, at times t [s]."""
         past = self._fade.shares(self._row + own.start, own)
         if not past and one.parts is None:
             return np.asarray(group_amplitudes(one, t, self.switches)[0][:, None] * s)
@@ -177,7 +180,9 @@ class Modulator:
         ticks: int,
         settings: Smoothing,
     ) -> None:
-        """Let each frame of a cycle follow its own solutions, or after the cycle the one solution, until all have.
+        """Move each frame of a cycle towards its own solution.
+
+        After the cycle, all frames move towards the one solution, until they have reached it.
 
         carriers: gains of `solved`; one for each row, or one for all.
         """

@@ -1,4 +1,4 @@
-"""The last steps before the device: apply envelopes to gains, and quantise gains to device levels."""
+"""Quantise gains to the device's levels, the last step before the device."""
 
 from __future__ import annotations
 
@@ -9,16 +9,7 @@ import numpy as np
 from pacinian.plugins.backend import Capability, Frame
 
 if TYPE_CHECKING:
-    from pacinian.types import Floats, Gains, Levels, Singles
-
-
-def modulate(gains: Gains, envelope: Floats, out: Gains) -> None:
-    """Write gains, (N,), times an envelope, (K,), to `out`, (K, N).
-
-    The envelope scales radiation pressure, so the gains are multiplied by its square root.
-    """
-    np.multiply(np.sqrt(envelope).astype(np.float32)[:, None], gains, out=out)
-
+    from pacinian.types import Gains, Levels, Singles
 
 SURE = 1.0 / 256.0  # amplitudes this close to a level are always rounded to it [levels]
 PARTS = 4096  # entries of the lookup table from amplitude, 0..1, to the level where a search starts

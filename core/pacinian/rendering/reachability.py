@@ -21,11 +21,12 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Flags, Floats, Longs
 
-TOUCHING_DISTANCE = 1e-5  # distance within which a sample is on a transducer [m]
-CELL_SIZE, MAX_CELLS = 0.02, 10_000  # cell size of the power cache [m], and most cells in it
-MAX_SUBSET = 128  # most transducers used to compute this power
-MIN_PRESSURE = 1e-300
-WEAKENED_BELOW = 0.5  # fraction of a target below which its sample counts as weakened
+TOUCHING_DISTANCE = 1e-5  # a sample this close to a transducer counts as on it [m]
+# Cell size of the power cache [m], and largest number of its cells.
+CELL_SIZE, MAX_CELLS = 0.02, 10_000
+MAX_SUBSET = 128  # largest number of transducers used to compute the power in a cell
+MIN_PRESSURE = 1e-300  # smallest power in a cell, because it is used as a divisor [Pa^2]
+WEAKENED_BELOW = 0.5  # share of a target below which its sample counts as weakened
 
 
 class ReachabilityFilter:
@@ -41,7 +42,7 @@ class ReachabilityFilter:
         self._extent = away.max(axis=0) + TOUCHING_DISTANCE  # [m]
 
     def find_reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
-        """Return whether sound can be sent to each point of q, (M, 3) [m]: not too far, and not on a transducer.
+        """Return which points of q, (M, 3) [m], sound can reach, (M,): not too far away, and not on a transducer.
 
         skipped: counts the other points, by reason.
         """

@@ -13,11 +13,12 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
 
+# Attributes of the sampler that a recording contains.
 SAMPLER = "budget", "spacing", "ramp", "perception"
 
 
 class HasSettings(Protocol):
-    """A `Renderer`, as far as its settings go."""
+    """The part of a `Renderer` that holds its settings."""
 
     session: Session
     sampler: Sampler

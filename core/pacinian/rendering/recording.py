@@ -1,4 +1,4 @@
-"""Recordings: scene, decisions and frame of every tick, in a file that survives an interruption and needs no other.
+"""Recordings: scene, decisions and frame of every tick, in one self-contained file that survives an interruption.
 
 The file is a stream of MessagePack maps: one header, then one map per tick. It is append-only, so a truncated file is
 valid up to its last complete tick.
@@ -50,8 +50,8 @@ class Tick:
     frame: as sent. time: of the scene [s]. asked: scene, solver and limits; None if they could not be recorded.
     clock: the tick's clock readings [s], which determine its decisions. job_clock: those of sampling and solving, for
     the results that the tick took. begins: whether the renderer was reset just before. sent: clock reading after the
-    frame was sent [s]; `frame.time` is when it was due. objects: what each object asked for, and what of it was
-    rendered, by its label. deviations: what was not as asked, by label and reason, as in `Report.deviations`.
+    frame was sent [s]; `frame.time` is when it was due. objects: by label, what each object asked for, and
+    how much of it was rendered. deviations: what was not as asked, by label and reason, as in `Report.deviations`.
     """
 
     frame: Frame

@@ -22,11 +22,12 @@ if TYPE_CHECKING:
     from pacinian.solving.solution_status import Status
     from pacinian.types import Floats
 
-MAX_LISTED = 4  # most objects in a notebook's card
+MAX_LISTED = 4  # largest number of objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
-LOOKS = 1000  # measurements between the samples that are kept
-REMEMBERED = 100_000  # ticks whose times are kept for the percentiles
+LOOKS = 1000  # number of recent measurements of the felt pressure that are kept
+# Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors are kept.
+REMEMBERED = 100_000
 
 
 @dataclass(frozen=True)
@@ -52,10 +53,10 @@ class Fault:
 class Report:
     """Counts since the loop started.
 
-    late_ticks: ticks whose frame was sent after the next tick was due. skipped: counts of work that was not needed, by
-    reason. statuses: counts of solves by status. faults: the last ones. interrupted: whether Ctrl-C ended the loop.
-    deviations: where and when the output was not what the scene asked for. warnings: texts about the scene, from
-    before the first tick.
+    late_ticks: ticks whose frame was sent after the next tick was due. skipped: counts of work that was left out, by
+    reason; docs/skipped.md says which reasons are losses. statuses: counts of solves by status. faults: the last ones.
+    interrupted: whether Ctrl-C ended the loop. deviations: where and when the output was not what the scene asked for.
+    warnings: texts about the scene, from before the first tick.
     """
 
     ticks: int = 0

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability
     from pacinian.types import Floats
 
-MAX_ROWS = 1000  # most rows of a tick
+MAX_ROWS = 1000  # largest number of rows of a tick
 
 
 def compute_row_times(capability: Capability, period: float) -> tuple[Floats, float]:

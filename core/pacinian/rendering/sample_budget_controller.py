@@ -7,13 +7,17 @@ from dataclasses import dataclass, field
 
 MAX_LOAD = 0.75  # duration of a tick, over the period, above which the budget shrinks
 MIN_LOAD = 0.5  # duration of a tick, over the period, up to which the budget may grow
-MAX_LONG_TICKS = 8  # successive long ticks before it shrinks; a few may be due to the machine
-FAR_TOO_LATE_RATIO = 3.0  # duration of a tick, over the period, above which SOON_TICKS suffice
-SOON_TICKS = 2  # successive ticks that are far too late, before it shrinks
-WAIT = 50  # short ticks before it grows; doubled each time that it must shrink again after growing
-MAX_WAIT = (
-    800  # largest such wait; also the short ticks at full budget after which it is WAIT again
-)
+# Number of successive long ticks (above MAX_LOAD) after which the budget shrinks. A few may be due to the machine.
+MAX_LONG_TICKS = 8
+# Duration of a tick, over the period, above which the tick is far too late.
+FAR_TOO_LATE_RATIO = 3.0
+SOON_TICKS = 2  # number of successive ticks that are far too late after which the budget shrinks
+# Number of short ticks after which the budget grows. It doubles each time that the budget must shrink again after it
+# has grown.
+WAIT = 50
+# Largest number of short ticks after which the budget grows. After as many short ticks at full budget, the number is
+# WAIT again.
+MAX_WAIT = 800
 MIN_BUDGET = 16  # smallest budget; fewer samples would hardly save time
 AIM = 0.6  # duration of a tick to aim for when the budget shrinks, relative to the period
 

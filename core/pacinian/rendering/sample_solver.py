@@ -36,13 +36,16 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
-CACHE_BYTES = 32 << 20  # size of the cache of solutions for the steps of a modulation [bytes]
+# Largest size of the cache of solutions for the steps of a modulation [bytes].
+CACHE_BYTES = 32 << 20
 # Largest ratio of new to old error at which a late solution counts as improved.
 MAX_ERROR_RATIO = 0.99
 MISSED_BELOW = 0.9  # share of its target below which a sample counts as weaker than asked
 MAX_PAUSE = 0.033  # longest time from one solve to the next while samples move slowly [s]
-MAX_TRIES = 6  # successive solves without improvement after which the next one waits
-RETRY_INTERVAL = 0.25  # for this time [s]: a busy processor may have spoilt them
+# Number of successive solves without improvement after which the next one waits for RETRY_INTERVAL.
+MAX_TRIES = 6
+# Pause before the next solve after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
+RETRY_INTERVAL = 0.25
 
 Step = tuple[object, ...]
 
@@ -53,7 +56,8 @@ class SampleSolver:
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
     allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
-    skipped: counts work that was not needed, by reason. skins: of the hands in the scene; the render loop sets them.
+    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene; the render loop
+    sets them.
     """
 
     session: Session
@@ -97,8 +101,8 @@ class SampleSolver:
         """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
 
         deadline: from now [s]; may be infinite. near: distance within which samples count as not moved, for at most
-        MAX_PAUSE [m]; if it is above 0, the field of samples that move as one may be steered. at: time at which the
-        samples are where they are; t by default [s].
+        MAX_PAUSE [m]; if it is above 0, the field of samples that move as one may be steered. at: time for which the
+        positions of the samples hold [s]; t by default.
         """
         self.fresh = []
         kept = (limits, solver) == self._key[1:]
@@ -252,7 +256,10 @@ class SampleSolver:
         return made
 
     def _is_near(self, samples: Samples, t: float, near: float) -> bool:
-        """Return whether the last solution still does for samples that creep, at time t [s]. near: as in `solve`."""
+        """Return whether the last solution is still good enough for samples that move slowly, at time t [s].
+
+        near: as in `solve`.
+        """
         if samples is self._samples or not 0.0 <= t - self._begun < MAX_PAUSE:
             return False
         return samples.is_near(self._samples, near)
@@ -262,7 +269,7 @@ class SampleSolver:
     ) -> Solved:  # fmt: skip
         """Return the frames of a cycle; first solve for one of them, if any needs it.
 
-        once: whether a second solve for the same samples is not worth its time, because they move on.
+        once: solve each frame only once, because the samples will have moved before a second solve would help.
         """
         cycle = self.cycle
         if self._common[0] is not samples:
@@ -362,7 +369,10 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
 
 
 def _growth(samples: Samples) -> float:
-    """Return the factor by which the gains will grow once the samples reach the full pressure of their objects."""
+    """Return the factor by which the gains will grow until the samples have the full pressure of their objects.
+
+    They have it when their ramps have ended.
+    """
     P, most = float(samples.radiation_pressure.sum()), float(samples.most.sum())
     return math.sqrt(most / P) if most > P > MIN_POWER else 1.0
 

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
 
-MAX_OBJECTS = 1000  # most objects that are checked
-PLACES = 8  # places of a path, or of particles, at which a focus is computed
+MAX_OBJECTS = 1000  # largest number of objects that are checked
+PLACES = 8  # number of places of a path, or of particles, at which a focus is computed
 FAR = 5.0  # distance from the array from which a warning says that positions are in metres [m]
-MAX_NAMED = 3  # most objects in one warning
+MAX_NAMED = 3  # largest number of objects named in one warning
 
 
 def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float) -> Iterator[str]:

@@ -36,27 +36,40 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Complexes, Flags, Floats, Gains, Indices
 
-SPACING = 0.58  # of the first points, over the wavelength
-# Largest ratio of a peak between these points to the pressure at the nearest of them.
+SPACING = 0.58  # spacing of the first points on the skin, over the wavelength
+# Largest ratio of a peak between the first points to the pressure at the nearest of them.
 MAX_HIDDEN_RATIO = 8.0
-MIN_COSINE = -0.5  # cosine from a normal to every transducer, below which a first point is skipped
-SEEN_BY = 32  # transducers that stand for all in this, besides the corners of the array's box
-RINGS = 3  # of points around the strongest at last
-FINEST = 0.05  # their spacing, over the wavelength
-MIN_LARGE_SIZE = 1.25  # size of a hand, over the usual one, from which there are wider rings first
-MAX_PEAKS = 16  # most points around which to look at last
-MIN_PEAK_SHARE = 0.6  # of the highest pressure, from which they may hide a higher one
-CHUNK = 64  # points that are evaluated at a time
-SUM_PHASES = 16  # of the sum of groups, from which its largest amplitude is found
-MARGIN = 1.03  # of the pressure, because the finest points may miss a peak
-MIN_LENGTH = 1e-9  # [m]
-FAR_BELOW = 0.25  # of the limit: highest pressure after which the next solutions are not evaluated,
-MAX_NOT_EVALUATED = 7  # at most so many of them,
-MORE = 1.2  # none of which drives or asks for more than so many times as much, or lies a wavelength away
+# A first point is skipped if the cosine between its normal and the direction to every transducer is below this.
+MIN_COSINE = -0.5
+# Number of transducers that represent the array where a point's view of it is tested, besides the corners of its box.
+SEEN_BY = 32
+RINGS = 3  # number of rings of points around each of the strongest points, in the last steps
+FINEST = 0.05  # spacing of the points in the last step, over the wavelength
+# Size of a hand, over the usual one, above which a step with wider rings comes first.
+MIN_LARGE_SIZE = 1.25
+MAX_PEAKS = 16  # largest number of points around which the last steps search
+# Only points with at least this share of the highest pressure, or of the limit if that is higher, may hide a higher
+# pressure near them.
+MIN_PEAK_SHARE = 0.6
+CHUNK = 64  # number of points that are evaluated at a time
+# Number of phases at which the sum of groups is evaluated to find its largest amplitude.
+SUM_PHASES = 16
+MARGIN = 1.03  # factor on the highest pressure found, because the finest points may miss a peak
+MIN_LENGTH = 1e-9  # smallest length of a vector used as a divisor
+# If the highest pressure is at most this share of the limit, the next solutions that are like it are not evaluated.
+FAR_BELOW = 0.25
+MAX_NOT_EVALUATED = 7  # largest number of successive solutions that are not evaluated
+# A solution is like the last evaluated one only if neither the sum of its gains' amplitudes nor its highest target is
+# larger by more than this factor, and if the middle of its samples is less than a wavelength away.
+MORE = 1.2
 
 
 class _Look(NamedTuple):
-    """Evaluated before. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of samples [m]."""
+    """What describes an evaluated solution, to compare the next ones with it.
+
+    limit: of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of the
+    samples, (3,) [m]. hands: their number.
+    """
 
     limit: float
     drive: float
@@ -95,8 +108,8 @@ class SkinLimit:
     ) -> CachedSolution:
         """Return a solution, scaled down if its pressure on skin would exceed the limit [Pa].
 
-        again: whether the samples are those of the solution before; then it is evaluated. Otherwise, if it is like the
-        last one, it may be returned unevaluated, and as not final.
+        again: whether the samples are the same as for the previous solution; then this one is always evaluated.
+        Otherwise, if it is like the last evaluated one, it may be returned unevaluated, and as not final.
         """
         if limit == math.inf or not len(made.samples):
             return made
@@ -113,9 +126,10 @@ class SkinLimit:
         self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
         *, again: bool = False,
     ) -> float | None:  # fmt: skip
-        """Return the highest radiation pressure [Pa] that gains can have there; 0 if it is clearly below `limit` [Pa].
+        """Return the highest radiation pressure on the skins [Pa] that gains can cause.
 
-        None if they are not evaluated, because they are like the last ones. again: as for `enforce`.
+        Returns 0 if it is clearly below `limit` [Pa], and None if the gains are not evaluated, because they are like
+        the last ones that were. again: as for `enforce`.
 
         parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
         """
@@ -161,7 +175,7 @@ class SkinLimit:
                 points[best], normals[best], RINGS, step * FINEST * self._wavelength
             )
             owner = np.repeat(owner[best], len(points) // len(best))
-            # where skin turns towards sound at a slant, that presses much more
+            # The skin is curved. Where it turns towards sound that arrives at a slant, the pressure is much higher.
             for k, skin in enumerate(skins):
                 own = owner == k
                 points[own], normals[own], _ = skin.closest(points[own])
@@ -186,7 +200,7 @@ class SkinLimit:
             P = np.zeros(nodes)
             shown = self._find_shown(skin, np.arange(nodes), MIN_COSINE)
             P[shown] = self._evaluate(parts, skin.points[shown])
-            # what bending uncovers has none of the first points near it
+            # Skin that a bent joint uncovers has none of the first points near it, so it is always evaluated.
             near = np.flatnonzero(
                 (limit / MAX_HIDDEN_RATIO <= P)[owners].any(axis=1) | skin.skin.hidden
             )

@@ -81,7 +81,7 @@ class GainSmoother:
         )
 
     def rest(self) -> None:
-        """Tell the limiter that the output is constant, so that louder gains of the past no longer count."""
+        """Note that the output is constant, so that louder gains of the past no longer count."""
         self._loudest[:] = 0.0
 
     def reset(self) -> None:

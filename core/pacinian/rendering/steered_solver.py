@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-# Largest shift before samples are solved for where they are, over their distance from the nearest transducer. At the
-# array's limit, solutions are less exact and take longer. While a solve is not done, no other one begins.
+# Largest shift, relative to the distance from the nearest transducer, after which samples are solved for again. It is
+# larger (LIMITED) if transducers are at their limit, because solutions are then less exact and take longer. It is
+# largest (LATE) while a solve that ran out of time goes on, because no other one begins meanwhile.
 MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
 LIMITED_FROM = 0.02  # share of the transducers at their limit from which MAX_LIMITED_SHIFT holds
-MAX_ERROR_RATIO = 1.25  # of a solution that ran out of time to that which it replaces
-PATIENCE = 2.5  # factor on the time of a solve while there is something to steer
+# Largest error of a solution that ran out of time, relative to that of the solution that it replaces.
+MAX_ERROR_RATIO = 1.25
+PATIENCE = 2.5  # factor on the time that a solve may take while there is a field to steer
 
 
 class Anchor(NamedTuple):
@@ -31,7 +33,7 @@ class Anchor(NamedTuple):
 
 
 class SteeredSolver:
-    """Solves where the samples of one object are, and steers the solution while they move as one."""
+    """Solves for the samples of one object, and steers the solution while they move as one."""
 
     def __init__(self, array: Array) -> None:
         self._tracker = MotionTracker(array)
@@ -41,8 +43,8 @@ class SteeredSolver:
         """Forget all solutions."""
         self._tracker.reset()
         self._anchor: Anchor | None = None  # of the last solve
-        # The solution that is steered. One that ran out of time and has a larger error replaces it only if that is all
-        # that there will be, or if the samples have moved too far.
+        # The solution that is steered. A worse one that ran out of time replaces it only if no further solve is due, or
+        # if the samples have moved too far.
         self._played: tuple[Solved, Anchor] | None = None
         self._late, self._max_shift = False, MAX_SHIFT  # of the last solve
         self._result: Solved | None = None  # of the last call of `solve`
@@ -51,11 +53,12 @@ class SteeredSolver:
         self, samples: Samples, t: float, solve: Callable[[Samples, float], Solved], is_due: Callable[[Solved], bool],
         move: Callable[[Floats, Floats], None],
     ) -> Solved | None:  # fmt: skip
-        """Return what to play for samples that are where they are at time t [s]; None if they are close to the array.
+        """Return what to play for samples whose positions are those at time t [s]; None if they are close to the array.
 
         solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
-        same samples may come nearer to the targets. move: steers all solutions that the next solve goes on from, from
-        one place, (3,) [m], to another one. Call `reset` if other limits or another solver are used.
+        same samples may come nearer to the targets. move: steers all solutions that the next solve starts from; its
+        arguments are the centre of their samples and where to move it, (3,) [m]. Call `reset` if other limits or
+        another solver are used.
         """
         tracker, motion, anchor = self._tracker, None, self._anchor
         tracker.track(samples, t)

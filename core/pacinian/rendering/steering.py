@@ -1,10 +1,10 @@
 """Steering: move the emitted field with samples that move as one, without another solve.
 
-Let c be the centre of the samples that were solved for. If each transducer makes at c + d what it made at c, the field
-around c moves by d. A transducer at distance r from c, and r' from c + d, makes sound pressures in proportion to
-e^(-jkr) / r and e^(-jkr') / r' there. So its gain gets the factor e^(jk(r' - r)) r' / r. At the centre, this is exact,
-except for the directivity. Elsewhere, the error grows with the shift and with the distance from the centre, relative to
-the distance from the array (decision 76).
+Let c be the centre of the samples that were solved for. If each transducer produces the same sound pressure at c + d as
+it did at c, the field around c moves by d. A transducer at distance r from c, and r' from c + d, produces sound
+pressures in proportion to e^(-jkr) / r and e^(-jkr') / r' there. So its gain gets the factor e^(jk(r' - r)) r' / r. At
+the centre, this is exact, except for the directivity. Elsewhere, the error grows with the shift and with the distance
+from the centre, relative to the distance from the array (decision 76).
 """
 
 from __future__ import annotations
@@ -22,22 +22,27 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats, Gains
 
-MAX_DISTORTION = 2e-4  # largest difference between the shifts of two samples [m]
-MIN_DISTANCE = 0.05  # from the centre of the samples to the nearest transducer [m]
-MAX_JUMP = 0.02  # longest way to the next samples that counts as a movement [m]
-MAX_STANDSTILL = 0.033  # time after which samples that stand are solved for where they are [s]
-MAX_TREMBLE = 3e-4  # from where samples stand, they move by less than this [m]
-MAX_MISPLACEMENT = 4e-4  # largest shift of samples that stand: a twentieth of a wavelength [m]
-MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05  # from place to place, to tell the velocity [s]
-MAX_LEAD = 0.03  # longest time for which a movement goes on as before [s]
-MAX_RATIO = 2.0  # largest factor on the amplitude of a gain, and 1 over the smallest
+MAX_DISTORTION = 2e-4  # samples move as one if their shifts differ by at most this [m]
+# Smallest distance from the centre of the samples to the nearest transducer at which a field is steered [m].
+MIN_DISTANCE = 0.05
+# Largest displacement from place to place that counts as a movement, not as a jump [m].
+MAX_JUMP = 0.02
+# Samples that have not moved for this time are solved for at their present place [s].
+MAX_STANDSTILL = 0.033
+MAX_TREMBLE = 3e-4  # samples that stay within this distance of a place count as at rest [m]
+# Largest shift at which samples at rest are not solved for again: a twentieth of a wavelength [m].
+MAX_MISPLACEMENT = 4e-4
+# Shortest and longest time between the two places from which a velocity is computed [s].
+MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05
+MAX_LEAD = 0.03  # longest time for which samples are assumed to keep their velocity [s]
+MAX_RATIO = 2.0  # factors on gains are limited to 1 / MAX_RATIO to MAX_RATIO in amplitude
 
 
 class Motion(NamedTuple):
     """How samples have moved since they were solved for.
 
     centre: of the samples solved for, (3,) [m]. shift: since then, (3,) [m]. velocity: (3,) [m/s]. time: at which the
-    shift is that [s].
+    samples had this shift [s].
     """
 
     centre: Floats
@@ -47,11 +52,11 @@ class Motion(NamedTuple):
 
     @property
     def misplaced(self) -> bool:
-        """Whether samples that stand are too far from where they were solved for."""
+        """Whether samples at rest are too far from where they were solved for."""
         return float(np.linalg.norm(self.shift)) > MAX_MISPLACEMENT
 
     def rests_like(self, other: Motion) -> bool:
-        """Return whether both end in the same place, where the samples stand."""
+        """Return whether both have the same centre and shift, and the samples are at rest."""
         return (
             np.array_equal(self.centre, other.centre)
             and np.array_equal(self.shift, other.shift)
@@ -167,8 +172,9 @@ class Steering:
     def follow(self, motion: Motion | None, t: float, ticks: int) -> Gains | None:
         """Follow a motion from time t [s] on; None for no motion.
 
-        ticks: over which to catch up with its place. If gains of the solution before must be multiplied, so that they
-        still make the same field, returns the factors, (N,).
+        ticks: number of ticks over which to catch up with the place of the motion. Returns the factors, (N,), by which
+        the gains of the previous solution must be multiplied so that their field stays the same; None if there is
+        nothing to multiply.
         """
         last, self._motion = self._motion, motion
         if motion is last:

@@ -13,7 +13,7 @@ from scipy.signal import welch
 
 import pacinian as pc
 from pacinian.plugins.backend import Capability
-from pacinian.rendering.quantiser import Quantiser, modulate
+from pacinian.rendering.quantiser import Quantiser
 from pacinian.scene.modulation.envelope import Envelope, Noise, Preset, Pulse, Wave, resolve
 from pacinian.scene.modulation.waves import EDGE
 
@@ -236,8 +236,7 @@ def test_the_paper_s_device_plays_an_envelope_to_within_a_level(envelope: Any) -
     N, t = 249, np.arange(2000) / 2000.0
     e = envelope.at(t)
     gains = np.exp(2j * np.pi * np.arange(N) / N).astype(np.complex64)
-    modulated = np.zeros((len(t), N), dtype=np.complex64)
-    modulate(gains, e, modulated)
+    modulated = (np.sqrt(e)[:, None] * gains).astype(np.complex64)
     device = Capability(phases=256, amplitudes=320, rate=2000.0)
     frame = Quantiser(device, len(t), N).frame(modulated, 1.0, 0, 0.0)
     played, level = np.abs(frame.gains(device)), 1.0 / 319
