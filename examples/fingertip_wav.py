@@ -39,7 +39,7 @@ with pc.Renderer(array, scene, backend=backend, adaptive=False, clock=clock) as 
         renderer.tick(clock.time)
         samples = renderer.samples
         at = samples.positions if samples is not None else at[:0]
-        p = pc.field(array, renderer.sent.gains(backend.capability)[-1], at, medium=pc.Air())
+        p = pc.field(array, renderer.last_frame.gains(backend.capability)[-1], at, medium=pc.Air())
         felt.append(pc.radiation_pressure(p, pc.Air()).sum() / max(len(at), 1))
 print(f"{len(at)} samples on the fingertip, at most {max(felt):.1f} Pa on average")
 folder.cleanup()

@@ -21,7 +21,7 @@ with pc.Renderer(array, pc.Scene((spark,)), adaptive=False, clock=clock) as rend
     for tick in range(20):  # two turns of 10 ms
         clock.time = tick * renderer.period
         renderer.tick(clock.time)
-        emitted.append(renderer.emitted)
+        emitted.append(renderer.emitted_gains)
         places.append(renderer.samples.positions if renderer.samples else np.empty((0, 3)))
 last = np.concatenate(places[-10:])
 print(f"{len(last)} places in the last turn, {np.ptp(last[:, 0]) * 1e3:.0f} mm across")

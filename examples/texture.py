@@ -29,12 +29,10 @@ with pc.Renderer(array, stroke, adaptive=False, clock=clock) as renderer:
     for tick in range(100):
         clock.time = tick * renderer.period
         renderer.tick(clock.time)
-    samples, gains = renderer.samples, renderer.emitted
+    scene, samples, gains = renderer.rendered_scene, renderer.samples, renderer.emitted_gains
 assert samples is not None
 P = samples.radiation_pressure
 print(f"{len(P)} samples, {P.min():.1f} to {P.max():.1f} Pa by the ridge that each is on")
 air = renderer.session.medium
-page = plot.scene(
-    array, renderer.shown, samples, gains, medium=air, t=clock.time, title="A textured plate"
-)
+page = plot.scene(array, scene, samples, gains, medium=air, t=clock.time, title="A textured plate")
 plot.save(page, sys.argv[1] if len(sys.argv) > 1 else "texture.png", 256)

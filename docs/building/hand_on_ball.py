@@ -174,7 +174,7 @@ class Picture:
 
     def __init__(self, renderer: pc.Renderer) -> None:
         self.renderer, self.array = renderer, renderer.session.array
-        self.hand = renderer.shown.hands[0]
+        self.hand = renderer.rendered_scene.hands[0]
         self.skin = get_skin(self.hand)
         self.placed = self.skin.place(self.hand)
         self.d = rays(FINER * SIZE[0], FINER * SIZE[1])
@@ -193,11 +193,11 @@ class Picture:
 
     def _compute_felt(self, points: Floats, facing: pc.SkinFacing | None) -> Floats:
         """Return the radiation pressure at points, (M,) [Pa]."""
-        p = self.renderer.hear(points, facing)
+        p = self.renderer.compute_pressures(points, facing)
         return np.asarray(pc.radiation_pressure(p, self.renderer.session.medium))
 
     def _array(self) -> None:
-        gains = self.renderer.emitted
+        gains = self.renderer.emitted_gains
         hue = 255.0 * colormaps[CYCLIC](np.angle(gains) / math.tau % 1.0)[:, :3]
         light = 0.25 + 0.75 * np.sqrt(np.abs(gains))
         s = -EYE[2] / np.minimum(self.d[:, 2], -1e-9)

@@ -54,7 +54,7 @@ def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
     session = renderer.session
     points = np.array(session.propagator.points)
     try:
-        page = plot.slices(session.array, renderer.emitted, points, session.medium, title)
+        page = plot.slices(session.array, renderer.emitted_gains, points, session.medium, title)
         plot.save(page, path)
     except (MissingExtra, OSError) as error:
         click.echo(f"no picture: {error}", err=True)

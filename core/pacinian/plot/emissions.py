@@ -157,6 +157,6 @@ def _of_renderer(renderer: Renderer, start: float, duration: float | None) -> Em
             renderer.tick(renderer.start + at)
             if renderer.halted is not None:
                 raise ArgumentError("run", f"stopped: {renderer.halted.message}")
-            rows.add(at, renderer.sent.gains(can), at, renderer.shown, False)
+            rows.add(at, renderer.last_frame.gains(can), at, renderer.rendered_scene, False)
             ticks += 1
     return rows.finish(session.array, session.medium, start)

@@ -32,7 +32,9 @@ class Probe:
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
         self._chance = np.random.default_rng(0)
-        self._asked: tuple[Floats | Gains, ...] = ()  # copies of the last input of `hear`
+        self._asked: tuple[
+            Floats | Gains, ...
+        ] = ()  # copies of the last input of `compute_pressures`
         self._heard: Floats = np.empty(0)
 
     def look(
@@ -47,7 +49,7 @@ class Probe:
 
         On skin, the silent samples 3 mm and more beside a region count as places beside it, because the highest
         pressure lies at few places. targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose
-        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as of `hear`.
+        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as of `compute_pressures`.
         """
         if (regions := targets.regions) is None:
             return {}
@@ -79,7 +81,7 @@ class Probe:
         t, p = targets.amplitudes[some], self._measure(samples.positions[some], None, gains)
         return float(np.linalg.norm(p - t)) / max(float(np.linalg.norm(t)), MIN_NORM)
 
-    def hear(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
+    def compute_pressures(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].
 
         gains: of the frames, (K, N). The same input again, as of a still scene, costs only the comparison.

@@ -95,9 +95,9 @@ class Pipeline:
         cycle.coarsens = not strict
         self.solver = SampleSolver(session, times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
-        self.player = Modulator(times, gap, smoothing, len(session.array))
+        self.modulator = Modulator(times, gap, smoothing, len(session.array))
         self.steering = Steering(session.array, session.medium)
-        self.player.switches = len(capability.sizes) == 2
+        self.modulator.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._adaptive = adaptive and not strict
         sampler.fine = not self._adaptive
@@ -148,7 +148,7 @@ class Pipeline:
             first, self.limits = scene(0.0), limits
             self._set_sampler(limits, self.session.solver)
             self.sampler.sample(first)
-            load_envelopes(first, self.player.times)
+            load_envelopes(first, self.modulator.times)
         except Exception:
             if self.strict:
                 raise
@@ -161,11 +161,11 @@ class Pipeline:
             return
         times, gap = compute_row_times(capability, self.period)
         self._discard_job()
-        self.played = self.played._replace(heard=None)
-        self.player.retime(times, gap)
+        self.played = self.played._replace(sample_pressures=None)
+        self.modulator.retime(times, gap)
         self.solver.times = times
         self.solver.cycle.most = split_frames(self._most, capability.rate)
-        self.player.switches = len(capability.sizes) == 2
+        self.modulator.switches = len(capability.sizes) == 2
         self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
@@ -174,7 +174,7 @@ class Pipeline:
         self._skipped.clear()
         self.sampler.reset()
         self.solver.reset()
-        self.player.reset()
+        self.modulator.reset()
         self.steering.reset()
         self.session.forget()
         self._job_recording_clock.take()
@@ -195,14 +195,14 @@ class Pipeline:
         self.background.close()
 
     @property
-    def sent(self) -> Frame | None:
+    def last_frame(self) -> Frame | None:
         """The last frame; None before the first."""
         return self._frame if self._made else None
 
     @property
     def silent(self) -> bool:
         """Whether the last frame is silent, and so are all later ones if nothing changes."""
-        return bool(self._made) and self.player.steady and not self._frame.amplitude.any()
+        return bool(self._made) and self.modulator.steady and not self._frame.amplitude.any()
 
     @property
     def still(self) -> bool:
@@ -226,14 +226,14 @@ class Pipeline:
         play, skipped = self.played.solved, self.stages.report.skipped
         made = play.samples, limits, solver
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
-        self.player.multiply(self.steering.follow(play.motion, t, spread))
-        steady = self.player.steady and self.steering.still
+        self.modulator.multiply(self.steering.follow(play.motion, t, spread))
+        steady = self.modulator.steady and self.steering.still
         self._repeated = steady and self._made == made and not self._fresh
         if self._repeated:
             skipped[NOTHING_CHANGED] += 1
             return replace(self._frame, sequence=sequence, time=due)
         self.stages.enter("drive")
-        rows = self.player.rows(play, t, spread)
+        rows = self.modulator.rows(play, t, spread)
         self.steering.steer(rows, t)
         power = limits.power is not None
         whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
@@ -364,18 +364,22 @@ class Pipeline:
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solved = self.solver.solve(samples, t, limits, solver, deadline, near, at)
-            fresh, heard = tuple(self.solver.fresh), None
+            fresh, pressures = tuple(self.solver.fresh), None
             if beside:  # a steered field makes at its samples what it made where it was solved for
                 same = solved.rows == last.solved.rows and solved.limits is last.solved.limits
-                heard = last.heard if same else self._hear(solved, limits)
+                pressures = (
+                    last.sample_pressures
+                    if same
+                    else self._compute_sample_pressures(solved, limits)
+                )
             seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return SolveResult(scene, counts, solved, solver, fresh, heard, at, seconds)
+            return SolveResult(scene, counts, solved, solver, fresh, pressures, at, seconds)
 
         return run
 
-    def _hear(self, solved: Solved, limits: Limits) -> Floats | None:
+    def _compute_sample_pressures(self, solved: Solved, limits: Limits) -> Floats | None:
         """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
         solved = replace(solved, motion=None)
         samples = solved.played_samples
@@ -433,7 +437,7 @@ class Pipeline:
             self._before,
             self.played,
             between=self.schedule.beside,
-            held_back=self.player.held_back,
+            held_back=self.modulator.held_back,
         )
 
     def same(self, frame: Frame) -> bool:
@@ -492,16 +496,16 @@ class Pipeline:
         """
         if self._taken is None or not self._measuring.begin(self._taken.solved):
             return None
-        play, heard = self._taken.solved, self._taken.heard
+        play, pressures = self._taken.solved, self._taken.sample_pressures
         samples, targets = play.played_samples, play.targets
         assert samples is not None
         assert targets is not None
 
         def measure() -> Measurement:
             facing, gains = play.facing, self._quantise_frames(play, limits)
-            probe, p = self._job_probe, heard
+            probe, p = self._job_probe, pressures
             if p is None:
-                p = probe.hear(samples.positions, facing, gains)
+                p = probe.compute_pressures(samples.positions, facing, gains)
             error = targets.relative_error(p)
             if play.motion is not None and play.motion.shift.any():
                 error = probe.estimate_error(samples, targets, gains)
@@ -510,7 +514,7 @@ class Pipeline:
         return measure
 
     @property
-    def sounding(self) -> Gains:
+    def cycle_gains(self) -> Gains:
         """Gains of the frames of the cycle, as rounded by the device, (K, N)."""
         return self._quantise_frames(self.played.solved, self.limits)
 

@@ -201,9 +201,9 @@ class Renderer(Closeable):
         return self._outcome is not None and self._pipeline.still
 
     @property
-    def player(self) -> Modulator:
+    def modulator(self) -> Modulator:
         """The modulator, which turns samples into rows of gains."""
-        return self._pipeline.player
+        return self._pipeline.modulator
 
     @property
     def budget_controller(self) -> SampleBudgetController | None:
@@ -386,14 +386,14 @@ class Renderer(Closeable):
         return self._pipeline.sample_counts.objects
 
     @property
-    def sent(self) -> Frame:
+    def last_frame(self) -> Frame:
         """The last frame; its arrays are reused. Raises BackendError before the first."""
-        if (sent := self._pipeline.sent) is None:
+        if (frame := self._pipeline.last_frame) is None:
             raise BackendError("nothing has been sent yet")
-        return sent
+        return frame
 
     @property
-    def shown(self) -> Scene:
+    def rendered_scene(self) -> Scene:
         """Scene of the last frame; older than the newest while solves run beside the ticks. Empty before the first."""
         return self._pipeline.played.scene
 
@@ -403,7 +403,7 @@ class Renderer(Closeable):
         return self._pipeline.lag
 
     @property
-    def emitted(self) -> Gains:
+    def emitted_gains(self) -> Gains:
         """The last gains at full envelope as rounded by the device, (N,), even if it is silent now."""
         solution = self.solution
         gains = (
@@ -412,27 +412,27 @@ class Renderer(Closeable):
         return self._pipeline.quantise_gains(gains).copy()
 
     @property
-    def sounding(self) -> Gains:
-        """Like `emitted`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
-        return self._pipeline.sounding
+    def cycle_gains(self) -> Gains:
+        """Like `emitted_gains`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
+        return self._pipeline.cycle_gains
 
     @property
-    def heard(self) -> Floats:
-        """Like `hear` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks.
+    def sample_pressures(self) -> Floats:
+        """Like `compute_pressures` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks.
 
         If the field is steered, this is of the samples where they were solved for.
         """
         outcome, samples = self._pipeline.played, self.samples
-        if outcome.heard is not None or samples is None:
-            return np.empty(0) if outcome.heard is None else outcome.heard
-        return self.hear(samples.positions, outcome.solved.facing)
+        if outcome.sample_pressures is not None or samples is None:
+            return np.empty(0) if outcome.sample_pressures is None else outcome.sample_pressures
+        return self.compute_pressures(samples.positions, outcome.solved.facing)
 
-    def hear(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
-        """Return the root mean square, over the frames of `sounding`, of the pressure amplitude at points: (M,) [Pa].
+    def compute_pressures(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
+        """Return the root mean square of the pressure amplitude at points over the frames of `cycle_gains`: (M,) [Pa].
 
         points: (M, 3) [m].
         """
-        return self._pipeline.probe.hear(points, facing, self.sounding)
+        return self._pipeline.probe.compute_pressures(points, facing, self.cycle_gains)
 
     def reset(self) -> None:
         """Clear a fault and all state, so that the next tick starts from silence."""
@@ -448,7 +448,9 @@ class Renderer(Closeable):
 
     def _step(self, due: float) -> None:
         pipeline, stages = self._pipeline, self._stages
-        if pipeline.sent is not None and not self._emitter.loud:  # the end of a run silenced it
+        if (
+            pipeline.last_frame is not None and not self._emitter.loud
+        ):  # the end of a run silenced it
             self.reset()
         begin = self.recording_clock.now()
         stages.begin("scene", self.report, begin)

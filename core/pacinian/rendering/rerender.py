@@ -106,7 +106,7 @@ def rerender(recording: Recording, array: Array | None = None) -> Rerendering:
     ticks = different = 0
     objects: dict[str, str] = {}
     for tick, renderer in iterate_rerendered(recording, array):
-        different += not are_equal(tick.frame, renderer.sent)
+        different += not are_equal(tick.frame, renderer.last_frame)
         if renderer.sample_counts != tick.objects:
             for label, what in _compare_objects(tick, renderer.sample_counts):
                 objects.setdefault(label, what)

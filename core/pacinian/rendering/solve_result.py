@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 class SolveResult(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    solver: that solved. fresh: the solutions that are new. heard: sound pressure amplitude at the played samples, as
-    emitted where they were solved for, (M,) [Pa]; None if it is not known. time: that this was made for [s]. seconds:
-    that it took beside the ticks [s]; NaN in a tick.
+    solver: that solved. fresh: the solutions that are new. sample_pressures: sound pressure amplitude at the played
+    samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known. time: that this was made for
+    [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
     """
 
     scene: Scene
@@ -29,7 +29,7 @@ class SolveResult(NamedTuple):
     solved: Solved
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
-    heard: Floats | None = None
+    sample_pressures: Floats | None = None
     time: float = 0.0
     seconds: float = math.nan
 

@@ -34,7 +34,7 @@ class TickStats:
         if tick.clock:
             self.late += tick.clock[-1] > tick.frame.time + self._period
             self._took.append(tick.clock[-1] - tick.clock[0])
-        self.different += renderer is not None and not are_equal(tick.frame, renderer.sent)
+        self.different += renderer is not None and not are_equal(tick.frame, renderer.last_frame)
 
     @property
     def tick_ms(self) -> tuple[float, float, float]:

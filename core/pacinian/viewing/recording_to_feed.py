@@ -132,7 +132,7 @@ def _frame(recording: Recording, tick: Tick, number: int, renderer: Renderer | N
     row = number % len(frame.phase)
     phase, amplitude = frame.phase[row], frame.amplitude[row]
     loud = bool(amplitude.any())
-    part, parts = (0, 0) if renderer is None else renderer.player.place_in_cycle
+    part, parts = (0, 0) if renderer is None else renderer.modulator.place_in_cycle
     return FrameState(
         sequence=frame.sequence,
         time=frame.time,

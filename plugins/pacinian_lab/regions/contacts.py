@@ -119,7 +119,7 @@ def _render_frames(array: Array, scene: Scene) -> tuple[Gains, int, float]:
             renderer.tick(k * PERIOD)
         assert renderer.samples is not None
         assert renderer.solution is not None
-        return renderer.sounding, len(renderer.samples), renderer.solution.saturation
+        return renderer.cycle_gains, len(renderer.samples), renderer.solution.saturation
 
 
 def _make_foci(array: Array, scene: Scene, spacing: float) -> tuple[Gains, int, float]:

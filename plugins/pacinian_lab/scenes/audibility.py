@@ -103,7 +103,7 @@ def _heard(
         for k in range(TICKS):
             renderer.tick(k * renderer.period)
             if k >= WARM:
-                frames.append(renderer.sent.gains(device.capability))
+                frames.append(renderer.last_frame.gains(device.capability))
     e, rate = compute_envelope(
         np.concatenate(frames),
         1000.0 * ROWS,

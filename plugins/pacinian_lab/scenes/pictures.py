@@ -44,9 +44,9 @@ def picture(array: Array, name: str) -> Figure:
             renderer.tick(t)
             for fault in renderer.report.faults:
                 raise fault.cause
-            emitted.append(renderer.emitted)
+            emitted.append(renderer.emitted_gains)
             felt.append(renderer.samples or felt[-1])
-            sounding.append(renderer.sounding)
+            sounding.append(renderer.cycle_gains)
     scene = at(t)
     if all(item.technique.still for item in scene.objects):
         samples, gains = felt[-1], sounding[-1]

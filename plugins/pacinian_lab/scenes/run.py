@@ -144,7 +144,7 @@ class Run:
         samples, targets = self.renderer.samples, self.renderer.targets
         if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
             return
-        sounding, lag = self.renderer.sounding, self.renderer.lag
+        sounding, lag = self.renderer.cycle_gains, self.renderer.lag
         self.looks.append(Look(*self._now, samples, targets, sounding, lag))
 
     @property

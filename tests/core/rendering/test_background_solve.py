@@ -65,14 +65,16 @@ def test_frames_go_on_while_a_solve_takes_its_time_and_follow_it_when_it_is_done
         scene[0] = at(0.02)
         for k in range(10, 25):
             renderer.tick(k * TICK)
-            assert press(renderer.sent, device, points)[-1] == pytest.approx([5.0, 0.0], abs=0.3)
+            assert press(renderer.last_frame, device, points)[-1] == pytest.approx(
+                [5.0, 0.0], abs=0.3
+            )
         assert background.started == 1
-        assert renderer.shown.objects[0].pose.position[0] == -0.01
+        assert renderer.rendered_scene.objects[0].pose.position[0] == -0.01
         background.ready = True
         for k in range(25, 45):
             renderer.tick(k * TICK)
-        assert press(renderer.sent, device, points)[-1] == pytest.approx([0.0, 5.0], abs=0.3)
-        assert renderer.shown is scene[0]
+        assert press(renderer.last_frame, device, points)[-1] == pytest.approx([0.0, 5.0], abs=0.3)
+        assert renderer.rendered_scene is scene[0]
         report = renderer.report
         assert report.frames_sent == report.ticks == 45
         assert report.skipped["solve, still under way"] == 14
@@ -102,7 +104,7 @@ def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
             renderer.tick(k * TICK)
             x = np.linspace(0.2 * (k - 12) * TICK, 0.2 * k * TICK, 25)
             points = np.column_stack([x, np.zeros(25), np.full(25, 0.15)])
-            assert k < 20 or press(renderer.sent, device, points).max(axis=1).min() > 4.5
+            assert k < 20 or press(renderer.last_frame, device, points).max(axis=1).min() > 4.5
 
 
 def test_what_moves_is_solved_for_where_it_will_be_when_frames_arrive_there() -> None:
@@ -117,7 +119,7 @@ def test_what_moves_is_solved_for_where_it_will_be_when_frames_arrive_there() ->
             background.ready = k % 4 == 0
             renderer.tick(k * TICK)
             x = -0.02 + 0.3 * (k * TICK + TICK / 2)  # in the last row
-            P = press(renderer.sent, device, [[x, 0.0, 0.15]])[-1, 0]
+            P = press(renderer.last_frame, device, [[x, 0.0, 0.15]])[-1, 0]
             assert k < 26 or pytest.approx(5.0, rel=0.1) == P
 
 
@@ -133,7 +135,9 @@ def test_a_still_scene_ends_as_it_does_in_ticks() -> None:
             for k in range(1, 60):
                 renderer.tick(k * TICK)
             assert renderer.samples is not None
-            heard.append(renderer.hear(renderer.samples.positions, renderer.played.facing))
+            heard.append(
+                renderer.compute_pressures(renderer.samples.positions, renderer.played.facing)
+            )
     np.testing.assert_allclose(heard[1], heard[0], atol=0.02 * heard[0].max())
 
 
@@ -193,7 +197,7 @@ def test_new_limits_hold_from_the_first_row_on() -> None:
         renderer.limits = pc.Limits(power=1e-4)
         for k in range(9, 12):
             renderer.tick(k * TICK)
-            g = renderer.sent.gains(device.capability)
+            g = renderer.last_frame.gains(device.capability)
             assert (np.abs(g) ** 2).sum(axis=1).max() <= 1e-4 * 1.001
         renderer.session.solver = "gs-pat"
         renderer.tick(12 * TICK)
@@ -228,7 +232,7 @@ def test_an_envelope_is_followed_while_the_solve_is_under_way() -> None:
         for k in range(8, 26):
             renderer.tick(k * TICK)
             t = k * TICK + np.arange(2) * TICK / 2
-            P = press(renderer.sent, device, [[0.0, 0.0, 0.15]])[:, 0]
+            P = press(renderer.last_frame, device, [[0.0, 0.0, 0.15]])[:, 0]
             np.testing.assert_allclose(P, 5.0 * wave.factor(t), atol=0.15)
 
 
@@ -243,7 +247,7 @@ def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
         for k in range(1, 300):
             clock.wait_until(k * TICK)
             renderer.tick(k * TICK)
-            x = renderer.shown.objects[0].pose.position[0]
+            x = renderer.rendered_scene.objects[0].pose.position[0]
             assert k * TICK - x <= 3.0 * MAX_AGE + 3 * TICK  # a measurement may run in between
         assert renderer.report.solves >= 3
 
@@ -287,7 +291,7 @@ AT_ITS_LIMIT = pc.Scene(
 
 def test_only_one_measurement_is_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two would use one propagator. Solves that move on in the ticks do not wait for it."""
-    measure, release, threads = Probe.hear, threading.Event(), list[threading.Thread]()
+    measure, release, threads = Probe.compute_pressures, threading.Event(), list[threading.Thread]()
 
     def hear(self: Probe, *about: Any) -> Any:
         threads.append(threading.current_thread())
@@ -295,7 +299,7 @@ def test_only_one_measurement_is_under_way(monkeypatch: pytest.MonkeyPatch) -> N
             release.wait(120.0)
         return measure(self, *about)
 
-    monkeypatch.setattr(Probe, "hear", hear)
+    monkeypatch.setattr(Probe, "compute_pressures", hear)
     renderer, _ = make(lambda t: at(0.02 * t))
     with renderer:
         for k in range(4 * TICKS_PER_LOOK):
@@ -316,31 +320,33 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
         for k in range(20):
             renderer.tick(k * TICK)
             if renderer.samples is not None and len(renderer.samples):
-                heard = renderer.hear(renderer.samples.positions, renderer.played.facing)
-                np.testing.assert_allclose(
-                    renderer.heard, heard, rtol=1e-3, atol=1e-3 * heard.max()
+                heard = renderer.compute_pressures(
+                    renderer.samples.positions, renderer.played.facing
                 )
-        assert len(renderer.heard)
+                np.testing.assert_allclose(
+                    renderer.sample_pressures, heard, rtol=1e-3, atol=1e-3 * heard.max()
+                )
+        assert len(renderer.sample_pressures)
         outcome = renderer._pipeline.played
         assert outcome.solved.cycle or name not in ("palm", "two frames")
-        assert (outcome.heard is None) is (name == "palm")  # its frames are bands
+        assert (outcome.sample_pressures is None) is (name == "palm")  # its frames are bands
         finer = Simulated(rate=1000.0)
         finer.open(ARRAY)
         renderer.use(finer).close()
-        heard = renderer.hear(renderer.samples.positions, renderer.played.facing)  # type: ignore[union-attr]
-        np.testing.assert_allclose(renderer.heard, heard)
+        heard = renderer.compute_pressures(renderer.samples.positions, renderer.played.facing)  # type: ignore[union-attr]
+        np.testing.assert_allclose(renderer.sample_pressures, heard)
 
 
 def test_what_is_heard_of_a_still_scene_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor does a still scene begin many solves."""
     counted = Counter[str]()
-    hear = Pipeline._hear
+    hear = Pipeline._compute_sample_pressures
 
     def count(self: Pipeline, *arguments: Any) -> Any:
         counted["heard"] += 1
         return hear(self, *arguments)
 
-    monkeypatch.setattr(Pipeline, "_hear", count)
+    monkeypatch.setattr(Pipeline, "_compute_sample_pressures", count)
     with pc.Renderer(ARRAY, SCENES["static-focus"](0.0), clock=ManualClock()) as renderer:
         background = solve_beside(renderer)
         renderer._pipeline.schedule = BackgroundSchedule(TICK, beside=True)
@@ -348,7 +354,7 @@ def test_what_is_heard_of_a_still_scene_is_computed_once(monkeypatch: pytest.Mon
             renderer.tick(k * TICK)
         assert counted["heard"] <= 1 + renderer.report.solves
         assert background.started < 2 * 1000 * TICK / REST_INTERVAL
-        assert len(renderer.heard) == 1
+        assert len(renderer.sample_pressures) == 1
 
 
 @pytest.mark.parametrize("since", range(0, 12, 3))
@@ -368,7 +374,7 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
             renderer.tick(k * TICK)
             if k > 100 and k == begun + since:
                 break
-        assert renderer.sent.amplitude.any()
+        assert renderer.last_frame.amplitude.any()
         scene[0] = pc.Scene()
         last = k
         for k in range(last + 1, last + 21):
@@ -376,7 +382,7 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
                 begun, count = k, background.started
             background.ready = k >= begun + 4
             renderer.tick(k * TICK)
-        assert not renderer.sent.amplitude.any()
+        assert not renderer.last_frame.amplitude.any()
 
 
 def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> None:
@@ -409,11 +415,11 @@ def test_solves_run_after_a_reset_where_they_ran_before() -> None:
         background.ready = False
         for k in range(2, 20):
             renderer.tick(k * TICK)
-            assert not renderer.sent.amplitude.any()  # there is no solution yet
+            assert not renderer.last_frame.amplitude.any()  # there is no solution yet
         background.ready = True
         for k in range(20, 40):
             renderer.tick(k * TICK)
-        assert press(renderer.sent, device, [[39e-3, 0.0, 0.15]])[-1, 0] == pytest.approx(
+        assert press(renderer.last_frame, device, [[39e-3, 0.0, 0.15]])[-1, 0] == pytest.approx(
             5.0, abs=0.3
         )
         assert not renderer.report.faults

@@ -53,7 +53,7 @@ def sent(renderer: pc.Renderer, ticks: int, last: int) -> np.ndarray[Any, Any]:
             renderer.tick(k * PERIOD)
             clock.time = (k + 1) * PERIOD
             if k >= ticks - last:
-                rows.append(renderer.sent.gains(renderer.backend.capability).copy())
+                rows.append(renderer.last_frame.gains(renderer.backend.capability).copy())
     return np.concatenate(rows)
 
 
@@ -91,7 +91,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     if most == 1:
         assert (mean < 0.5).mean() > 0.1
         return
-    assert len(renderer.sounding) == 2
+    assert len(renderer.cycle_gains) == 2
     assert (P < 0.25).any(axis=0).mean() > 0.5  # most points are pressed by only one band
     assert mean.mean() == pytest.approx(1.0, abs=0.03)
     assert off(mean, 1.0) < 0.15
@@ -112,7 +112,7 @@ def test_a_whole_ball_in_free_air_is_even_in_one_frame() -> None:
     away = np.random.default_rng(4).normal(size=(800, 3))
     places = 0.03 * away / np.linalg.norm(away, axis=1, keepdims=True) + np.array([0.0, 0.0, 0.175])
     mean = press(NINE, gains, places).mean(axis=0)
-    assert len(renderer.sounding) == 1
+    assert len(renderer.cycle_gains) == 1
     assert mean.mean() == pytest.approx(1.0, abs=0.02)
     assert off(mean, 1.0) < 0.07
     assert mean.max() < 1.5
@@ -153,7 +153,7 @@ def test_bands_are_not_corrected_one_by_one(side: float, pressure: float, error:
     scene = with_another(surface(NINE, pc.Rectangle(side, side), pressure))
     renderer = pc.Renderer(NINE, scene, clock=ManualClock(), adaptive=False)
     mean = press(NINE, sent(renderer, 40, 4), square(side)).mean(axis=0)
-    assert len(renderer.sounding) == 2
+    assert len(renderer.cycle_gains) == 2
     assert off(mean, pressure) < error
     assert mean.max() < 1.6 * pressure
 
@@ -193,8 +193,8 @@ def test_on_skin_one_wave_is_better_than_two() -> None:
                 renderer.tick(k * PERIOD)
             assert renderer.solution is not None
             assert renderer.solution.saturation > 0.02
-            assert len(renderer.sounding) == 1
-        spill[most] = renderer.sounding
+            assert len(renderer.cycle_gains) == 1
+        spill[most] = renderer.cycle_gains
     assert np.array_equal(spill[1], spill[4])
 
 
@@ -219,7 +219,7 @@ def test_two_frames_are_nearer_than_one_where_transducers_are_at_their_limit(
         scene = pc.Scene((surface(array, pc.Rectangle(side, side), pressure),))
         renderer = pc.Renderer(array, scene, clock=ManualClock(), max_cycle_frames=most)
         errors[most] = off(press(array, sent(renderer, 40, 4), places).mean(axis=0), pressure)
-        assert len(renderer.sounding) == most
+        assert len(renderer.cycle_gains) == most
     assert errors[2] < 0.98 * errors[1]
 
 
@@ -232,7 +232,7 @@ def test_a_scene_that_stands_still_from_the_first_solve_on_gets_its_two_frames()
     with renderer:
         for k in range(10):
             renderer.tick(k * PERIOD)
-        assert len(renderer.sounding) == 2
+        assert len(renderer.cycle_gains) == 2
 
 
 def test_what_is_weak_or_has_no_region_or_other_limits_stays_in_one_frame() -> None:
@@ -273,11 +273,11 @@ def test_a_new_strength_a_reset_and_another_device_begin_anew() -> None:
             renderer.tick(k * PERIOD)
         assert renderer.sample_solver.cycle.count == 1
         renderer.reset()
-        assert len(renderer.sounding) == 0
+        assert len(renderer.cycle_gains) == 0
         scene[0] = pc.Scene()
         for k in range(60, 80):
             renderer.tick(k * PERIOD)
-        assert not renderer.sent.amplitude.any()
+        assert not renderer.last_frame.amplitude.any()
     assert not renderer.report.faults
 
 
@@ -288,7 +288,7 @@ def test_a_palm_on_a_large_plate_is_pressed_in_every_frame() -> None:
     with renderer:
         for k in range(40):
             renderer.tick(k * PERIOD)
-            assert k < 5 or renderer.sent.amplitude.any()
+            assert k < 5 or renderer.last_frame.amplitude.any()
     assert not renderer.report.faults
     assert renderer.sample_solver.cycle.count > 1
     assert all(len(solved.samples) <= renderer.sampler.budget for solved in renderer.played.rows)
@@ -443,7 +443,7 @@ def test_lateral_modulation_moves_a_region_whole() -> None:
             x = float(samples.positions[:, 0].mean() - NINE.centre[0])
             seen.add(round(x, 4))
             moved = places + np.array([x, 0.0, 0.0])
-            P = press(NINE, renderer.sent.gains(renderer.backend.capability), moved)
+            P = press(NINE, renderer.last_frame.gains(renderer.backend.capability), moved)
             assert off(P, 4.0) < 0.03
     assert max(seen) > 0.003
     assert min(seen) < -0.003
@@ -473,8 +473,8 @@ def test_each_row_of_a_cycle_says_which_frame_it_is() -> None:
         for k in range(90):
             renderer.tick(k * PERIOD)
             clock.time = (k + 1) * PERIOD
-            part, parts = renderer.player.place_in_cycle
-            rows = renderer.sent.gains(renderer.backend.capability)
+            part, parts = renderer.modulator.place_in_cycle
+            rows = renderer.last_frame.gains(renderer.backend.capability)
             if k < 80:
                 continue
             assert parts > 1
@@ -535,7 +535,7 @@ def test_a_region_that_comes_and_goes_does_not_step_though_its_frames_alternate(
             background.ready = k % 8 == 0
             renderer.tick()
             clock.advance(PERIOD)
-            counts.add(len(renderer.sounding))
+            counts.add(len(renderer.cycle_gains))
     assert max(counts) == most
     frames = list(device.frames)[:240]  # without the end
     gains = np.concatenate([f.gains(device.capability) for f in frames])

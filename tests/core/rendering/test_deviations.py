@@ -78,7 +78,7 @@ def play(
             if load:
                 device.delay(load * TICK)
             renderer.tick(7.0 + k * TICK)
-            found = Counter({item.name: 0 for item in renderer.shown.objects})
+            found = Counter({item.name: 0 for item in renderer.rendered_scene.objects})
             if (samples := renderer.samples) is not None:
                 found.update(samples.items[i].name for i in samples.objects.tolist())
             solved.append(found)
@@ -217,7 +217,7 @@ def test_what_the_array_cannot_make_is_named(pressure: float, frames: int) -> No
         P = pc.radiation_pressure(np.sqrt((np.abs(made) ** 2).mean(axis=0)), air)
         return P / samples.radiation_pressure
 
-    share = compute_shares(list(renderer.sounding))
+    share = compute_shares(list(renderer.cycle_gains))
     before_rounding = compute_shares([one.gains for one in renderer.played.rows])
     weak = (share < 0.9) & (samples.regions != BESIDE)
     told = at(renderer.report, 39)
@@ -248,7 +248,7 @@ def test_frames_that_may_not_be_as_strong_as_they_would_have_to_be_are_named() -
     assert samples is not None
     made = [
         pc.field(renderer.session.array, g, samples.positions, air, "double")
-        for g in renderer.sounding
+        for g in renderer.cycle_gains
     ]
     assert len(made) == 3
     P = pc.radiation_pressure(np.sqrt((np.abs(made) ** 2).mean(axis=0)), air)

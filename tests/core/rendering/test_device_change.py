@@ -84,11 +84,11 @@ def test_what_stands_still_is_not_solved_again() -> None:
         for k in range(10):
             renderer.tick(k * 0.001)
         solves = renderer.report.solves
-        before = renderer.emitted
+        before = renderer.emitted_gains
         renderer.use(device)
         renderer.tick(0.010)
         assert renderer.report.solves == solves
-        np.testing.assert_allclose(device.gains, renderer.emitted, atol=1e-6)
+        np.testing.assert_allclose(device.gains, renderer.emitted_gains, atol=1e-6)
         np.testing.assert_allclose(device.gains, before, atol=0.15)
         assert device.frames[0].phase.max() < 32
 
@@ -128,20 +128,20 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
 
     renderer = pc.Renderer(ARRAY, scene, backend=Simulated(), clock=ManualClock())
     with renderer:
-        assert not renderer.shown.objects
+        assert not renderer.rendered_scene.objects
         scenes.clear()
         for k in range(6):  # one of these ticks measures
             renderer.tick(k * 0.001)
-            assert renderer.shown is scenes[-1]
+            assert renderer.rendered_scene is scenes[-1]
         background = solve_beside(renderer)
         for k in range(6, 14):  # a solve begins in the ticks 6, 8, 10, 12
             background.ready = k % 2 == 0
             renderer.tick(k * 0.001)
-            assert renderer.shown is scenes[5 if k < 8 else (k - 8) // 2 * 2 + 6]
+            assert renderer.rendered_scene is scenes[5 if k < 8 else (k - 8) // 2 * 2 + 6]
         renderer.schedule.beside = False
         for k in range(14, 17):
             renderer.tick(k * 0.001)
-            assert renderer.shown is scenes[-1]
+            assert renderer.rendered_scene is scenes[-1]
 
 
 def test_a_loop_that_lags_far_gives_up_catching_up() -> None:

@@ -93,7 +93,7 @@ def test_pressure_on_skin_beside_a_contact_is_not_overlooked(name: str) -> None:
         for k in range(70):
             renderer.tick(k * 1e-3)
         told = renderer.report.compute_felt()["object"].spill
-        true = measure_felt(nine, AIR, scene, 0.07, renderer.sounding)
+        true = measure_felt(nine, AIR, scene, 0.07, renderer.cycle_gains)
     assert true is not None
     assert true.spill > 0.5
     assert told > 0.4 * true.spill
@@ -150,5 +150,5 @@ def test_what_is_heard_is_that_of_a_new_probe_whatever_changed_since_the_last_ca
         for change in (turn, move, dim, lambda: None):
             change()
             facing = pc.SkinFacing(normals.copy()) if faced else None
-            expected = Probe(session).hear(points, facing, gains)
-            np.testing.assert_array_equal(probe.hear(points, facing, gains), expected)
+            expected = Probe(session).compute_pressures(points, facing, gains)
+            np.testing.assert_array_equal(probe.compute_pressures(points, facing, gains), expected)

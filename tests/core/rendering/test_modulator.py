@@ -46,7 +46,7 @@ class Loop:
         self.skipped: Counter[str] = Counter()
         self.session = pc.Session(ARRAY)
         self.solver = SampleSolver(self.session, self.times, Cycle(self.session), self.skipped)
-        self.player = Modulator(self.times, self.gap, Smoothing(rate=rate), len(ARRAY))
+        self.modulator = Modulator(self.times, self.gap, Smoothing(rate=rate), len(ARRAY))
 
     def tick(self, limits: pc.Limits = FULL) -> Any:
         """Return the rows of gains of the next tick, (K, N)."""
@@ -54,7 +54,7 @@ class Loop:
         samples = self.sampler.sample(self.scene(t), t)
         self.played = self.solver.solve(samples, t, limits, self.session.solver, 60.0)
         self.ticks += 1
-        return self.player.rows(self.played, t).copy()
+        return self.modulator.rows(self.played, t).copy()
 
     def run(self, ticks: int, limits: pc.Limits = FULL) -> tuple[Any, Any]:
         """Return times of rows (R,) [s] and their gains (R, N)."""
@@ -273,7 +273,7 @@ def test_limits_that_join_all_gains_still_follow_the_mean_of_each_envelope() -> 
     means = wave.at(t).reshape(25, 4).mean(axis=1)
     expected = np.column_stack([4.0 * means, np.full(25, 4.0)])
     np.testing.assert_allclose(pressures(rows[::4], [LEFT, RIGHT]), expected, atol=0.12)
-    assert not loop.player.steady
+    assert not loop.modulator.steady
 
 
 def test_limits_that_join_all_gains_need_no_solve_where_nothing_changes() -> None:
@@ -284,7 +284,7 @@ def test_limits_that_join_all_gains_need_no_solve_where_nothing_changes() -> Non
     assert len(loop.solver.fresh) == 1
     loop.run(3, limits)
     assert not loop.solver.fresh
-    assert loop.player.steady
+    assert loop.modulator.steady
 
 
 def silent(t: float) -> pc.Scene:
@@ -361,7 +361,7 @@ def test_what_goes_while_its_envelope_changes_falls_steadily() -> None:
     assert (np.diff(P) <= 1e-3).all(), "no gain swells, or turns, on the way to silence"
     assert P[0] > 0.0
     assert P[-1] == 0.0
-    assert loop.player.steady
+    assert loop.modulator.steady
 
 
 @pytest.mark.parametrize("level", [0.02, 0.1])
@@ -379,7 +379,7 @@ def test_a_cycle_that_goes_keeps_its_envelope(level: float) -> None:
     _, rows = loop.run(20)
     P = [pressures(some, [(x, y, 0.2), (x + 0.005, y, 0.2)]).max() for some in (before, rows)]
     assert P[1] <= P[0] + 1e-3
-    assert loop.player.steady
+    assert loop.modulator.steady
 
 
 def test_what_stays_keeps_its_pressure_when_limits_no_longer_join_it_to_others() -> None:
@@ -399,7 +399,7 @@ def test_envelopes_that_change_in_every_tick_cost_no_more_and_more() -> None:
         now = pc.Scene((point(LEFT, 40.0, envelope=pc.Constant(0.5 + 0.01 * k)),))
         loop.scene = lambda t, now=now: now
         loop.tick()
-    assert len(loop.player._fade._past) <= MAX_PAST
+    assert len(loop.modulator._fade._past) <= MAX_PAST
 
 
 def test_what_is_silenced_by_its_envelope_stays_silent_while_it_goes() -> None:
@@ -409,7 +409,7 @@ def test_what_is_silenced_by_its_envelope_stays_silent_while_it_goes() -> None:
         loop.scene = lambda t, scene=scene: scene
         _, rows = loop.run(20)
         assert pressures(rows, [LEFT]).max() < 0.5
-        assert loop.player.steady
+        assert loop.modulator.steady
 
 
 def test_groups_of_different_strengths_come_up_from_silence() -> None:
@@ -427,8 +427,8 @@ def test_rows_are_steady_only_once_all_of_them_are_the_same() -> None:
     for _ in range(12):
         rows = loop.tick()
         same = bool((rows == rows[0]).all())
-        assert same or not loop.player.steady
-        seen.append(loop.player.steady)
+        assert same or not loop.modulator.steady
+        seen.append(loop.modulator.steady)
     assert seen[-1]
     assert not seen[0]
 
@@ -453,7 +453,7 @@ def test_what_never_changes_becomes_steady(
 ) -> None:
     loop = Loop(scene, rows)
     loop.run(4, limits)
-    assert loop.player.steady is steady
+    assert loop.modulator.steady is steady
 
 
 def test_a_change_of_samples_limits_or_solver_is_solved_anew_and_nothing_else() -> None:
@@ -470,7 +470,7 @@ def test_a_change_of_samples_limits_or_solver_is_solved_anew_and_nothing_else() 
     loop.tick(limits)
     assert len(loop.solver.fresh) == 1
     loop.tick(limits)
-    assert not loop.player.steady or len(loop.solver.fresh) == 0
+    assert not loop.modulator.steady or len(loop.solver.fresh) == 0
 
 
 def test_what_cannot_be_reached_is_left_out_and_counted() -> None:

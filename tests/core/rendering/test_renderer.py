@@ -107,7 +107,7 @@ def test_what_is_emitted_makes_the_pressure_that_was_asked() -> None:
         assert P[0] == pytest.approx(5.0, rel=0.02)
         assert renderer.report.error < 0.01
         # the report evaluates the levels that the simulated array holds
-        np.testing.assert_allclose(device.gains, renderer.emitted, atol=1e-6)
+        np.testing.assert_allclose(device.gains, renderer.emitted_gains, atol=1e-6)
     assert device.silent
 
 
@@ -368,9 +368,9 @@ def test_a_look_at_what_is_emitted_leaves_the_frame_alone() -> None:
     renderer, device, _ = make(pc.Scene((faint,)))
     with renderer:
         renderer.tick()
-        sent = renderer.sent.amplitude.copy()
-        assert np.abs(renderer.emitted).max() > 5 * np.abs(device.gains).max()
-        np.testing.assert_array_equal(renderer.sent.amplitude, sent)
+        sent = renderer.last_frame.amplitude.copy()
+        assert np.abs(renderer.emitted_gains).max() > 5 * np.abs(device.gains).max()
+        np.testing.assert_array_equal(renderer.last_frame.amplitude, sent)
 
 
 @pytest.mark.parametrize(
@@ -828,7 +828,7 @@ def test_what_there_was_no_time_for_is_solved_on_as_long_as_that_helps(
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.98 * errors[0]
     assert solves[-1] == solves[-20] < 20
-    assert renderer.player.steady
+    assert renderer.modulator.steady
 
 
 class Halves(pc.Solver):
@@ -861,7 +861,7 @@ def test_ticks_without_time_to_solve_do_not_end_it_for_those_that_have(busy: ran
             errors.append(renderer.solution.error)
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 1e-3
-    assert renderer.player.steady
+    assert renderer.modulator.steady
     assert renderer.report.solves < 40
 
 

@@ -265,7 +265,7 @@ def test_a_second_hand_without_velocities_is_limited_where_it_was_seen(speed: fl
             renderer.tick(t)
             if k % 4 == 3:
                 hands = scene(t).hands
-                row = renderer.sent.gains(renderer.backend.capability)[-1]
+                row = renderer.last_frame.gains(renderer.backend.capability)[-1]
                 for hand, other in (hands, hands[::-1]):
                     reached = max(reached, highest(row, hand, k, others=(other,)))
     assert reached <= 10.0 * (1.0 + TOLERANCE)
@@ -300,8 +300,8 @@ def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
         for k in range(18):
             renderer.clock.time = k * renderer.period  # type: ignore[attr-defined]
             renderer.tick(k * renderer.period)
-            assert renderer.sent is not None
-            (row,) = renderer.sent.gains(renderer.backend.capability)
+            assert renderer.last_frame is not None
+            (row,) = renderer.last_frame.gains(renderer.backend.capability)
             if k % 2:
                 reached = max(reached, highest(row, hand, k))
     assert isinstance(renderer.played.rows[-1].groups, EnvelopeGroups)

@@ -333,7 +333,7 @@ def felt(v: float, ticks: int) -> tuple[Any, Any, pc.Renderer]:
             renderer.tick(t)
             clock.time = t + PERIOD
             if k > 60 and k % 7 == 0:
-                g = renderer.sent.gains(renderer.backend.capability)[-1]
+                g = renderer.last_frame.gains(renderer.backend.capability)[-1]
                 p = pc.field(ARRAY, g, place(t, v) + AROUND, AIR)
                 P = pc.radiation_pressure(p, AIR) / BALL.radiation_pressure
                 force.append(P.mean())
@@ -399,7 +399,7 @@ def test_the_field_stays_with_the_ball_when_it_is_steered_no_more() -> None:
             if 10 < k < 195 or k > 215:
                 assert steered == (k < 200)
             if k > 150:
-                g = renderer.sent.gains(renderer.backend.capability)[-1]
+                g = renderer.last_frame.gains(renderer.backend.capability)[-1]
                 P = pc.radiation_pressure(pc.field(ARRAY, g, place(t, 0.05) + AROUND, AIR), AIR)
                 force.append(P.mean() / BALL.radiation_pressure)
     assert min(force) > 0.85

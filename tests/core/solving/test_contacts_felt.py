@@ -54,7 +54,7 @@ def test_a_ball_is_felt_as_asked_all_over_the_touched_skin(seed: int, tip: bool)
         for k in range(12):
             renderer.tick(k * TICK)
             clock.time = (k + 1) * TICK
-        felt = measure_felt(ARRAY, AIR, scene, 12 * TICK, renderer.sounding)
+        felt = measure_felt(ARRAY, AIR, scene, 12 * TICK, renderer.cycle_gains)
     assert felt is not None
     assert felt.force == pytest.approx(1.0, abs=0.03)
     assert (

@@ -185,7 +185,7 @@ def test_the_loop_plays_any_of_them_within_the_limit(what: str) -> None:
         for k in range(10):
             renderer.tick(1e-3 * k)
         assert renderer.halted is None
-        sent = renderer.sent.gains(renderer.backend.capability)
+        sent = renderer.last_frame.gains(renderer.backend.capability)
         assert np.isfinite(sent).all()
         assert np.abs(sent).max() <= 1.0 + 1e-6
         assert (

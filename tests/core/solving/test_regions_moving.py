@@ -109,7 +109,7 @@ def frames(
         for k in range(ticks):
             renderer.tick(k * TICK)
             clock.time = (k + 1) * TICK
-            rows = renderer.sent.gains(renderer.backend.capability)
+            rows = renderer.last_frame.gains(renderer.backend.capability)
             sent += [(k * TICK, row.copy()) for row in rows]
         assert renderer.halted is None
     return sent

@@ -154,7 +154,7 @@ def test_what_the_loop_renders_again_and_again_is_soon_not_sent_any_more(name: s
     with renderer:
         for _ in range(150):
             renderer.tick(it.clock.time)
-            heard, meant = it.line.gains(), renderer.sent.gains(it.backend.capability)[-1]
+            heard, meant = it.line.gains(), renderer.last_frame.gains(it.backend.capability)[-1]
             np.testing.assert_allclose(heard, meant, atol=1e-6)
             it.clock.advance(1e-3)
         assert 0 < it.line.messages <= most

@@ -47,7 +47,7 @@ def test_a_loop_feeds_a_slow_line_and_the_last_frame_is_what_sounds(terminal: Te
         for _ in range(120):
             renderer.tick()
             terminal.pump()
-        want = renderer.sent.gains(backend.capability)[-1]
+        want = renderer.last_frame.gains(backend.capability)[-1]
 
         def arrived() -> bool:
             terminal.pump()
@@ -65,7 +65,7 @@ def test_all_pulses_arrive_at_a_focus_together(terminal: Terminal) -> None:
     with pc.Renderer(ARRAY, pc.Scene((POINT,)), backend=backend) as renderer:
         for _ in range(20):
             renderer.tick()
-        sent = renderer.sent.amplitude[-1]
+        sent = renderer.last_frame.amplitude[-1]
 
         def arrived() -> bool:
             terminal.pump()

@@ -196,7 +196,7 @@ class RenderLoop:
             or self._permit.value.armed
             or self._changes.waiting
             or self._switched
-            or self.renderer.shown is not self.replica.silenced
+            or self.renderer.rendered_scene is not self.replica.silenced
             or self.replica.loading
             or self._quieting.preparing
         )
@@ -333,8 +333,8 @@ class RenderLoop:
 
     def _tag(self) -> Input:
         """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
-        part, parts = self.renderer.player.place_in_cycle
-        newest = self.replica.input(self.renderer.shown)
+        part, parts = self.renderer.modulator.place_in_cycle
+        newest = self.replica.input(self.renderer.rendered_scene)
         return newest._replace(start=self.renderer.start, part=part, parts=parts)
 
     def _report(self, now: float) -> None:
@@ -376,7 +376,7 @@ class RenderLoop:
         seen: whether a hand is.
         """
         if now >= self._explained[0] + EXPLAIN_PERIOD or seen is not self._explained[1]:
-            self._explained, shown = (now, seen), self.renderer.shown
+            self._explained, shown = (now, seen), self.renderer.rendered_scene
             if seen:
                 hands = renderer_status.find_hands(self.renderer, now - self.renderer.start)
                 self._cause = explain_contact(hands, shown.objects)

@@ -51,7 +51,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
 
 def find_hands(renderer: Renderer, t: float) -> list[Hand]:
     """Return the hands at time t [s] of the scene, without those that are lost or were last seen long ago."""
-    return [seen for hand in renderer.shown.hands if (seen := _see(hand, t)) is not None]
+    return [seen for hand in renderer.rendered_scene.hands if (seen := _see(hand, t)) is not None]
 
 
 def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]:
@@ -61,7 +61,7 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
         return {}
     if not len(samples):
         return {"status": solution.status.name}
-    targets, p = play.targets, renderer.heard
+    targets, p = play.targets, renderer.sample_pressures
     assert targets is not None
     error, shown = targets.relative_error(p), samples.regions != BESIDE
     samples, p = samples.only(shown), p[shown]
@@ -83,7 +83,7 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 def _zones(renderer: Renderer) -> dict[str, Any]:
     """Return a status if rounding by the device makes quiet zones louder than their limit."""
     nulls = renderer.session.propagator.nulls
-    if nulls is None or (heard := nulls.heard(renderer.emitted)) <= 1.0:
+    if nulls is None or (heard := nulls.heard(renderer.emitted_gains)) <= 1.0:
         return {}
     above = 20.0 * math.log10(heard)
     return {

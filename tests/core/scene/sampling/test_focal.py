@@ -93,6 +93,6 @@ def test_the_loop_asks_for_the_pressure_of_the_focus_that_its_solver_makes(solve
         for _ in range(100):
             loop.tick()
             clock.advance(loop.period)
-        P = pc.radiation_pressure(loop.hear(np.array([PLACE])), AIR)
+        P = pc.radiation_pressure(loop.compute_pressures(np.array([PLACE])), AIR)
     (area,) = pc.focal_area(pc.autd(), [PLACE], pc.Air(), uniform=solver == "auto")
     assert P.max() * area == pytest.approx(FORCE, rel=0.02)

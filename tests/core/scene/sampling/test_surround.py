@@ -96,7 +96,7 @@ def test_sound_keeps_off_the_skin_beside_a_ball(radius: float) -> None:
     scene, felt = ball(radius, 0.004), []
     for solver in (Plain(), "auto"):
         renderer = played(scene, solver=solver)
-        found = measure_felt(ARRAY, AIR, scene, 0.012, renderer.sounding)
+        found = measure_felt(ARRAY, AIR, scene, 0.012, renderer.cycle_gains)
         assert found is not None
         felt.append(found)
     without, around = felt

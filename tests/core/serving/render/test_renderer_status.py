@@ -69,7 +69,7 @@ def test_on_skin_only_what_presses_counts() -> None:
     assert len(samples)
     facing = SkinFacing.of(samples.normals, samples.capsules)
     weights = facing.weights(samples.positions, ARRAY.positions)
-    every = (matrix(ARRAY, samples.positions, pc.Air()) * weights) @ renderer.sounding.T
+    every = (matrix(ARRAY, samples.positions, pc.Air()) * weights) @ renderer.cycle_gains.T
     p = np.sqrt((np.abs(every) ** 2).mean(axis=1))
     shown = samples.regions != -2  # silent samples beside the contact are not published
     assert 0 < (~shown).sum() < shown.sum()
