@@ -2,7 +2,7 @@
 
 The loop
     renderer.py               the API: `Renderer`, its options and defaults; a tick never raises
-    pipeline.py               one tick, from a scene to a frame; deadline of a solve; how old a result may be
+    pipeline.py               one tick: starts solves in it or beside it, takes their results; deadline of a solve
     tick_pacing.py            when ticks are due, and which are skipped when the loop is late
     clock.py                  the clock, which tests replace
     warmup.py                 what is loaded and tried before the first tick
@@ -11,10 +11,9 @@ The loop
     scene_renderer.py         a renderer from a scene file
 Solve
     sample_solver.py          solves for samples; reuses solutions while nothing moves
-    steered_solver.py         steers the field of one object in free air; solves again when it cannot be steered
+    steered_solver.py         one object that moves in free air: when to solve for it again, when to steer its field
     cached_solution.py        a solution as it is kept, and whether it needs another solve
-    solved.py                 what to play for some samples: the result of `sample_solver.py`
-    solve_result.py           what passes from a solve to the ticks that play it
+    solved.py                 what to play for some samples, and how it passes from the solve to the ticks that play it
     background_schedule.py    solve in the ticks or beside them; how often; over how many ticks a change is spread
     background_solve.py       the thread that solves beside the ticks
     sample_budget_controller.py   how many samples there may be when time is short
@@ -24,8 +23,9 @@ Solve
     The solver returns a `Solution`. A `CachedSolution` keeps it. A `Solved` holds those of all frames of a cycle, or of
     all steps of a modulation. A `SolveResult` passes a `Solved` from the job that solved to the tick that plays it.
 From gains to levels
+    playback.py               one frame in each tick from what has been solved; calls those below
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
-    steering.py               moves the field with an object that moves as one, by factors on the gains
+    steering.py               how a field is steered: factors on the gains, and where the object is between solves
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
     envelope_gains.py         applies envelopes to gains; fades from the envelopes of one solution to those of the next
     envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian.rendering.deviation_log import Reasons
-    from pacinian.rendering.solve_result import SolveResult
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solved import Solved, SolveResult
     from pacinian.scene.sampling.samples import Samples
 
 

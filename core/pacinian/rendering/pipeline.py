@@ -19,16 +19,13 @@ from pacinian.rendering.cycle import Cycle, split_frames
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
-from pacinian.rendering.modulator import Modulator
-from pacinian.rendering.quantiser import Quantiser
+from pacinian.rendering.playback import Playback
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, limits_join
-from pacinian.rendering.solve_result import SolveResult
-from pacinian.rendering.solved import Solved
+from pacinian.rendering.solved import Solved, SolveResult
 from pacinian.rendering.steered_solver import PATIENCE
-from pacinian.rendering.steering import Steering
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
@@ -47,7 +44,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.smoothing import Smoothing
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
-    from pacinian.types import Floats, Gains
+    from pacinian.types import Floats
 
 DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
 MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
@@ -90,15 +87,11 @@ class Pipeline:
         sampler.prepare(session.array, session.medium)
         self.strict = sampler.strict = strict
         sampler.peak = peak
-        times, gap = compute_row_times(capability, period)
+        self.playback = Playback(session.array, session.medium, smoothing, capability, period)
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
         cycle.coarsens = not strict
-        self.solver = SampleSolver(session, times, cycle)
+        self.solver = SampleSolver(session, self.playback.times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
-        self.modulator = Modulator(times, gap, smoothing, len(session.array))
-        self.steering = Steering(session.array, session.medium)
-        self.modulator.switches = len(capability.sizes) == 2
-        self.quantiser = Quantiser(capability, len(times), len(session.array))
         self._adaptive = adaptive and not strict
         sampler.fine = not self._adaptive
         self.budget_controller = (
@@ -128,13 +121,11 @@ class Pipeline:
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
         self._deviations = FrameDeviations()
-        self._made: tuple[object, ...] = ()  # inputs of the last frame
         # Time of the last tick [s]; whether its frame was the one before.
         self._time, self._repeated = math.nan, False
         self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""
-        self._frame: Frame
 
     def warm_up(self, scene: Callable[[float], Scene], limits: Limits) -> Scene | None:
         """Sample the scene at time 0, and solve and quantise for a few points, without output.
@@ -144,11 +135,11 @@ class Pipeline:
         """
         self.schedule, self._beside = BackgroundSchedule(self.period), False  # as a replay begins
         try:
-            self.quantise_gains(try_out(self.session).gains)
+            self.playback.quantise_gains(try_out(self.session).gains, limits)
             first, self.limits = scene(0.0), limits
             self._set_sampler(limits, self.session.solver)
             self.sampler.sample(first)
-            load_envelopes(first, self.modulator.times)
+            load_envelopes(first, self.playback.times)
         except Exception:
             if self.strict:
                 raise
@@ -157,16 +148,14 @@ class Pipeline:
 
     def use(self, capability: Capability) -> None:
         """Make frames for a device with this capability from now on. Raises ArgumentError."""
-        if capability == self.quantiser.capability:
+        if capability == self.playback.capability:
             return
         times, gap = compute_row_times(capability, self.period)
         self._discard_job()
         self.played = self.played._replace(sample_pressures=None)
-        self.modulator.retime(times, gap)
+        self.playback.use(capability, times, gap)
         self.solver.times = times
         self.solver.cycle.most = split_frames(self._most, capability.rate)
-        self.modulator.switches = len(capability.sizes) == 2
-        self.quantiser = Quantiser(capability, len(times), len(self.session.array))
 
     def reset(self) -> None:
         """Discard all state and start from silence. Solves run where they ran at the last frame that was sent."""
@@ -174,8 +163,7 @@ class Pipeline:
         self._skipped.clear()
         self.sampler.reset()
         self.solver.reset()
-        self.modulator.reset()
-        self.steering.reset()
+        self.playback.reset()
         self.session.forget()
         self._job_recording_clock.take()
         # what a tick without a frame has counted is in no recording
@@ -193,16 +181,6 @@ class Pipeline:
     def close(self) -> None:
         """Let the thread that solves beside the ticks end."""
         self.background.close()
-
-    @property
-    def last_frame(self) -> Frame | None:
-        """The last frame; None before the first."""
-        return self._frame if self._made else None
-
-    @property
-    def silent(self) -> bool:
-        """Whether the last frame is silent, and so are all later ones if nothing changes."""
-        return bool(self._made) and self.modulator.steady and not self._frame.amplitude.any()
 
     @property
     def still(self) -> bool:
@@ -223,23 +201,15 @@ class Pipeline:
             self._solve_now(scene, limits, solver, t)
         self._measuring.pass_ticks(self.played.solved, ticks)
         self.lag = t - self.played.time
-        play, skipped = self.played.solved, self.stages.report.skipped
-        made = play.samples, limits, solver
+        play, inputs = self.played.solved, (self.played.solved.samples, limits, solver)
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
-        self.modulator.multiply(self.steering.follow(play.motion, t, spread))
-        steady = self.modulator.steady and self.steering.still
-        self._repeated = steady and self._made == made and not self._fresh
+        same = self.playback.follow(play, inputs, t, spread)
+        self._repeated = same and not self._fresh
         if self._repeated:
-            skipped[NOTHING_CHANGED] += 1
-            return replace(self._frame, sequence=sequence, time=due)
+            self.stages.report.skipped[NOTHING_CHANGED] += 1
+            return self.playback.repeat(sequence, due)
         self.stages.enter("drive")
-        rows = self.modulator.rows(play, t, spread)
-        self.steering.steer(rows, t)
-        power = limits.power is not None
-        whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
-        self._frame = self.quantiser.frame(rows, find_ceiling(limits), sequence, due, power, whole)
-        self._made = made
-        return self._frame
+        return self.playback.make_frame(play, limits, inputs, t, spread, sequence, due)
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""
@@ -387,7 +357,7 @@ class Pipeline:
             propagator = part.session.propagator
             whole = samples is not None and np.array_equal(propagator.points, samples.positions)
             if whole and propagator.nulls is None:
-                p = [propagator.apply(g) for g in self._quantise_frames(solved, limits)]
+                p = [propagator.apply(g) for g in self.playback.quantise_frames(solved, limits)]
                 return np.asarray(np.sqrt((np.abs(p) ** 2).mean(axis=0)))
         return None
 
@@ -437,12 +407,8 @@ class Pipeline:
             self._before,
             self.played,
             between=self.schedule.beside,
-            held_back=self.modulator.held_back,
+            held_back=self.playback.modulator.held_back,
         )
-
-    def same(self, frame: Frame) -> bool:
-        """Return whether a frame repeats the one before."""
-        return frame is not self._frame
 
     def adapt_budget(self, seconds: float) -> None:
         """Adapt schedule and sample budget to the duration of this tick, `seconds` [s], whose frame has been sent."""
@@ -465,11 +431,6 @@ class Pipeline:
             return  # a region of fewer samples would have holes
         samples = max((len(one.samples) for one in taken.fresh), default=0)
         self._allowed = self.budget_controller.tick(seconds, samples, self.schedule.interval)
-
-    def quantise_gains(self, gains: Gains) -> Gains:
-        """Return gains, (N,), as rounded by the device."""
-        limits = self.limits
-        return self.quantiser.quantise_gains(gains, find_ceiling(limits), limits.power is not None)
 
     def _set_sampler(self, limits: Limits, solver: Solver) -> None:
         """Set what the sampler must know of a tick's limits and solver."""
@@ -502,7 +463,7 @@ class Pipeline:
         assert targets is not None
 
         def measure() -> Measurement:
-            facing, gains = play.facing, self._quantise_frames(play, limits)
+            facing, gains = play.facing, self.playback.quantise_frames(play, limits)
             probe, p = self._job_probe, pressures
             if p is None:
                 p = probe.compute_pressures(samples.positions, facing, gains)
@@ -512,27 +473,3 @@ class Pipeline:
             return Measurement(error, probe.look(samples, targets, facing, gains, p))
 
         return measure
-
-    @property
-    def cycle_gains(self) -> Gains:
-        """Gains of the frames of the cycle, as rounded by the device, (K, N)."""
-        return self._quantise_frames(self.played.solved, self.limits)
-
-    def _quantise_frames(self, play: Solved, limits: Limits) -> Gains:
-        """Return the gains of what is played in turn, as rounded by the device, (K, N)."""
-        every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
-        gains, motion = [one.gains for one in every], play.motion
-        if motion is not None and motion.shift.any():
-            place = motion.centre + motion.shift
-            factors = self.steering.find_factors(motion.centre, place)
-            gains = [g * factors for g in gains]
-        made = [
-            self.quantiser.quantise_gains(g, find_ceiling(limits), limits.power is not None)
-            for g in gains
-        ]
-        return np.array(made, np.complex64).reshape(-1, len(self.session.array))
-
-
-def find_ceiling(limits: Limits) -> float:
-    """Return the largest amplitude that limits permit, 0..1."""
-    return min(1.0, limits.gain or 1.0)

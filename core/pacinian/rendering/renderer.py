@@ -19,7 +19,8 @@ from pacinian.rendering.clock import Clock, SystemClock
 from pacinian.rendering.cycle import MAX_FRAMES
 from pacinian.rendering.deviation_log import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
-from pacinian.rendering.pipeline import Pipeline, find_ceiling
+from pacinian.rendering.pipeline import Pipeline
+from pacinian.rendering.playback import find_ceiling
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recorded_settings import to_config
 from pacinian.rendering.recording_clock import RecordingClock
@@ -190,7 +191,7 @@ class Renderer(Closeable):
     @property
     def silent(self) -> bool:
         """Whether the output is silent, and stays so with the same scene, limits and solver."""
-        return self._pipeline.silent if self.halted is None else not self._emitter.loud
+        return self._pipeline.playback.silent if self.halted is None else not self._emitter.loud
 
     @property
     def still(self) -> bool:
@@ -203,7 +204,7 @@ class Renderer(Closeable):
     @property
     def modulator(self) -> Modulator:
         """The modulator, which turns samples into rows of gains."""
-        return self._pipeline.modulator
+        return self._pipeline.playback.modulator
 
     @property
     def budget_controller(self) -> SampleBudgetController | None:
@@ -388,7 +389,7 @@ class Renderer(Closeable):
     @property
     def last_frame(self) -> Frame:
         """The last frame; its arrays are reused. Raises BackendError before the first."""
-        if (frame := self._pipeline.last_frame) is None:
+        if (frame := self._pipeline.playback.last_frame) is None:
             raise BackendError("nothing has been sent yet")
         return frame
 
@@ -409,12 +410,13 @@ class Renderer(Closeable):
         gains = (
             np.zeros(len(self.session.array), np.complex64) if solution is None else solution.gains
         )
-        return self._pipeline.quantise_gains(gains).copy()
+        return self._pipeline.playback.quantise_gains(gains, self._pipeline.limits)
 
     @property
     def cycle_gains(self) -> Gains:
         """Like `emitted_gains`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
-        return self._pipeline.cycle_gains
+        pipeline = self._pipeline
+        return pipeline.playback.quantise_frames(pipeline.played.solved, pipeline.limits)
 
     @property
     def sample_pressures(self) -> Floats:
@@ -449,7 +451,7 @@ class Renderer(Closeable):
     def _step(self, due: float) -> None:
         pipeline, stages = self._pipeline, self._stages
         if (
-            pipeline.last_frame is not None and not self._emitter.loud
+            pipeline.playback.last_frame is not None and not self._emitter.loud
         ):  # the end of a run silenced it
             self.reset()
         begin = self.recording_clock.now()
@@ -469,7 +471,9 @@ class Renderer(Closeable):
             asked = TickInput(scene, solver, limits)
             readings = noted, pipeline.job_readings
             known = self.recorder.unrecorded
-            self.recorder.write(frame, t, asked, readings, self._outcome, same=pipeline.same(frame))
+            self.recorder.write(
+                frame, t, asked, readings, self._outcome, same=pipeline.playback.repeats(frame)
+            )
             if self.recorder.unrecorded != known:
                 self._add_warnings([f"scenes are no longer recorded: {self.recorder.unrecorded}"])
         stages.enter("scene")
