@@ -30,7 +30,11 @@ class Sine(Struct, frozen=True, tag_field="type", tag="sine"):
 
 
 class Square(Struct, frozen=True, tag_field="type", tag="square"):
-    """A square wave that starts high. frequency: frequency of the wave. low, high: its levels. duty: share of high."""
+    """A square wave that starts high.
+
+    frequency: frequency of the wave. low: level in the low phase. high: level in the high phase. duty: share of the
+    high phase.
+    """
 
     frequency: Frequency
     low: Share = 0.0
@@ -57,8 +61,9 @@ class Pulse(Struct, frozen=True, tag_field="type", tag="pulse"):
 class Noise(Struct, frozen=True, tag_field="type", tag="noise"):
     """Random noise about the mean of low and high, with a flat spectrum.
 
-    low_frequency, high_frequency: limits of the band. low, high: 2.5 standard deviations below and above the mean;
-    values beyond are clipped. seed: equal seeds give equal noise.
+    low_frequency: lower limit of the band. high_frequency: upper limit of the band. low: value 2.5 standard deviations
+    below the mean; lower values are clipped. high: value 2.5 standard deviations above the mean; higher values are
+    clipped. seed: equal seeds give equal noise.
     """
 
     low_frequency: Frequency

@@ -72,7 +72,8 @@ class TouchState(Struct, frozen=True, kw_only=True):
     """A hand that feels an object. object: its name. hand: name of the hand, or its side if it has none.
 
     position: mean of the samples on this hand, weighted by their pressure [m]. pressure: highest target radiation
-    pressure [Pa]. strength: that pressure over the object's own, 0..1. All are at full envelope.
+    pressure [Pa]. strength: that pressure over the object's own, 0..1. All are computed as if every envelope were at
+    its maximum.
     """
 
     object: str
@@ -108,8 +109,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since
     protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it sounds; since
     protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel an object,
-    at full envelope, also while an envelope is at 0; since protocol 1.1. presentation: the technique in use with
-    its parameters; since protocol 1.1.
+    computed as if every envelope were at its maximum, so that the list does not flicker with the modulation; since
+    protocol 1.1. presentation: the technique in use with its parameters; since protocol 1.1.
     """
 
     id: Id = 0
@@ -212,12 +213,12 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame"):
     """The emitted levels of one row of a frame, another row each time; empty in silence.
 
-    Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with
-    them. sequence: increases with each message. time: reading of the server's clock [s]. phases, amplitudes: number of
-    levels of the device. phase, amplitude: level of each transducer, (N,) little-endian uint16. scene_time: time of the
-    row in the scene, which envelopes and techniques depend on [s]; since protocol 1.1. part: which frame of a cycle the
-    row is, from 0; since protocol 1.1. parts: number of frames in the cycle, which sound in turn; 0 if it is not known;
-    since protocol 1.1.
+    Frames are published at irregular times, on average `state_rate` times a second, so that no modulation can be in
+    step with them and look constant. sequence: increases with each message. time: reading of the server's clock [s].
+    phases, amplitudes: number of levels of the device. phase, amplitude: level of each transducer, (N,) little-endian
+    uint16. scene_time: time of the row in the scene, which envelopes and techniques depend on [s]; since protocol 1.1.
+    part: which frame of a cycle the row is, from 0; since protocol 1.1. parts: number of frames in the cycle, which
+    sound in turn; 0 if it is not known; since protocol 1.1.
     """
 
     sequence: int

@@ -161,13 +161,13 @@ namespace Pacinian.Wire
         /// <summary>Frequency of the wave. 0 to 20000 [Hz].</summary>
         public double Frequency;
 
-        /// <summary>Its levels. 0 to 1.</summary>
+        /// <summary>Level in the low phase. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>Its levels. 0 to 1.</summary>
+        /// <summary>Level in the high phase. 0 to 1.</summary>
         public double High = 1.0;
 
-        /// <summary>Share of high. 0 to 1.</summary>
+        /// <summary>Share of the high phase. 0 to 1.</summary>
         public double Duty = 0.5;
 
         /// <inheritdoc/>
@@ -364,16 +364,16 @@ namespace Pacinian.Wire
         private static readonly byte[][] Keys = Utf8.Of("type", "low_frequency", "high_frequency", "low", "high", "seed");
         private static readonly byte[][] Tag = Utf8.Of("noise");
 
-        /// <summary>Limits of the band. 0 to 20000 [Hz].</summary>
+        /// <summary>Lower limit of the band. 0 to 20000 [Hz].</summary>
         public double LowFrequency;
 
-        /// <summary>Limits of the band. more than 0, at most 20000 [Hz].</summary>
+        /// <summary>Upper limit of the band. more than 0, at most 20000 [Hz].</summary>
         public double HighFrequency;
 
-        /// <summary>2.5 standard deviations below and above the mean; values beyond are clipped. 0 to 1.</summary>
+        /// <summary>Value 2.5 standard deviations below the mean; lower values are clipped. 0 to 1.</summary>
         public double Low;
 
-        /// <summary>2.5 standard deviations below and above the mean; values beyond are clipped. 0 to 1.</summary>
+        /// <summary>Value 2.5 standard deviations above the mean; higher values are clipped. 0 to 1.</summary>
         public double High = 1.0;
 
         /// <summary>Equal seeds give equal noise. 0 to 4,294,967,295.</summary>

@@ -94,7 +94,7 @@ namespace Pacinian.Wire
         /// <summary>Highest target radiation pressure [Pa].</summary>
         public double Pressure;
 
-        /// <summary>That pressure over the object's own, 0..1. All are at full envelope.</summary>
+        /// <summary>That pressure over the object's own, 0..1. All are computed as if every envelope were at its maximum.</summary>
         public double Strength;
 
         /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
@@ -250,7 +250,7 @@ namespace Pacinian.Wire
         /// <summary>The same with what to do, for people; since protocol 1.1. 0 to 1,000 characters.</summary>
         public string Why = "";
 
-        /// <summary>Hands that feel an object, at full envelope, also while an envelope is at 0; since protocol 1.1.</summary>
+        /// <summary>Hands that feel an object, computed as if every envelope were at its maximum, so that the list does not flicker with the modulation; since protocol 1.1.</summary>
         public readonly Items<TouchState> Touches = new Items<TouchState>();
 
         /// <summary>The technique in use with its parameters; since protocol 1.1. null: not given.</summary>
@@ -545,7 +545,7 @@ namespace Pacinian.Wire
         }
     }
 
-    /// <summary>The emitted levels of one row of a frame, another row each time; empty in silence. Frames are published at uneven times, `state_rate` times a second on average, so that no modulation keeps step with them.</summary>
+    /// <summary>The emitted levels of one row of a frame, another row each time; empty in silence. Frames are published at irregular times, on average `state_rate` times a second, so that no modulation can be in step with them and look constant.</summary>
     public sealed partial class FrameState : IState
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "sequence", "time", "phases", "amplitudes", "phase", "amplitude", "scene_time", "part", "parts");

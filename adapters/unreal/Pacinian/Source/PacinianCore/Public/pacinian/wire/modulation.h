@@ -55,11 +55,11 @@ struct Square {
 
   /// frequency of the wave; 0 to 20000 [Hz]
   double frequency = 0.0;
-  /// its levels; 0 to 1
+  /// level in the low phase; 0 to 1
   double low = 0.0;
-  /// its levels; 0 to 1
+  /// level in the high phase; 0 to 1
   double high = 1.0;
-  /// share of high; 0 to 1
+  /// share of the high phase; 0 to 1
   double duty = 0.5;
 };
 
@@ -86,13 +86,13 @@ struct Pulse {
 struct Noise {
   static constexpr std::string_view tag = "noise";
 
-  /// limits of the band; 0 to 20000 [Hz]
+  /// lower limit of the band; 0 to 20000 [Hz]
   double low_frequency = 0.0;
-  /// limits of the band; more than 0, at most 20000 [Hz]
+  /// upper limit of the band; more than 0, at most 20000 [Hz]
   double high_frequency = 0.0;
-  /// 2.5 standard deviations below and above the mean; values beyond are clipped; 0 to 1
+  /// value 2.5 standard deviations below the mean; lower values are clipped; 0 to 1
   double low = 0.0;
-  /// 2.5 standard deviations below and above the mean; values beyond are clipped; 0 to 1
+  /// value 2.5 standard deviations above the mean; higher values are clipped; 0 to 1
   double high = 1.0;
   /// equal seeds give equal noise; 0 to 4,294,967,295
   std::int64_t seed = 0;

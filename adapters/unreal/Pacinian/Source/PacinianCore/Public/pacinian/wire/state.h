@@ -57,7 +57,8 @@ struct TouchState {
   std::array<double, 3> position{};
   /// highest target radiation pressure [Pa]
   double pressure = 0.0;
-  /// that pressure over the object's own, 0..1. All are at full envelope
+  /// that pressure over the object's own, 0..1. All are computed as if every envelope were at its
+  /// maximum
   double strength = 0.0;
 };
 
@@ -145,8 +146,8 @@ struct State {
   std::string cause;
   /// the same with what to do, for people; since protocol 1.1; 0 to 1,000 characters
   std::string why;
-  /// hands that feel an object, at full envelope, also while an envelope is at 0; since protocol
-  /// 1.1
+  /// hands that feel an object, computed as if every envelope were at its maximum, so that the list
+  /// does not flicker with the modulation; since protocol 1.1
   std::vector<TouchState> touches;
   /// the technique in use with its parameters; since protocol 1.1
   std::optional<Technique> presentation;
@@ -155,8 +156,8 @@ struct State {
 using AnyReply = std::variant<Welcome, Ok, Error, Renewed, Abilities, Pressures, Shown, State>;
 
 /// The emitted levels of one row of a frame, another row each time; empty in silence. Frames are
-/// published at uneven times, `state_rate` times a second on average, so that no modulation keeps
-/// step with them.
+/// published at irregular times, on average `state_rate` times a second, so that no modulation can
+/// be in step with them and look constant.
 struct FrameState {
   static constexpr std::string_view tag = "frame";
 
