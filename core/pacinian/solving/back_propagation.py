@@ -20,16 +20,20 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Gains
 
 NO_GRAM_MATRIX = "back-propagated: no time for the Gram matrix"
-MIN_ROWS = 256  # rows of B from which the time for the Gram matrix is estimated
-TRIAL_ROWS, TRIAL_COLUMNS = 128, 256  # part of B whose Gram matrix is computed for that
-TRIALS = 2  # another program may have had the core in the first
-MAX_STEPS = 100  # steps after which more have little effect
+# Number of rows of B (of columns, if these are fewer) from which the time for the Gram matrix is estimated.
+MIN_ROWS = 256
+# Part of B whose Gram matrix is computed to estimate that of the whole.
+TRIAL_ROWS, TRIAL_COLUMNS = 128, 256
+# Largest number of estimates. During the first, another program may have used the core.
+TRIALS = 2
+MAX_STEPS = 100  # largest number of steps; more have little effect
 
 
 def affords_gram(propagator: Propagator, budget: Budget) -> bool:
     """Return whether to compute the Gram matrix, B B^H or B^H B, whichever is smaller: if it fits into the time left.
 
-    A second solve for the same points computes it in any case, because no later one would be exact without it.
+    A second solve for the same points computes it even if it does not fit. Otherwise, solves for these points would
+    never become exact.
     """
     few, many = sorted(propagator.B.shape)
     if budget.endless or few < MIN_ROWS or propagator.has_gram:
@@ -62,7 +66,7 @@ def back_propagate(
     the square root of |p| / |B g|. A step costs two products with B. The gains are scaled as a whole to the targets and
     clipped to the gain limit; `scale="max"` scales all of them to the limit.
 
-    start: phases to start from [rad], (M,); spread ones if None. out: (N,). Targets that no sound reaches get none.
+    start: phases to start from [rad], (M,); spread ones if None. out: (N,). Targets that no sound reaches are left out.
     """
     first, _ = initial_phases(len(targets.amplitudes), start)
     power, t = propagator.powers, targets.amplitudes

@@ -13,8 +13,9 @@ from threadpoolctl import ThreadpoolController
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-MIN_ELEMENTS = 4_096  # elements of B below which BLAS does not start a second thread by itself
-MAX_ELEMENTS = 1_000_000  # elements of B from which several threads are faster
+# Number of elements of B below which BLAS does not start a second thread by itself.
+MIN_ELEMENTS = 4_096
+MAX_ELEMENTS = 1_000_000  # number of elements of B from which several threads are faster
 
 
 def limit_blas_threads(elements: int = MIN_ELEMENTS) -> AbstractContextManager[object]:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, TypeVar, cast
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
-MAX_BUFFERS = 8  # workspaces kept
-MAX_BUFFER_SIZE = 1_000_000  # largest M N to keep; for larger problems, allocation is negligible
+MAX_BUFFERS = 8  # largest number of workspaces that are kept
+# Largest M N of a workspace that is kept; for larger problems, allocation takes a negligible time.
+MAX_BUFFER_SIZE = 1_000_000
 
 T = TypeVar("T")
 

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
-PROJECTIONS = 4  # random projections by which columns are compared
+PROJECTIONS = 4  # number of random projections by which columns are compared
 # Window in the order of the first projection within which equal columns are sought.
 SEARCH_WINDOW = 8
 

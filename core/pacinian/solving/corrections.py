@@ -9,8 +9,9 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-MAX_CORRECTIONS = 2  # most solves that correct what the first solve for regions has left missing
-# Largest ratio of the errors after and before a correction at which it is kept.
+# Largest number of further solves that make up for the pressure missing after the first solve for regions.
+MAX_CORRECTIONS = 2
+# A correction is kept if it reduces the error to at most this share.
 MAX_ERROR_RATIO = 0.98
 MAX_CORRECTION = 2.0  # largest ratio between a corrected amplitude and its target, either way
 

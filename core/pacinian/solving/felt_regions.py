@@ -1,4 +1,4 @@
-"""Evaluate what is felt of regions between and beside their samples, at places that the solver did not see."""
+"""Evaluate the pressure of regions between and beside their samples, at places that the solver was not given."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
-# Largest distance of neighbours, in distances to the nearest other sample.
+# Largest distance of neighbouring samples, relative to the distance to the nearest other sample.
 MAX_NEIGHBOUR_DISTANCE = 1.5
 MERGE_DISTANCE = 1e-4  # samples up to this far apart count as one place [m]
-# Nearest samples to query: itself, 26 that may be within SAME, and one that is not.
+# Number of nearest samples to query: the sample itself, up to 26 in the adjacent cells of the grid that may be within
+# MERGE_DISTANCE, and one that is not.
 NEAREST_QUERIED = 28
 TOUCHING_DISTANCE = 1e-5  # places up to this far from a transducer count as on it [m]
-BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region [m]
-AROUND = 12  # number of directions of these places
-MIN_FELT_SHARE = 0.5  # fraction of the target below which a place is a hole
-MAX_FORCE_ERROR, MAX_RMS = 0.05, 0.10  # largest errors of a region that counts as even
+BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region from the nearest sample [m]
+AROUND = 12  # number of directions from a sample to places beside its region
+MIN_FELT_SHARE = 0.5  # share of the target below which a place counts as a hole
+# Largest relative error of the force, and largest rms error, of a region that counts as even.
+MAX_FORCE_ERROR, MAX_RMS = 0.05, 0.10
 
 
 class FeltRegion(NamedTuple):
@@ -59,7 +61,7 @@ class FeltRegion(NamedTuple):
 
 
 class FeltSums(NamedTuple):
-    """Sums from which `FeltRegion` is computed; sums of different moments can be added.
+    """Sums from which `FeltRegion` is computed; the sums of several points in time can be added.
 
     places: number of places, half way between samples. made, asked: sums of squared sound pressure amplitudes, achieved
     and target [Pa^2]. errors, squares: sums of squares of their difference, and of `asked` [Pa^4]. holes: number of

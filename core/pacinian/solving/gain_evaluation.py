@@ -1,4 +1,4 @@
-"""Evidence for gains that were not solved for: computed again in double precision, and between the points."""
+"""Evidence for given gains, for example rounded ones, computed in double precision, and also between the points."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def certify(
         least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
     nulls = propagator.nulls
     if nulls is not None:
-        nulls.leave_out(B, points)  # the multipliers belong to the B without them
+        nulls.leave_out(B, points)  # the multipliers belong to B without the excluded subspace
     phases = np.angle(p) if last.asked_phases is None else last.asked_phases
     asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
     if y is not None and last.targets.scale == "exact":

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 SINGLE, DOUBLE = np.dtype(np.complex64), np.dtype(np.complex128)
-PHASES = 2e-5  # rounding of phases in single precision, at 0.4 m [rad]
+PHASES = 2e-5  # rounding error of phases in single precision, at a distance of 0.4 m [rad]
 # Smallest reciprocal condition number of the Gram matrix at which its factor is used. For a singular matrix, LAPACK
 # returns 1e-8 (single) or 1e-16 (double), or less.
 TRUSTED: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
-MAX_STEPS = 20  # most refinement steps; 2 or 3 are usual
+MAX_STEPS = 20  # largest number of refinement steps; 2 or 3 are usual
 # Estimated times of a factor in double precision and of singular values, over that of a factor in single precision.
 DOUBLE_TIME, SINGULAR_TIME = 3.0, 16.0
 MAX_FIRST_STEP = 0.1  # largest length of the first step, relative to g, at which X is good enough
@@ -194,7 +194,7 @@ def refine(B: Complexes, normal: Normal, p: Complexes) -> Complexes | None:
         length = float(np.linalg.norm(d))
         if not step and not length < MAX_FIRST_STEP * first:
             return None
-        if not length < last / 2.0:  # the rest is rounding
+        if not length < last / 2.0:  # the remaining error is rounding
             break
         g += d
         if length**2 <= eps * first * last:  # the next step would be below rounding

@@ -17,15 +17,19 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 MAX_CLIPPED_EXCESS = 1e-5  # relative excess up to which only the gains over the limit are clipped
-MAX_PROJECTIONS = 32  # alternating projections of gains for quiet zones
-MAX_QUIET_STEPS = 4  # corrections of gains for quiet points
-# Most quiet points for which gains are corrected; for more they are only scaled down.
+MAX_PROJECTIONS = 32  # largest number of alternating projections of gains for quiet zones
+MAX_QUIET_STEPS = 4  # largest number of corrections of gains for quiet points
+# Largest number of quiet points for which gains are corrected. For more, they are only scaled down.
 MAX_QUIET_ROWS = 512
-QUIET_MU = 1e-6  # regularisation of that correction, relative to the mean power of rows
+# Regularisation of the correction of gains for quiet points, relative to the mean power of the points' rows.
+QUIET_MU = 1e-6
 UNCHECKED_FACTOR = 1.25  # safety factor for the places of a zone that are not checked
-CORRECTION_MU = 0.1  # regularisation of the pressure correction, relative to the mean power of rows
-MAX_LEAK = 0.02  # pressure in a zone from the excluded subspace in gains, relative to the limit
-SINGLE_LEAK = 2e-6  # part of the excluded subspace that single precision leaves, relative to ||g||
+# Regularisation of the correction of pressures that quiet zones have changed, relative to the mean power of rows.
+CORRECTION_MU = 0.1
+# Largest pressure in a zone, relative to its limit, from the part of the excluded subspace that remains in the gains.
+MAX_LEAK = 0.02
+# Part of the excluded subspace that single precision leaves in gains g, relative to ||g||.
+SINGLE_LEAK = 2e-6
 
 
 def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool]:

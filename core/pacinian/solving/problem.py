@@ -32,7 +32,7 @@ def _make_free_phases(count: int) -> Floats:
 
 ISOLATED = -1  # region number of a point that belongs to no region
 BESIDE = -2  # region number of a point beside the regions, with target 0
-# range of amplitudes that single precision can handle [Pa]
+# Range of amplitudes that single precision can handle [Pa].
 MIN_AMPLITUDE, MAX_AMPLITUDE = 1e-30, 1e30
 
 

@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 A = TypeVar("A", Floats, Complexes)
 
 
-TILE = 512  # columns per tile: real and imaginary parts of 64 rows fill a second-level cache
-MIN_PARALLEL_ROWS = 128  # rows of B from which all cores compute the Gram matrix
-MAX_UPDATE_SHARE = 10  # the Gram matrix is updated row by row if at most 1/10 of the rows changed
+# Number of columns of a tile: the real and imaginary parts of 64 rows fill a second-level cache.
+TILE = 512
+MIN_PARALLEL_ROWS = 128  # number of rows of B from which all cores compute the Gram matrix
+# The Gram matrix is updated row by row if at most 1 / MAX_UPDATE_SHARE of the rows have changed.
+MAX_UPDATE_SHARE = 10
 
 
 @dataclass

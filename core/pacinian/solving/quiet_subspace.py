@@ -1,11 +1,11 @@
 """Quiet zones: the subspace to exclude from gains, so that the sound pressure in a ball stays below its limit.
 
-Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded from gains g: V g = 0. This leaves
-c(x) = b(x) (1 - V^H V) of b(x). Gains computed for points elsewhere are unrelated to c(x), so that |b(x) g| is about
-||c(x)|| times their root mean square, and hardly ever LIKELY times that. V is enlarged until this bound is at most the
-limit q at thousands of places in the zone, and then at thousands of new ones. V has few more rows than the number of
-waves that the array can resolve in the zone. `enforce_zones` checks each solution at some places and scales it down if
-necessary.
+Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded from gains g: V g = 0. Of b(x), this
+leaves c(x) = b(x) (1 - V^H V). Gains computed for points elsewhere are unrelated to c(x). Therefore |b(x) g| is about
+||c(x)|| times the root mean square of g, rms(g), and hardly ever exceeds LIKELY times that. V is enlarged until
+LIKELY ||c(x)|| rms(g) is at most the limit q at thousands of places in the zone, and then at thousands of new ones. V
+has few more rows than the number of waves that the array can resolve in the zone. `enforce_zones` checks each solution
+at some places and scales it down if necessary.
 """
 
 from __future__ import annotations
@@ -30,18 +30,20 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Floats, Gains
 
-MAX_ROWS_AT_ONCE = 64  # most rows added to V at a time
+MAX_ROWS_AT_ONCE = 64  # largest number of rows added to V at a time
 LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
-WATCHED = 256  # places of a zone at which each solution is checked
-# V is enlarged down to this fraction of the limit, so that new places keep the limit
+WATCHED = 256  # number of places of a zone at which each solution is checked
+# V is enlarged until pressures are at most this share of the limit, so that new places keep the limit.
 LIMIT_SHARE = 0.5
-MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this fraction of the limit
-DISTINCT = 1e-4  # relative to a block's strongest row; weaker rows wait for the next block
-MAX_ROUNDS = 16  # most rounds of new places
-MAX_DIMENSION_SHARE = 0.8  # largest fraction of the N dimensions that V may take
+MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this share of the limit
+# Rows that are weaker than this, relative to the strongest row of a block, are left to the next block.
+DISTINCT = 1e-4
+MAX_ROUNDS = 16  # largest number of rounds of new places
+MAX_DIMENSION_SHARE = 0.8  # largest share of the N dimensions that V may take
 MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
-SKETCH_ROWS = 16  # random mixtures of V's rows; they estimate ||V g|| within a factor of 2
-MAX_PREPARED = 4  # prepared sets of zones that are kept
+# Number of random mixtures of V's rows. They estimate ||V g|| within a factor of 2.
+SKETCH_ROWS = 16
+MAX_PREPARED = 4  # largest number of prepared sets of zones that are kept
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
@@ -185,7 +187,7 @@ def _leave_out(V: Gains, B: Complexes) -> None:
 
 
 def _enlarge_basis(V: Gains, rest: Gains, most: float) -> Gains:
-    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most ENOUGH times `most`.
+    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most LIMIT_SHARE times `most`.
 
     Removes the new rows from `rest`, in place.
     """

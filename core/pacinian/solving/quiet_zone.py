@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats
 
 MAX_RADIUS = 10.0  # largest radius of a zone [m]
-LOOKED_AT = 2048  # points of a zone in one batch
+LOOKED_AT = 2048  # number of points of a zone in one batch
 GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of a low-discrepancy sequence (R3)
 
 

@@ -32,14 +32,19 @@ if TYPE_CHECKING:
 
 
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
-ON_SKIN = 0.8  # the same for samples on skin, which are less even
-MAX_SOURCES = 256  # most transducers that tell where the sound on skin comes from
+ON_SKIN = 0.8  # smallest d'/d for samples on skin, which are less even
+# Largest number of transducers whose power shows where the sound on skin comes from.
+MAX_SOURCES = 256
+# Golden ratio minus 1, whose multiples modulo 1 are evenly scattered.
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
-MAX_SUBSET = 128  # most transducers used to compute the array's radius
-ASIDE = 0.1  # mu in steps that steer a wave off quiet zones, relative to the mean of diag(G)
-TURNS = 16  # number of these steps
-MIN_SAVED_SHARE = 0.07  # no steps are taken if the first saves at most this fraction of the cost
-FULL_STEP_SHARE = 0.17  # steps have full length if the first saves at least this fraction
+MAX_SUBSET = 128  # largest number of transducers used to compute the array's radius
+# mu in the steps that turn a wave away from quiet zones, relative to the mean of diag(G).
+ASIDE = 0.1
+TURNS = 16  # number of steps that turn a wave away from quiet zones
+# The steps that turn a wave away from quiet zones are skipped if the first saves at most this share of the cost.
+MIN_SAVED_SHARE = 0.07
+# The steps that turn a wave away from quiet zones have full length if the first saves at least this share of the cost.
+FULL_STEP_SHARE = 0.17
 # A region keeps its phases while they differ from those of a new wave by at most this, apart from a common phase (root
 # mean square) [rad].
 MAX_TURN = 1.0
@@ -93,11 +98,11 @@ def settle_phases(
 ) -> Targets:
     """Return the same targets with every phase fixed, for points of which some belong to regions.
 
-    The phases within a region are those of `joint_phases`, steered off quiet zones, plus one phase for the region.
+    The phases within a region are those of `joint_phases`, turned away from quiet zones, plus one phase for the region.
     For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
     d'/d is at least 0.8. If `relax`, the phases of regions are then relaxed (`relax_phases`), unless the wave is tilted
-    or steered off zones, or the strength is free. If `keep`, regions keep the phases of `warm` if these differ little
-    from those of the wave. Then its multipliers still fit (decision 76).
+    or turned away from zones, or the strength is free. If `keep`, regions keep the phases of `warm` if these differ
+    little from those of the wave. Then its multipliers still fit (decision 76).
     Gerchberg-Saxton steps, as in `phases`, choose the regions' phases and those of isolated samples. They start from
     the phases of `warm`, so that no phase jumps. Given phases do not change. tilt: sideways shift of the waves' foci,
     relative to the array's radius times d'/d.
@@ -190,9 +195,9 @@ def _keep_wave(t: Floats, wave: Floats, last: Floats) -> Floats:
 
 
 def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
-    """Return phases like those of `wave`, (M,) [rad], that need weaker gains when zones are to stay quiet.
+    """Return phases close to those of `wave`, (M,) [rad], for which quiet zones need weaker gains.
 
-    The wave may run on into a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) steer it aside, because they remove
+    The wave may run on into a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) turn it away, because they remove
     the part of p that needs strong gains. They also make the field between the points less even. Therefore the steps
     are shorter if the first saves little, and none is taken if it saves no more than it would without zones.
     G: B B^H, (M, M). t: amplitudes, (M,).

@@ -1,4 +1,4 @@
-"""A lower bound of the error over all gains and phases, by a semidefinite relaxation and its proof.
+"""A lower bound of the error over all gains and phases, from the dual of a semidefinite relaxation.
 
 If phases are free, ||t - |B g||| is the minimum of ||D u - B g|| over u with |u_m| = 1, where D = diag(t). Its square
 is a quadratic form of z = (u, g). The Lagrange dual of this minimum under |u_m|^2 = 1 and |g_n|^2 <= 1 is also the dual
@@ -21,11 +21,12 @@ import numpy as np
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
-MAX_POINTS = 16  # most points M; a step handles M^2 columns and takes some 10 ms
+MAX_POINTS = 16  # largest number of points M; a step handles M^2 columns and takes some 10 ms
+# Largest number of Newton steps; smallest share of a step that is tried.
 MAX_STEPS, MIN_STEP = 150, 1e-6
-# Tau is divided by TAU_DIVISOR once a Newton step is at most MAX_CENTRED_STEP long.
+# Tau, the weight of the barriers, is divided by TAU_DIVISOR once a Newton step is at most MAX_CENTRED_STEP long.
 MAX_CENTRED_STEP, TAU_DIVISOR = 0.25, 8.0
-# Largest relative gap at which to stop; smallest bound it is relative to.
+# Largest relative gap at which to stop, and smallest bound to which the gap is relative.
 MAX_GAP, MIN_BOUND = 1e-2, 1e-6
 BEGIN = 0.2  # initial b, relative to ||B|| / sqrt(N)
 

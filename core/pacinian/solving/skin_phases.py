@@ -25,13 +25,15 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Flags, Floats, Singles
 
-MU = 5e-3  # regularisation, relative to trace(B B^H) / M
-QUIET = 0.02  # weight of points beside regions
-MAX_TRANSDUCERS = 500  # most transducers that stand for all
-MAX_SAMPLES = 400  # phases of more samples are not relaxed
-COLD, WARM = 10, 2  # steps from the wave, and from the phases of the last solution
-DAMPING = 3e-3  # relative to the largest squared amplitude
-MIN_AMPLITUDE = 0.03  # amplitude below which damping no longer falls, relative to the largest
+MU = 5e-3  # regularisation mu, relative to trace(B B^H) / M
+QUIET = 0.02  # weight of the squared errors of points beside regions; other points have 1
+MAX_TRANSDUCERS = 500  # largest number of transducers that represent the array in B B^H
+MAX_SAMPLES = 400  # largest number of samples whose phases are relaxed
+# Largest number of steps from the phases of the wave, and from those of the last solution.
+COLD, WARM = 10, 2
+DAMPING = 3e-3  # damping of the steps, relative to a sample's squared amplitude
+# Amplitude, relative to the largest, below which damping no longer falls.
+MIN_AMPLITUDE = 0.03
 MAX_PHASE_STEP = 0.5  # longest step of a phase [rad]
 
 

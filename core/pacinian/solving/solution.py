@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Complexes, Floats
 
 
-FORCE_SAMPLES = 10  # samples per wavelength along a surface whose force is computed
+FORCE_SAMPLES = 10  # number of samples per wavelength along a surface whose force is computed
 
 
 class PosedSurface(Protocol):
@@ -51,7 +51,7 @@ class Solution(SolutionMetrics):
     gains: (N,), complex64, or complex128 in double precision. array, medium: of N transducers, and the air. points:
     (M, 3) [m], read-only. targets: what was asked at these points. limits: what the gains had to keep.
     sound_pressure: achieved, complex, (M,) [Pa].
-    status: how the solve ended. solver: its name. iterations: their number.
+    status: how the solve ended. solver: name of the solver. iterations: number of its iterations.
     objective: 1/2 ||p - B g||^2 + mu/2 ||g||^2 [Pa^2] for these gains g and the chosen phases of the targets p.
     bound: a lower bound of the objective [Pa^2]. Both are NaN if the solver proves no bound.
     multipliers, mu: y, (M,) [Pa], and mu [Pa^2], which prove the bound; see `Session.certify`.
@@ -66,7 +66,7 @@ class Solution(SolutionMetrics):
     least_error: lower bound of `error` over all phases and all gains within the gain limit; NaN unless requested from
     `Session.certify`.
     note: a remark by the solver, for example why `auto` chose it.
-    facing: the skin at the points, if it was given; `sound_pressure` is then that along its normals.
+    facing: the skin at the points, if it was given; `sound_pressure` is then the pressure along its normals.
     versions: of Pacinian, NumPy and Python when the solution was saved; empty unless it was loaded.
     """
 

@@ -14,9 +14,12 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
-REGION_TOLERANCE = 0.05  # the same for regions, in sound pressure; in radiation pressure it is 10 %
+# Largest relative error of the sound pressure at which targets of regions count as met; that of their radiation
+# pressure is then 10 %.
+REGION_TOLERANCE = 0.05
 ROUNDED = 1e-5  # excess over a limit, relative to it, that counts as rounding
-# share of full drive; the excess over lower limits is given relative to this, because rounding would dominate it
+# Share of full drive. The excess over a limit below this share is given relative to this share instead of the limit,
+# because rounding would dominate it.
 MIN_LIMIT_SHARE = 1e-2
 
 

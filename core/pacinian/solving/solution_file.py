@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 FORMAT = "pacinian solution"
 VERSION = 1
-MAX_BYTES = 256 << 20  # size of a file [bytes]
-DIGEST_BYTES = 32  # of SHA-256
+MAX_BYTES = 256 << 20  # largest size of a file [bytes]
+DIGEST_BYTES = 32  # size of a SHA-256 digest [bytes]
 
 
 class Numbers(Struct, frozen=True, forbid_unknown_fields=True):

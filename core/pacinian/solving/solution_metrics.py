@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from pacinian.solving.solution_status import Status
     from pacinian.types import Complexes, Floats, Gains
 
-AT_LIMIT = 1.0 - 1e-5  # fraction of the gain limit from which a transducer is at its limit
+AT_LIMIT = 1.0 - 1e-5  # share of the gain limit from which a transducer is at its limit
 
 
 @dataclass(frozen=True, eq=False)
 class SolutionMetrics:
-    """The fields of a `pacinian.Solution`, which describes them."""
+    """The fields of a `pacinian.Solution`; its docstring describes them."""
 
     gains: Gains
     array: Array

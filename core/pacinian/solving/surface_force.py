@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pacinian.solving.solution_metrics import SolutionMetrics
     from pacinian.types import Floats
 
-ELEMENTS = 1 << 22  # elements of B at once
-MIN_FLAT_COSINE = 1.0 - 1e-9  # least cosine between the normals of a flat surface
+ELEMENTS = 1 << 22  # largest number of elements of B that are computed at once
+MIN_FLAT_COSINE = 1.0 - 1e-9  # smallest cosine between the normals of a flat surface
 
 
 def surface_force(

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Floats
 
-# warm start if the number of points changes by at most a fraction of it, plus one
+# A warm start is used if the number of points has changed by at most this share of it, plus one.
 MAX_COUNT_CHANGE = 1 / 4
-# samples that moved by less than this, except as their whole region moved, are the same [m]
+# A sample that moved by less than this, apart from the motion of its whole region, counts as the same [m].
 MAX_STILL_MOVE = 5e-4
-# samples that moved as one by at most this are the same [m]
+# Samples that all moved as one, by at most this, count as the same [m].
 MAX_COMMON_MOVE = 0.03
-# a sample takes over the phase of an earlier one within this distance [m]
+# A new sample takes over the phase of an earlier one that is at most this far away [m].
 MAX_CARRY_DISTANCE = 3e-3
 
 
@@ -58,9 +58,9 @@ def carry_regions(
     """Return the last solution carried over to the present points, although samples may have come and gone.
 
     before: the points of `warm`, (M', 3) [m]. Points that have all moved as one are the same. Otherwise, a point takes
-    over the phase and the multiplier of the same point, that is, from where it was if its whole region has moved alike.
-    A new point takes over the phase of the nearest earlier point of its kind (in a region, isolated, or beside regions)
-    within 3 mm, or else that of the present sound there, and its multiplier is 0 (decision 72).
+    over the phase and the multiplier of the earlier point at its place, after the motion of its whole region has been
+    subtracted. A new point takes over the phase of the nearest earlier point of its kind (in a region, isolated, or
+    beside regions) within 3 mm, or else that of the present sound there, and its multiplier is 0 (decision 72).
     """
     q, asked = propagator.points, warm.asked_phases
     now, were = targets.regions, warm.targets.regions
