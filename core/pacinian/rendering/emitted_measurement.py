@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.types import Floats, Gains
 
-MIN_DISTANCE = DISTANCES[0]  # of a place beside a region from its samples [m]
-PLACES = 24  # places between samples in one measurement; many measurements are added
-SAMPLES = 48  # samples of a steered field in one measurement
+# Smallest distance from the samples of a region at which a silent sample counts as a place beside it [m].
+MIN_DISTANCE = DISTANCES[0]
+PLACES = 24  # number of places between samples in one measurement; many measurements are added
+SAMPLES = 48  # number of samples of a steered field in one measurement
 MIN_NORM = 1e-30  # smallest norm used as a divisor [Pa]
 
 
@@ -32,9 +33,8 @@ class Probe:
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
         self._chance = np.random.default_rng(0)
-        self._asked: tuple[
-            Floats | Gains, ...
-        ] = ()  # copies of the last input of `compute_pressures`
+        # Copies of the last input of `compute_pressures`.
+        self._asked: tuple[Floats | Gains, ...] = ()
         self._heard: Floats = np.empty(0)
 
     def look(
@@ -45,11 +45,11 @@ class Probe:
         gains: Gains,
         p: Floats,
     ) -> dict[str, FeltSums]:
-        """Return sums of what is felt of each object that has regions, by the object's name.
+        """Return the sums from which felt pressures are computed, by the name of each object that has regions.
 
         On skin, the silent samples 3 mm and more beside a region count as places beside it, because the highest
         pressure lies at few places. targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose
-        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as of `compute_pressures`.
+        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as returned by `compute_pressures`.
         """
         if (regions := targets.regions) is None:
             return {}

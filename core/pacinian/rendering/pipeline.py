@@ -46,10 +46,12 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Floats
 
-DEADLINE_SHARE = 0.7  # deadline of a solve, relative to a tick, or beside the ticks to MAX_TICKS
-MAX_AGE = 0.02  # age of a solve beside the ticks from which the loop waits for it, or MAX_TICKS if longer [s]
-# Largest movement since the last solve beside the ticks for which no other solve is made: a twentieth of a wavelength
-# [m].
+# Deadline of a solve, relative to the time that it may take: one tick, or MAX_TICKS ticks in the background.
+DEADLINE_SHARE = 0.7
+# The loop waits for a background solve that has run for this long [s], or for MAX_TICKS ticks if that is longer.
+MAX_AGE = 0.02
+# Largest movement of samples since the last background solve for which no other solve is made: a twentieth of a
+# wavelength [m].
 MAX_CREEP = 4e-4
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 
@@ -113,10 +115,13 @@ class Pipeline:
         """The result that the last frame plays."""
         self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0
-        """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
-        self._aim = -math.inf  # time that the last job was made for [s]
+        """Age of the last frame's scene [s]: the last tick's time minus the scene time that the frame was solved for.
+
+        Negative if the frame was solved for a later time.
+        """
+        self._aim = -math.inf  # scene time for which the last job solved [s]
         self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
-        self._measures = False  # whether it only measures
+        self._measures = False  # whether the job beside the ticks only measures
         self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
@@ -258,7 +263,7 @@ class Pipeline:
             if result is not None and result.solved.brief:
                 self._solve_now(scene, limits, solver, t)
                 return
-        # in the pause between two solves, so that no solution waits for it
+        # measure in the pause between two solves, so that no solution waits for the measurement
         if (measure := self._find_measuring(limits)) is not None:
             self._start_job(measure, measures=True)
         elif self.schedule.begin_solve(self._changed, not scene.objects):
@@ -362,10 +367,11 @@ class Pipeline:
         return None
 
     def _find_aim(self, t: float, beside: bool) -> float:
-        """Return the time for which a job that begins at time t is made [s]: when frames will arrive at its result.
+        """Return the scene time for which a job that begins at time t solves [s].
 
-        It is taken after as many ticks as the last ones, and frames arrive when the next is. Never before the last one,
-        unless time jumps back.
+        In the background, this is the time at which the interpolated frames will reach the result: the loop will take
+        the result after as many ticks as it took the last results, and frames reach it when the loop takes the
+        following one. Never returns an earlier time than the last call, unless time jumps back.
         """
         ticks = self.schedule.ticks + self.schedule.interval
         lead = min(ticks * self.period, MAX_LEAD) if beside else 0.0
@@ -397,7 +403,7 @@ class Pipeline:
 
     @property
     def labels(self) -> set[str]:
-        """Labels of all objects that the last frame concerns, those included that it ends."""
+        """Labels of all objects that the last frame concerns, including those that end in it."""
         return self._before.labels | self.played.labels
 
     @property

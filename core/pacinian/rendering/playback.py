@@ -53,7 +53,7 @@ class Playback:
     def use(self, capability: Capability, times: Floats, gap: float) -> None:
         """Make frames for a device with this capability from now on; keep the solutions.
 
-        times, gap: as of `compute_row_times`.
+        times, gap: as returned by `compute_row_times`.
         """
         self.modulator.retime(times, gap)
         self._set_device(capability, len(times))
@@ -71,7 +71,7 @@ class Playback:
 
     @property
     def silent(self) -> bool:
-        """Whether the last frame is silent, and so are all later ones if nothing changes."""
+        """Whether the last frame is silent and all later ones will be, unless something changes."""
         return bool(self._made) and self.modulator.steady and not self._frame.amplitude.any()
 
     def follow(self, play: Solved, inputs: tuple[object, ...], t: float, ticks: int) -> bool:

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains
 
-MAX_DURATION = 1e9  # of a run [s]
+MAX_DURATION = 1e9  # longest duration of a run [s]
 
 
 class Renderer(Closeable):
@@ -195,15 +195,15 @@ class Renderer(Closeable):
 
     @property
     def still(self) -> bool:
-        """Whether the last tick repeated the frame before it, so that the next ones most probably do, too.
+        """Whether the last tick repeated the frame before it.
 
-        They do not if the scene changes, or if something that moves comes into reach.
+        The next ticks repeat it, too, unless the scene changes or something that moves comes into reach.
         """
         return self._outcome is not None and self._pipeline.still
 
     @property
     def modulator(self) -> Modulator:
-        """The modulator, which turns samples into rows of gains."""
+        """The modulator, which turns solutions into rows of gains."""
         return self._pipeline.playback.modulator
 
     @property
@@ -400,7 +400,10 @@ class Renderer(Closeable):
 
     @property
     def lag(self) -> float:
-        """Time since the moment that the last frame was solved for [s]; negative while it lies ahead."""
+        """Age of the last frame's scene [s]: the last tick's time minus the scene time that the frame was solved for.
+
+        Negative if the frame was solved for a later time.
+        """
         return self._pipeline.lag
 
     @property
@@ -420,9 +423,10 @@ class Renderer(Closeable):
 
     @property
     def sample_pressures(self) -> Floats:
-        """Like `compute_pressures` at the played samples, (M,) [Pa]; costs less while solves run beside the ticks.
+        """Sound pressure amplitudes at the played samples, as `compute_pressures` returns them, (M,) [Pa].
 
-        If the field is steered, this is of the samples where they were solved for.
+        Costs less than that while solves run beside the ticks. If the field is steered, these are the pressures at the
+        samples where they were solved for.
         """
         outcome, samples = self._pipeline.played, self.samples
         if outcome.sample_pressures is not None or samples is None:
@@ -479,7 +483,7 @@ class Renderer(Closeable):
         stages.enter("scene")
 
     def _judge(self, due: float) -> TickOutcome:
-        """Return what became of the tick whose frame has just been sent."""
+        """Return the outcome of the tick whose frame has just been sent: lateness, sample counts and deviations."""
         pipeline, sent = self._pipeline, self.clock.now()
         late, deviations = sent > due + self.period, pipeline.deviations
         if late or self._missed:

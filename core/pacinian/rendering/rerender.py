@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording, Tick
 
 
-# Difference of two forces, relative or [N], up to which they count as equal.
+# Two forces count as equal if they differ by at most this, relative or in [N].
 SAME_FORCE = 1e-6
 NO_SAMPLES = ObjectSampleCounts(0, 0, 0.0, {})
 
@@ -79,8 +79,8 @@ class Rerendering:
     """How a recording compares with the same scenes rendered again.
 
     ticks: number of ticks. different: number of those whose frames, (K, N), differ. environment: versions, and variants
-    of kernels and libraries, that differ, in words. array: what of the array differs, in words. objects: what each
-    object had rendered otherwise, by its label, in words, for the first such tick.
+    of kernels and libraries, that differ, in words. array: what of the array differs, in words. objects: by
+    label, in words, how the samples of an object differed in the first tick in which they did.
     """
 
     ticks: int

@@ -83,9 +83,9 @@ class Solved:
 class SolveResult(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    solver: that solved. fresh: the solutions that are new. sample_pressures: sound pressure amplitude at the played
-    samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known. time: that this was made for
-    [s]. seconds: that it took beside the ticks [s]; NaN in a tick.
+    solver: the solver that was used. fresh: the new solutions among those of `solved`. sample_pressures: sound pressure
+    amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known. time:
+    scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
     """
 
     scene: Scene
@@ -99,7 +99,7 @@ class SolveResult(NamedTuple):
 
     @property
     def tells_time(self) -> bool:
-        """Whether its duration tells how long solves take: there was one, or silence needed none."""
+        """Whether its duration is representative: something was solved, or there was nothing to solve."""
         return bool(self.fresh) or not len(self.solved.samples)
 
     @property
