@@ -52,9 +52,11 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Network, Settings
 
-# The other processes, the spare, and one that the system does not let end.
+# Largest number of child processes: the server's other processes, the spare guard, and one that the system does not let
+# end.
 MAX_CHILDREN = 5
-# Fewest file descriptors with which a server starts. Its own are 52; ZeroMQ ends the process that has none left.
+# Smallest number of file descriptors with which a server starts. Its own are 52; ZeroMQ ends the process that has none
+# left.
 MIN_FILES = 64
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import msgspec
 from msgspec import Raw, Struct
 
-REPLACED = "move", "hands"  # a newer one supersedes the older
+REPLACED = "move", "hands"  # kinds of messages of which a newer one replaces the older
 
 
 class Message(NamedTuple):

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand
     from pacinian.wire.replies import Code, Reply
 
-PEERS = 4  # remembered connections, per permitted client
+PEERS = 4  # number of connections whose rates are remembered, for each permitted client
 
 
 class CommandDispatcher:

@@ -53,17 +53,18 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 FILES = "sessions", "changes", "changes_ack", "frame", "device", "bus_status"
-# Maximum messages and bytes received in one round.
+# Maximum number of messages, and of bytes, received in one round.
 MAX_ROUND_MESSAGES, MAX_ROUND_BYTES = 2048, 4 << 20
-MAX_RECEIVE_TIME = 0.002  # time limit to receive them [s]
+MAX_RECEIVE_TIME = 0.002  # time limit to receive the messages of one round [s]
 # Minimum interval between rounds [s], so that messages that arrive one by one are handled together.
 MIN_ROUND_INTERVAL = 3e-4
-# Time to wait for messages [s]: while the renderer or the converter has work pending; otherwise;
-# on a system where a new session cannot end the wait.
+# Longest wait for messages [s]: while the renderer or the converter has work pending; while neither has; and on a
+# system where a new session cannot end the wait.
 SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
-SWITCH = 2e-4  # thread switch interval [s]: limits how long a conversion blocks the loop
+# Thread switch interval [s]. It limits how long a conversion blocks the loop.
+SWITCH = 2e-4
 REPORT_INTERVAL = 0.05  # interval between two status reports [s]
-QUEUE = 256  # messages of one client that may wait here
+QUEUE = 256  # largest number of messages of one client that may wait at the bus
 
 
 class Bus:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.wire.objects import Object
 
 FULL = 1 << 18  # size limit of the objects in one reply, unless a single one is larger [bytes]
-# Largest size of the rest of a reply, and of the prefix of a name or object [bytes].
+# Largest size of what a reply contains besides names, poses and objects, and of the prefix of a name or object [bytes].
 HEAD, NAMED = 512, 4
 
 _encoder = Encoder()

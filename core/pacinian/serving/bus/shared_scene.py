@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 # Memory limit for the objects of one client [bytes].
 MAX_CLIENT_BYTES = 16 << 20
-MAX_QUIET_ZONES = 16  # maximum number of quiet zones of one scene's clients
+MAX_QUIET_ZONES = 16  # maximum number of quiet zones of all clients of one scene
 
 
 class CommandRejected(Exception):

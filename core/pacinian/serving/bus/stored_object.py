@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 # Focal area that turns a force into a pressure [m^2]. A force over the limit even on so large a
 # focus is refused; others are limited.
 MAX_FOCAL_AREA = 1e-3
-# Size of the bulk data from which conversion takes more than 0.1 ms [bytes].
+# Size of an object's bulk data from which its conversion takes more than 0.1 ms [bytes].
 MIN_HEAVY_BYTES = 1 << 11
-AT_ONCE = 16  # objects that are converted in a row while commands wait
-# Slow to convert at any size.
+AT_ONCE = 16  # number of objects that are converted in a row while commands wait
+# Types of shapes that are slow to convert at any size.
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference
 MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # maximum size of one encoded object [bytes]
 # Maximum coordinate [m]; maximum speed [m/s] or [rad/s]; tolerance of a quaternion's length.

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
 
-CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # [m]
+CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))  # corners of a triangle [m]
 
 
 def warm_up(array: Array, medium: Air) -> None:

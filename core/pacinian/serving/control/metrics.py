@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import BusStatus
     from pacinian.wire.state import State
 
-MAX_CONNECTIONS = 16  # at a time; each takes a thread
+MAX_CONNECTIONS = 16  # largest number of connections at a time; each takes a thread
 MAX_REQUEST_TIME = 5.0  # time limit between two parts of a request [s]
 OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 

@@ -12,7 +12,7 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
-# Time in which a soft end fades out [s].
+# Time in which the output fades out at a soft end [s].
 CLOSING = 0.02
 SILENT, ARMED, CLOSES = 0, 1, 2  # values of `Permit.armed`
 

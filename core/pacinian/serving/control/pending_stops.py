@@ -10,9 +10,9 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MAX_PENDING = 256  # stops of each kind that wait for silence
-MAX_REMEMBERED = 1024  # confirmed stops whose repetitions are recognised
-MAX_SILENCING_TIME = 0.5  # time for which a stop waits [s]
+MAX_PENDING = 256  # largest number of stops of each kind that wait for silence
+MAX_REMEMBERED = 1024  # largest number of confirmed stops whose repetitions are recognised
+MAX_SILENCING_TIME = 0.5  # time for which a stop waits for silence [s]
 NOT_SILENCED = "all sound was ended, but no guard has confirmed that the device is silent"
 ADVICE = "if the array sounds, switch it off"
 

@@ -41,15 +41,14 @@ if TYPE_CHECKING:
 
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
-# Longest wait for requests in one round: while the output is armed; otherwise; and while nobody
-# watches the state either [s].
+# Longest wait for requests in one round: while the output is armed; while it is not; and while nobody watches the state
+# either [s].
 MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.005, 0.02, 0.05
-REST_PUBLISH_INTERVAL = 0.25  # least interval between two states that nobody watches [s]
-OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = (
-    0.025,
-    0.5,
-)  # interval between probes of the owner's link, and of others [s]
-MIN_WAIT = 0.001  # wait for requests if timed work is due sooner [s]
+REST_PUBLISH_INTERVAL = 0.25  # shortest interval between two states that nobody watches [s]
+# Interval between two probes of the owner's link, and of the links of other clients [s].
+OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = 0.025, 0.5
+# Shortest wait for requests, even if timed work is due sooner [s].
+MIN_WAIT = 0.001
 # Step of the times at which frames are published, in periods.
 GOLDEN = (5.0**0.5 - 1.0) / 2.0
 CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]

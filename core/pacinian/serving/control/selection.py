@@ -25,7 +25,7 @@ MAX_SELECTION_TIME = 10.0  # time limit to make a solver or to open a device [s]
 # Time after its selection during which a solver is blamed for the end of a renderer [s].
 SUSPECT = 10.0
 KINDS = "solver", "backend", "technique", "intensity"
-SETTINGS = "technique", "intensity"  # the newest value replaces the earlier ones
+SETTINGS = "technique", "intensity"  # kinds of which the newest value replaces earlier ones
 MAX_PENDING = 8  # maximum number of pending selections
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 # Prefix of the names of private scenes, which no other client may join.
 OWN = "own "
-# Time from a cut connection to silence [s]: `auth.UNCONFIRMED`, and room for the coarser TCP timer.
+# Time from a cut connection to silence [s]: `auth.UNCONFIRMED` and a margin for the coarser TCP timer.
 LINK = 0.8
 
 

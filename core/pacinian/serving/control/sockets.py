@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.serving.settings import Network
     from pacinian.wire.emergency import StopSocket
 
-# Longest message from a subscriber [bytes]; its handshake is the longest.
+# Largest size of a message from a subscriber [bytes]. Its handshake is the longest.
 MAX_SUBSCRIPTION_BYTES = 4096
 # Number of requests that may wait from one client: more than a game sends at 1 kHz until its heartbeat notices that
 # control stands still. libzmq 4.3 aborts (`!_io_error`) at a heartbeat behind a full queue of a closed connection.
@@ -37,11 +37,11 @@ REFUSED = {
     zmq.EVENT_ACCEPT_FAILED: "accept",
 }
 WATCHED = sum(REFUSED) + zmq.EVENT_ACCEPTED + zmq.EVENT_DISCONNECTED
-# Connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
+# Largest number of connection events handled in one round, 6 us each. ZeroMQ blocks once some 2000 events wait.
 MAX_ROUND_EVENTS = 1024
-MAX_DRAIN_TIME = 2.0  # time in which events of the monitors end [s]
-QUIET_TIME = 20  # time without an event after which they have ended [ms]
-EVENT = struct.Struct("=hi")  # an event and its value, as in zmq_socket_monitor(3)
+MAX_DRAIN_TIME = 2.0  # longest wait for the last events of the monitors [s]
+QUIET_TIME = 20  # time without an event after which the monitors count as ended [ms]
+EVENT = struct.Struct("=hi")  # layout of an event and its value, as in zmq_socket_monitor(3)
 
 
 class ControlSockets(Closeable):

@@ -15,23 +15,24 @@ from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-START_ORDER = "guard", "bus", "render"  # in starting order
-# The guard has a spare, which waits to be called.
+START_ORDER = "guard", "bus", "render"  # the processes, in the order in which they start
+# Names of the guard, and of its spare, which waits to be called.
 GUARD, SPARE = "guard", "spare"
-# In ending order: the guard is last, because the device is silenced last.
+# The processes in the order in which they end. The guard is last, because the device is silenced last.
 END_ORDER = "render", "bus", "guard"
-# Time limit to the first heartbeat [s]. It is long because other processes may occupy the CPUs.
+# Time limit for the first heartbeat of a process [s]. It is long because other processes may occupy the CPUs.
 STARTING = 120.0
-# The same for a spare that takes over a device that may sound, and has not waited for long [s].
+# Time limit for the first heartbeat of a spare that takes over a device that may sound, if the spare has not waited for
+# long [s].
 SOUNDING_START = 5.0
-# Delay from an end to the restart, doubled each time [s].
+# Delay from the end of a process to its restart: first, and largest value. It doubles each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
 BACKOFF_RESET_TIME = 10.0
-MAX_END_TIME = 3.0  # time limit to end after a request [s]
+MAX_END_TIME = 3.0  # time limit for a process to end after it was asked to [s]
 # Time limit for another guard to open the device, at the end of the server [s].
 MAX_SILENCING_TIME = 5.0
-POLL_INTERVAL = 0.01  # between two looks whether it has [s]
+POLL_INTERVAL = 0.01  # interval between two checks whether a new guard has opened the device [s]
 
 
 class Process(Protocol):
@@ -88,9 +89,9 @@ class Child:
 class Supervisor:
     """Starts the child processes and keeps them running.
 
-    start: starts a process by name; its second argument is the process id to stand by for (a spare), or 0. hung: time
-    without a heartbeat after which a process is killed [s]. trusted: whether all have been ready once. Until then, the
-    end of a process is an error, because it would most likely end again.
+    start: starts a process by name; its second argument is the process id to stand by for (a spare), or 0.
+    hang_timeout: time without a heartbeat after which a process is killed [s]. trusted: whether all have been ready
+    once. Until then, the end of a process is an error, because it would most likely end again.
 
     Only time spent watching counts towards `hang_timeout`. If the whole machine stood still, or this process got no
     CPU, missing heartbeats prove nothing. (The permit's deadline silences the array in that case.)

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from pacinian.scene.config_sections import PluginConfig
     from pacinian.wire.replies import Plugin
 
-# Number of hand updates kept for the status.
+# Largest number of hand updates kept for the status.
 MAX_INPUTS = 256
 NONE = FrameHead(0, 0.0, -1, -1, 0, 0)
-_INPUT = struct.Struct("<4d")  # sequence, sent, received, emitted
+_INPUT = struct.Struct("<4d")  # layout of a hand update: sequence, sent, received, emitted
 
 
 class OutputGate:

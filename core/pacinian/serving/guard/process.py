@@ -46,12 +46,11 @@ if TYPE_CHECKING:
 
 # Polling interval while there may be sound and nothing wakes the guard in time, and otherwise [s].
 POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
-# Interval between two status reports, and while there is nothing to do [s].
+# Interval between two status reports while there is something to do, and while there is nothing to do [s].
 REPORT_INTERVAL, REST_REPORT_INTERVAL = 0.01, 0.05
-# Thread switch interval [s]: a thread that opens a device yields to the sounding one after this
-# time.
+# Thread switch interval [s]. A thread that opens a device yields to the sounding one after this time.
 SWITCH = 1e-4
-MAX_EXIT_TIME = 1.0  # time to end after the parent has gone [s]
+MAX_EXIT_TIME = 1.0  # time limit for the guard to end after its parent has gone [s]
 # Time to wait for the parent's lock on the shared memory after the parent has gone [s].
 LOCK_WAIT = 0.1
 # Alarm delay, as a multiple of `hang_timeout`: control can tell a slow guard from a hung one, so it gets to

@@ -33,9 +33,10 @@ HANDSHAKE_TIMEOUT = 2000  # time limit for the handshake [ms]
 # heartbeats: libzmq 4.3 aborts (`!_io_error`) if a heartbeat is due on a connection that was closed
 # while its messages waited at the high-water mark.
 UNCONFIRMED = 500
-QUEUE = 256  # high-water mark: messages to or from one client
-BACKLOG = 128  # number of connections that may wait to be accepted
-MAX_SKIPPED = 5000  # parts of a message that are skipped before other work is done: some 10 ms
+QUEUE = 256  # high-water mark: largest number of queued messages to or from one client
+BACKLOG = 128  # largest number of connections that may wait to be accepted
+# Largest number of parts of a message that are skipped before other work is done. They take some 10 ms.
+MAX_SKIPPED = 5000
 
 
 def make_secrets(settings: Settings) -> dict[str, str]:

@@ -18,7 +18,7 @@ from pacinian.errors import ServerError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-BYTES = 1 << 16  # read at once when the pipe is emptied
+BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
 LOOK = 10  # interval between two looks at a pipe that is being emptied [ms]
 
 

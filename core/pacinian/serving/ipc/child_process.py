@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 MAX_CONFIG_BYTES = 1 << 20  # largest launch configuration [bytes]
-PDEATHSIG = 1  # option of Linux's prctl
+PDEATHSIG = 1  # number of PR_SET_PDEATHSIG, an option of Linux's prctl
 # Byte that tells a spare to begin.
 ACTIVATE = b"!"
 

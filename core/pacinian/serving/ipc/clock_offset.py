@@ -6,7 +6,7 @@ import math
 
 from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 
-# Time window [s]. The offset is the smallest of the last one to two windows.
+# Time window [s]. The offset is the smallest difference in the last one to two windows.
 WINDOW = 5.0
 # Largest drift of two clocks [s/s].
 MAX_DRIFT = 200e-6

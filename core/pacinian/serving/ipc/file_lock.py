@@ -40,7 +40,7 @@ else:
         return True
 
 
-# Of a FIFO in its place, the open fails or returns at once.
+# Flags with which the lock file is opened. If a FIFO is in its place, opening it fails or returns at once.
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 MAX_PID_BYTES = 32
 

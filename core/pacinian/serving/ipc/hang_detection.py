@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-# The hang limit of a guard that may sound is that of other processes divided by this.
+# The hang limit of a guard is that of other processes divided by this, while there may be sound.
 SOUNDING_HANG_DIVISOR = 8
-MIN_HANG_LIMIT = 0.1  # lower bound of the divided limit [s]
-# Cap on the time counted between two checks [s]: a process that was late cannot tell whether another one is late.
+MIN_HANG_LIMIT = 0.1  # smallest hang limit of a guard while there may be sound [s]
+# Largest time counted from one check to the next [s]. A process that was late itself cannot tell whether another one is
+# late.
 MAX_LOOK_GAP = 0.05
 
 

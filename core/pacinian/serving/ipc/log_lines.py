@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
     Formatter = Callable[[str, str, dict[str, Any], BaseException | None], str]
 
-# Maximum number of logged exceptions of a chain, and of calls of each.
+# Maximum number of exceptions of a chain that are logged, and of calls of each.
 MAX_EXCEPTIONS, MAX_CALLS = 4, 20
-EVENT_WIDTH, LEVEL_WIDTH = 30, 9  # of their columns in a readable line [characters]
+# Widths of the columns of event and level in a readable line [characters].
+EVENT_WIDTH, LEVEL_WIDTH = 30, 9
 QUOTED = frozenset("='\"")  # a text with one of these, or with a space, is quoted
 BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 COLOURS = {

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 MAX_EVENT_RATE = 5.0  # maximum rate of one event [1/s]
 MAX_FLUSH_TIME = 0.5  # time limit to write the last lines at the end [s]
-LEVELS = "debug", "info", "warning", "error"  # mildest first
+LEVELS = "debug", "info", "warning", "error"  # levels of the log, the mildest first
 _waiting: queue.Queue[str] = queue.Queue(1000)
 
 

@@ -50,7 +50,7 @@ CAPACITIES = {
     "device": 1 << 19,
     "bus_status": 1 << 20,
 }
-# The processes that wait for a new value of a file. The other readers look at it now and then.
+# The processes that wait for a new value of each file. Other readers check it at intervals.
 WAITS = {
     "permit": ("guard", "render"),
     "frame": ("guard",),

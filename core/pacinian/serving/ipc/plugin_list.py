@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.scene.config_sections import PluginConfig
 
-LOADING = threading.Lock()  # only one thread at a time loads plug-ins
+LOADING = threading.Lock()  # held by the one thread that loads plug-ins
 # Time after which no process waits for a plug-in that is still being imported [s].
 PATIENCE = 20.0
-SELECTING = 4.0  # time for which a selection waits for an import that another thread is at [s]
+SELECTING = 4.0  # longest wait of a selection for an import in another thread [s]
 
 
 def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) -> None:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-TIMERSLACK = 29  # option of Linux's prctl
+TIMERSLACK = 29  # number of PR_SET_TIMERSLACK, an option of Linux's prctl
 AUTOGROUP = Path("/proc/self/autogroup")  # exists where Linux groups processes by session
 URGENT = 15  # niceness -15: 97 % of a core shared with one normal process
-EAGER = 5  # niceness -5: 75 % of it
-ANY = -1  # any core
+EAGER = 5  # niceness -5: 75 % of a core shared with one normal process
+ANY = -1  # number that stands for any core
 _ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
 
 

@@ -29,16 +29,16 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# Prefix of the folders' names; suffix of their lock files.
+# Prefix of the names of the shared memory's folders, and suffix of their lock files.
 PREFIX, LOCK = "pacinian-memory-", ".lock"
 RETRY_INTERVAL = 0.005  # interval between two tries to remove a folder [s]
 
 MAGIC = 0x504143494E49414E
 SLOTS = 4
 WORD = 8  # size of a word [bytes]; aligned words are stored and loaded atomically
-HEAD = 3  # words in the file's head: magic, capacity, published number
-SLOT = 3  # words before each value: number, length, checksum
-TRIES = 100
+HEAD = 3  # number of words in the file's head: magic, capacity, published number
+SLOT = 3  # number of words before each value: number, length, checksum
+TRIES = 100  # largest number of tries to read a value that is being overwritten
 
 
 @contextlib.contextmanager

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-POLL_INTERVAL = 2e-3  # between two looks whether a process has ended [s]
-# Nothing is imported from the folder in which the server was started: it may be another user's.
+POLL_INTERVAL = 2e-3  # interval between two checks whether a process has ended [s]
+# Environment variable that keeps Python from importing from the folder in which the server was started. That folder may
+# be another user's.
 SAFE_PATH = {"PYTHONSAFEPATH": "1"}
 
 

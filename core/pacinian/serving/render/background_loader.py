@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 # Size below which data is decoded at once [bytes].
 MAX_LIGHT_BYTES = 1 << 14
-QUICK = Sphere, Disc, Rectangle  # shapes without caches
-SLOW = Noise, Wave  # envelopes with large caches
+QUICK = Sphere, Disc, Rectangle  # shapes that prepare no cache at first use
+SLOW = Noise, Wave  # envelopes that prepare a large cache at first use
 MIN_TRIAL_SPACING = 0.02  # minimum spacing of the trial samples [m]
 
 _objects: Decoder[Object] = Decoder(Object)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 HERE, MOTION = Pose(), Motion()
-# Stands for no hand, because a scene without any hand is rendered whole.
+# A hand that stands for no tracked hand, because a scene without any hand is rendered whole.
 LOST = Hand(np.full((26, 3), math.nan))
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)
-MARGIN = 0.02  # margin by which the prepared ball is larger than a zone that may move [m]
+MARGIN = 0.02  # distance by which the prepared ball is larger than a zone that may move [m]
 
 
 class ZonePlacement:

@@ -56,15 +56,16 @@ FILES = (
     "renderer_status",
     "device",
 )
-EARLY = 0.02  # lead time of the fade before a permit expires [s]
+EARLY = 0.02  # time before a permit expires at which the output begins to fade out [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
-MIN_REST_INTERVAL = 0.05  # least time between two reports while the loop rests [s]
+MIN_REST_INTERVAL = 0.05  # shortest time between two reports while the loop rests [s]
 # Longest time between two ticks while each repeats the frame before [s]. It is short because something that moves by
 # itself may come into reach.
 STILL_INTERVAL = 4e-3
-# The same, as a share of the time after which there is silence without a new frame.
+# Longest time between two ticks while each repeats the frame before, as a share of the time without a new frame after
+# which the output is silenced.
 STILL_SHARE = 0.25
-MAX_RESULTS = 64  # number of results of orders kept
+MAX_RESULTS = 64  # largest number of results of orders that are kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 

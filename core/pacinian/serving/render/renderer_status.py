@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
-# Number of measurements averaged for `felt`, which take about a second.
+# Number of measurements averaged for `felt`. They take about a second together.
 LOOKS = 20
 UNKNOWN = (math.nan,) * 4
-FAULTS = 5  # number of faults reported
+FAULTS = 5  # largest number of faults reported
 EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # edges between the bins of `State.tick_counts` [s]
 
 

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.wire.control import Choice
 
-# Time after which a solver that is not made yet gives way to a newer selection [s]; its client no
-# longer waits.
+# Time after which a solver that is not made yet gives way to a newer selection, because its client no longer waits [s].
 MAKING = 10.0
 # Number of threads that may hang in abandoned solvers; only the end of the process ends them.
 MAX_HANGING = 4

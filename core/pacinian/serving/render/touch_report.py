@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-BONE_POINTS = 5  # places on each bone at which the distance to an object is computed
-MAX_NAMED = 3  # objects named in one text
-MAX_MEASURED = 8  # objects whose distance is computed: those nearest by their bounding spheres
+BONE_POINTS = 5  # number of places on each bone at which the distance to an object is computed
+MAX_NAMED = 3  # largest number of objects named in one text
+# Largest number of objects whose distance is computed: those nearest by their bounding spheres.
+MAX_MEASURED = 8
 UNSEEN = "the touched skin faces away from the array, or hardly touches: turn the palm to the array, or press deeper"
 
 

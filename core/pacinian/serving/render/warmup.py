@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.types import Floats
 
-WARMUP_HEIGHT = 0.15  # height above the array [m]
-TICKS = 4  # ticks of each scene: the first ones load all that later ones need
-QUIET = 1.0  # sound pressure limit in a quiet zone [Pa]
-POWER = 1e-3  # less than the points need, so that the solver must enforce it
+WARMUP_HEIGHT = 0.15  # height of the warm-up scenes above the array [m]
+TICKS = 4  # number of ticks of each warm-up scene; they load all that later ticks need
+QUIET = 1.0  # limit of the sound pressure in a quiet zone [Pa]
+POWER = 1e-3  # power limit, below what the points need, so that the solver must enforce it
 PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
