@@ -98,7 +98,7 @@ def test_a_square_envelope_is_played_by_swaps() -> None:
         for k in range(500):
             clock.time = k * 1e-3
             shown.tick()
-            feed.newest = packer.pack(shown.sent.phase[-1], shown.sent.amplitude[-1])
+            feed.newest = packer.pack(shown.last_frame.phase[-1], shown.last_frame.amplitude[-1])
             board.take(data := feed.next(clock.time))
             sizes.append(len(data))
             late += board.heard.tobytes() != np.array(list(feed.newest)).tobytes()
