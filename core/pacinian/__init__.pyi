@@ -129,7 +129,7 @@ from .solving.problem import Limits as Limits
 from .solving.problem import Targets as Targets
 from .solving.propagator import Propagator as Propagator
 from .solving.quiet_zone import Zone as Zone
-from .solving.regions import joint_phases as joint_phases
+from .solving.region_phases import joint_phases as joint_phases
 from .solving.solution import Solution as Solution
 from .solving.solution_status import Status as Status
 from .types import Complexes as Complexes

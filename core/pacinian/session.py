@@ -21,6 +21,7 @@ from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.corrections import MAX_CORRECTIONS, MAX_ERROR_RATIO, correct_amplitudes
+from pacinian.solving.error_lower_bound import MAX_POINTS
 from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import (
     MAX_CLIPPED_EXCESS,
@@ -31,8 +32,7 @@ from pacinian.solving.limit_enforcement import (
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation
-from pacinian.solving.regions import settle_phases
-from pacinian.solving.relaxation import MAX_POINTS
+from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.solution import Solution
 from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
 from pacinian.solving.solution_status import Status

@@ -28,7 +28,7 @@ TESTS = (
     "tests/core/scene/shapes/test_triangles.py",
     "tests/core/solving/test_kernels.py",
     "tests/core/solving/test_region_groups.py",
-    "tests/core/solving/test_relaxation.py",
+    "tests/core/solving/test_error_lower_bound.py",
     "tests/core/test_neighbours.py",
     "tests/plugins/lagrange/test_convex.py",
     "tests/plugins/lagrange/test_region_newton.py",

@@ -11,7 +11,7 @@ What goes in
 What solvers share
     warm_start.py         the last solution, carried over to points that moved, came or went
     phases.py             free phases of isolated points
-    regions.py            joint phases of the samples of one surface
+    region_phases.py      joint phases of the samples of one surface
     skin_phases.py        joint phases on skin
     back_propagation.py   gains for many points if the deadline leaves no time for the Gram matrix
     corrections.py        larger amplitudes where regularisation leaves pressure missing
@@ -32,5 +32,5 @@ Evidence
     gain_evaluation.py    the same in double precision, for any gains
     felt_regions.py       force, rms, holes and spill between and beside the samples
     surface_force.py      force on a surface, along its normals
-    relaxation.py         a lower bound of the error for any phases
+    error_lower_bound.py  a lower bound of the error for any phases
 """

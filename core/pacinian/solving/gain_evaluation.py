@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
+from pacinian.solving.error_lower_bound import least_error
 from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.relaxation import least_error
 from pacinian.solving.solution_check import (
     TOLERANCE,
     compute_bound,

@@ -15,7 +15,7 @@ from pacinian.plugins.solver import Result, Solver
 from pacinian.session import AIR, Session
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import joint_phases
+from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_check import REGION_TOLERANCE
 from pacinian.solving.solution_status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_rules, require

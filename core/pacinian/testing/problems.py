@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.problem import BESIDE, Limits, Targets
-from pacinian.solving.regions import joint_phases
+from pacinian.solving.region_phases import joint_phases
 from pacinian.testing.shapes import (
     HEIGHT,
     Shape,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.regions import joint_phases
+from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:

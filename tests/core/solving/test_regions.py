@@ -12,7 +12,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import settle_phases
+from pacinian.solving.region_phases import settle_phases
 
 ARRAY = pc.autd()
 AIR = pc.Air(speed_of_sound=340.0, density=1.2)

@@ -10,7 +10,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.solving.phases import choose_phases
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.regions import settle_phases
+from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.skin_phases import (
     COLD,
     DAMPING,

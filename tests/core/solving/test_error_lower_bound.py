@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.relaxation import least_error, prove_bound
+from pacinian.solving.error_lower_bound import least_error, prove_bound
 
 from ...plugins.problems import optimum
 
