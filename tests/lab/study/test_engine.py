@@ -41,6 +41,10 @@ text = "A"
 [[planes]]
 z = [0.15, 0.2]
 """
+# Dask sometimes drops the socket of a worker that was killed without closing it.
+pytestmark = pytest.mark.filterwarnings(
+    r"ignore:Exception ignored in. <ssl\.SSLSocket:pytest.PytestUnraisableExceptionWarning"
+)
 ALERT = b"\x15"  # first byte of a TLS alert
 WAIT = 200.0  # [s] ends a test that hangs
 HELD_UP = """
