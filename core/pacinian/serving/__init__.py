@@ -1,7 +1,7 @@
 """The server: five processes that no client and no plug-in can keep loud. One folder each; none imports another.
 
   server.py    starts and ends the server
-  settings.py  contents of a configuration file
+  settings.py  contents of a configuration file, with all limits and times that it can set
   control/     the parent: control socket, leases, output ownership, status; supervises the others
   bus/         command socket: decodes and validates commands, stores the objects
   render/      the loop: scene, solver plug-ins

@@ -4,7 +4,7 @@ The API, `Session` and `solve`, is in `pacinian/session.py`.
 
 What goes in
     problem.py            targets and their relative error; limits; budget of time
-    quiet_zone.py         what a quiet zone is
+    quiet_zone.py         what a quiet zone is, and the points in it that are looked at
     propagator.py         B = propagation from transducers to points, and what is derived from it, cached
     column_groups.py      transducers with equal columns of B share one gain
     factor.py             Cholesky factor of the regularised Gram matrix B B^H + mu I

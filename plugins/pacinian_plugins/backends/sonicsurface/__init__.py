@@ -1,6 +1,6 @@
 """SonicSurface, an open array on a serial port: docs/sonicsurface.md.
 
-backend.py          the backend: as many frames as the line takes
+backend.py          the backend: its options and defaults; as many frames as the line takes
 ports.py            serial ports: list, open, errors
 serial_writer.py    writes in a thread
 write_scheduler.py  what is written next: always the newest pattern
