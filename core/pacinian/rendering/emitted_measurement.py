@@ -10,6 +10,7 @@ from pacinian.neighbours import find_nearest
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.solving.felt_regions import BESIDE as DISTANCES
 from pacinian.solving.felt_regions import FeltPlaces, FeltSums
+from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
@@ -17,14 +18,12 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.solving.problem import Targets
     from pacinian.types import Floats, Gains
 
 # Smallest distance from the samples of a region at which a silent sample counts as a place beside it [m].
 MIN_DISTANCE = DISTANCES[0]
 PLACES = 24  # number of places between samples in one measurement; many measurements are added
 SAMPLES = 48  # number of samples of a steered field in one measurement
-MIN_NORM = 1e-30  # smallest norm used as a divisor [Pa]
 
 
 class Probe:
@@ -78,8 +77,8 @@ class Probe:
         targets: of the samples. gains: as for `look`.
         """
         some = self._chance.permutation(len(samples))[:SAMPLES]
-        t, p = targets.amplitudes[some], self._measure(samples.positions[some], None, gains)
-        return float(np.linalg.norm(p - t)) / max(float(np.linalg.norm(t)), MIN_NORM)
+        p = self._measure(samples.positions[some], None, gains)
+        return Targets.make_unchecked(targets.amplitudes[some]).relative_error(p)
 
     def compute_pressures(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].

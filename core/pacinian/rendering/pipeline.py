@@ -473,9 +473,10 @@ class Pipeline:
             probe, p = self._job_probe, pressures
             if p is None:
                 p = probe.compute_pressures(samples.positions, facing, gains)
-            error = targets.relative_error(p)
             if play.motion is not None and play.motion.shift.any():
                 error = probe.estimate_error(samples, targets, gains)
+            else:
+                error = targets.relative_error(p)
             return Measurement(error, probe.look(samples, targets, facing, gains, p))
 
         return measure

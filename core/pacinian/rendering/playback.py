@@ -101,7 +101,7 @@ class Playback:
         self._made = inputs
         return self._frame
 
-    def repeats(self, frame: Frame) -> bool:
+    def is_repeat(self, frame: Frame) -> bool:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 

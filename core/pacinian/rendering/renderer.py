@@ -476,7 +476,7 @@ class Renderer(Closeable):
             readings = noted, pipeline.job_readings
             known = self.recorder.unrecorded
             self.recorder.write(
-                frame, t, asked, readings, self._outcome, same=pipeline.playback.repeats(frame)
+                frame, t, asked, readings, self._outcome, same=pipeline.playback.is_repeat(frame)
             )
             if self.recorder.unrecorded != known:
                 self._add_warnings([f"scenes are no longer recorded: {self.recorder.unrecorded}"])

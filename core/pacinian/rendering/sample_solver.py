@@ -113,7 +113,9 @@ class SampleSolver:
             steered = self._steered.solve(
                 samples,
                 t if at is None else at,
-                lambda samples, factor: self._solve(samples, t, limits, solver, factor * deadline),
+                lambda samples, factor: self._solve(
+                    samples, t, limits, solver, factor * deadline, guarded=True
+                ),
                 lambda solved: self._is_due(solved, t),
                 self._move_frames,
             )
@@ -151,9 +153,14 @@ class SampleSolver:
         )
 
     def _solve(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False,
+        guarded: bool = False,
     ) -> Solved:  # fmt: skip
-        """Return what to play for `samples` at time t [s]. once: see `_solve_cycle_frame`."""
+        """Return what to play for `samples` at time t [s].
+
+        once: see `_solve_cycle_frame`. guarded: whether the caller goes on playing a better solution than that of
+        frames that run out of time, so that two frames may be tried again.
+        """
         key, last = (samples, limits, solver), self._last
         if (
             last is not None
@@ -171,7 +178,7 @@ class SampleSolver:
             self._last, self._growth = None, _growth(samples)
             alone = bool(self._parts[1]) or limits_join(limits)
             self.cycle.begin(samples, 1 if alone else None)
-        if self._last is not None:
+        if guarded and self._last is not None:
             self.cycle.try_again(self._last.rows[0], t)
         if self.cycle.count > 1:
             return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)

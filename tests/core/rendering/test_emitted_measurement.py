@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.rendering.emitted_measurement import Probe
+from pacinian.rendering.emitted_measurement import SAMPLES, Probe
 from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
@@ -152,3 +152,18 @@ def test_what_is_heard_is_that_of_a_new_probe_whatever_changed_since_the_last_ca
             facing = pc.SkinFacing(normals.copy()) if faced else None
             expected = Probe(session).compute_pressures(points, facing, gains)
             np.testing.assert_array_equal(probe.compute_pressures(points, facing, gains), expected)
+
+
+def test_the_error_at_some_samples_is_that_at_all_on_average() -> None:
+    """At all samples of a small disc, and at others each time of a larger one."""
+    for radius in 0.004, 0.02:
+        pose = pc.Pose(tuple(MIDDLE))
+        session, samples, solution = solved(
+            pc.Surface(shape=pc.Disc(radius), pose=pose, radiation_pressure=1.0)
+        )
+        gains = 0.9 * solution.gains[None]
+        true = solution.targets.relative_error(0.9 * solution.sound_pressure)
+        probe = Probe(session)
+        found = [probe.estimate_error(samples, solution.targets, gains) for _ in range(50)]
+        assert (len(samples) > SAMPLES) == bool(np.ptp(found) > 1e-9) == (radius > 0.01)
+        assert np.sqrt(np.mean(np.square(found))) == pytest.approx(true, rel=0.02)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.steered_solver import (
     LIMITED_FROM,
     MAX_LATE_SHIFT,
@@ -377,6 +378,22 @@ def test_with_a_hand_another_object_or_limits_for_all_gains_nothing_is_steered()
             for k in range(20):
                 renderer.tick(k * PERIOD)
             assert renderer._pipeline.played.solved.motion is None
+
+
+@pytest.mark.parametrize("steered", [True, False])
+def test_only_what_is_steered_is_tried_again_with_two_frames(
+    steered: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other scenes would play frames that run out of time."""
+    tried = list[float]()
+    monkeypatch.setattr(Cycle, "try_again", lambda self, solved, t: tried.append(t))
+    other = replace(BALL, name="other", pose=pc.Pose(tuple(CENTRE + np.array((0.04, 0.0, 0.0)))))
+    scene = pc.Scene((BALL,) if steered else (BALL, other))
+    with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
+        solve_beside(renderer, 2)
+        for k in range(20):
+            renderer.tick(k * PERIOD)
+    assert bool(tried) == steered
 
 
 def test_the_field_stays_with_the_ball_when_it_is_steered_no_more() -> None:
