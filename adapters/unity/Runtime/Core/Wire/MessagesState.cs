@@ -184,7 +184,7 @@ namespace Pacinian.Wire
         /// <summary>Target radiation pressure of each sample, (M,) float32 [Pa].</summary>
         public Bulk Asked;
 
-        /// <summary>Radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa].</summary>
+        /// <summary>Radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa]; while the field is steered with an object, where it was solved for.</summary>
         public Bulk Achieved;
 
         /// <summary>Index into `objects` of each sample, (M,) little-endian int32.</summary>

@@ -94,7 +94,8 @@ struct State {
   Bytes normals;
   /// target radiation pressure of each sample, (M,) float32 [Pa]
   Bytes asked;
-  /// radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa]
+  /// radiation pressure of each sample from the gains as emitted, (M,) float32 [Pa]; while the
+  /// field is steered with an object, where it was solved for
   Bytes achieved;
   /// index into `objects` of each sample, (M,) little-endian int32
   Bytes index;
