@@ -29,7 +29,7 @@ with pc.Renderer(array, stroke, adaptive=False, clock=clock) as renderer:
     for tick in range(100):
         clock.time = tick * renderer.period
         renderer.tick(clock.time)
-    scene, samples, gains = renderer.rendered_scene, renderer.samples, renderer.emitted_gains
+    scene, samples, gains = renderer.rendered_scene, renderer.samples, renderer.cycle_gains
 assert samples is not None
 P = samples.radiation_pressure
 print(f"{len(P)} samples, {P.min():.1f} to {P.max():.1f} Pa by the ridge that each is on")

@@ -38,7 +38,9 @@ def progress(
 
 
 def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
-    """Draw the field of the last gains. Return the path of the file, or "" if it cannot be drawn, which is said.
+    """Draw the field that is played at the end, the mean over its frames. Return the path of the file.
+
+    If it cannot be drawn, this says why and returns "".
 
     quiet: whether to say nothing before.
     """
@@ -51,10 +53,12 @@ def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
         return ""
     if not quiet:
         click.echo("drawing the picture ...", err=True)
-    session = renderer.session
-    points = np.array(session.propagator.points)
+    session, samples = renderer.session, renderer.samples
+    points = np.empty((0, 3)) if samples is None else samples.positions
+    frames = renderer.cycle_gains
+    gains = frames if len(frames) else renderer.emitted_gains  # silence, before the first
     try:
-        page = plot.slices(session.array, renderer.emitted_gains, points, session.medium, title)
+        page = plot.slices(session.array, gains, points, session.medium, title)
         plot.save(page, path)
     except (MissingExtra, OSError) as error:
         click.echo(f"no picture: {error}", err=True)

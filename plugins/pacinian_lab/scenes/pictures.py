@@ -37,21 +37,20 @@ def draw(array: Array, names: Sequence[str], folder: Path) -> Iterator[Path]:
 def picture(array: Array, name: str) -> Figure:
     """Return a picture of a built-in scene, its samples and its field. Raises the error of a failed tick."""
     at, clock = SCENES[name], ManualClock()
-    emitted, sounding, felt, t = [], [], [no_samples()], 0.0
+    frames, felt, t = [], [no_samples()], 0.0
     with Renderer(array, at, adaptive=False, clock=clock) as renderer:
         for tick in range(TICKS):
             t = clock.time = tick * renderer.period
             renderer.tick(t)
             for fault in renderer.report.faults:
                 raise fault.cause
-            emitted.append(renderer.emitted_gains)
             felt.append(renderer.samples or felt[-1])
-            sounding.append(renderer.cycle_gains)
+            frames.append(renderer.cycle_gains)
     scene = at(t)
     if all(item.technique.still for item in scene.objects):
-        samples, gains = felt[-1], sounding[-1]
+        samples, gains = felt[-1], frames[-1]
     else:
-        samples, gains = join_samples(felt[-TURN:]), np.array(emitted[-TURN:])
+        samples, gains = join_samples(felt[-TURN:]), np.concatenate(frames[-TURN:])
     title = f"{name}: {at.__doc__}".rstrip(".")
     return plot.scene(
         array, scene, samples, gains, t=t, title=title, medium=renderer.session.medium

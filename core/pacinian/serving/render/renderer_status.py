@@ -83,9 +83,12 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 def _zones(renderer: Renderer) -> dict[str, Any]:
     """Return a status if rounding by the device makes quiet zones louder than their limit."""
     nulls = renderer.session.propagator.nulls
-    if nulls is None or (heard := nulls.heard(renderer.emitted_gains)) <= 1.0:
+    if nulls is None:
         return {}
-    above = 20.0 * math.log10(heard)
+    loudest = max((nulls.heard(g) for g in renderer.cycle_gains), default=0.0)
+    if loudest <= 1.0:
+        return {}
+    above = 20.0 * math.log10(loudest)
     return {
         "status": f"quiet zones {above:.1f} dB above their limit, by rounding to the device's levels"
     }
