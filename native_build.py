@@ -29,7 +29,7 @@ ZIG = "ziglang>=0.13"  # a C++ compiler from PyPI
 NAMES = "c++", "g++", "clang++"
 # Sums may be reordered, square roots estimated, and all numbers are finite; but in those sources where they may not be.
 FAST = "-O3", "-ffast-math", "-funroll-loops"
-SOURCES = {"module.cpp": (), "unbounded.cpp": ("-fno-finite-math-only",)}
+SOURCES = {"module.cpp": (), "non_finite.cpp": ("-fno-finite-math-only",)}
 SAFE = "-O2", "-fno-fast-math"
 COMMON = (
     "-std=c++17", "-fPIC", "-fvisibility=hidden", "-DNDEBUG", "-DNB_COMPACT_ASSERTIONS", "-Wall", "-Wextra",

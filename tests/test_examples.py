@@ -30,7 +30,7 @@ SAYS = {
     "array_study": "sunflower",
 }
 LONG = pytest.param("hand_session", marks=pytest.mark.deep)
-UNSEEN = {"touch", "client"}  # test_readme.py runs the client, because it has a server
+UNSEEN = {"touch", "client"}  # test_documented_code.py runs the client, because it has a server
 
 
 def test_all_are_run() -> None:

@@ -11,6 +11,8 @@ import numpy as np
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pacinian.types import ArrayLike, Floats
 
 MAX_SAMPLES = 20e6  # samples of one object
@@ -45,9 +47,14 @@ def check_numbers(name: str, value: ArrayLike, shape: tuple[int | None, ...]) ->
 
 
 def refuse_masked(name: str, value: object) -> None:
-    """Refuse an array of `numpy.ma` that hides values, because NumPy would use these. Raises ArgumentError."""
-    if hasattr(value, "filled") and np.any(getattr(value, "mask", False)):
-        raise ArgumentError(name, "has masked values: leave these out, or fill them")
+    """Refuse an array of `numpy.ma` that hides values, or a list of such, because NumPy would use these values.
+
+    Raises ArgumentError.
+    """
+    several = isinstance(value, (list, tuple))
+    for part in cast("Sequence[object]", value) if several else (value,):
+        if hasattr(part, "filled") and np.any(getattr(part, "mask", False)):
+            raise ArgumentError(name, "has masked values: leave these out, or fill them")
 
 
 def check_number(

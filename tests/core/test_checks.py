@@ -132,7 +132,17 @@ HIDES = np.ma.array([1.0, 9e9], mask=[0, 1])
 
 
 @pytest.mark.parametrize(
-    "name", ["positions", "normals", "points", "amplitudes", "phases", "regions", "gains"]
+    "name",
+    [
+        "positions",
+        "normals",
+        "points",
+        "points of a list",
+        "amplitudes",
+        "phases",
+        "regions",
+        "gains",
+    ],
 )
 def test_masked_values_are_refused_wherever_numbers_are_taken(name: str) -> None:
     array = pc.autd()
@@ -145,6 +155,7 @@ def test_masked_values_are_refused_wherever_numbers_are_taken(name: str) -> None
         "positions": lambda: pc.Array(masked),
         "normals": lambda: pc.Array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]], masked),
         "points": lambda: session.solve(masked, [1.0, 2.0]),
+        "points of a list": lambda: session.solve([masked[0], masked[1]], [1.0, 2.0]),
         "amplitudes": lambda: session.solve(places, HIDES),
         "phases": lambda: session.solve(places, [1.0, 2.0], HIDES),
         "regions": lambda: session.solve(places, [1.0, 2.0], regions=HIDES.astype(int)),

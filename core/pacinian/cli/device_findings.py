@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.devices.description import DeviceDescription
     from pacinian.plugins.backend import Capability, FoundDevice
 
-MIN_SPACING = 0.008  # least plausible distance of transducers [m]
+MIN_TRANSDUCER_SPACING = 0.008  # least plausible distance of transducers [m]
 # Largest plausible ratio of a channel's strength to that of its kind, or inverse.
 MAX_STRENGTH_RATIO = 2.0
 BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
@@ -58,9 +58,9 @@ def _places(device: DeviceDescription) -> Finding:
     for board in device.boards:
         owners += [_name(board)] * board.layout.count
     r = np.concatenate(places)
-    pairs = KDTree(r).query_pairs(MIN_SPACING)
+    pairs = KDTree(r).query_pairs(MIN_TRANSDUCER_SPACING)
     if not pairs:
-        return Finding("places", "ok", f"none are nearer than {1e3 * MIN_SPACING:g} mm")
+        return Finding("places", "ok", f"none are nearer than {1e3 * MIN_TRANSDUCER_SPACING:g} mm")
     wrong = sorted({" and ".join(sorted({owners[i], owners[j]})) for i, j in pairs})
     nearest = min(float(np.linalg.norm(r[i] - r[j])) for i, j in pairs)
     text = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"

@@ -2,7 +2,7 @@
 
 description.py      `DeviceDescription`: description file of a device, its boards, levels, wiring; makes the `Array`
 board.py            one board: channel order, dead channels, gain, phase and their standard errors
-layouts.py          positions of transducers on a board: AUTD unit, grid, list of places
+layouts.py          positions of transducers on a board: grid, list of places, AUTD unit (as in acoustics/array.py)
 calibration.py      calibration files (CSV): strength and phase of every channel; read, write, apply to boards
 scan.py             microphone scan files: CSV, NPZ, HDF5; units of columns; several channels driven at once
 scan_fit.py         `fit_scan`: P0, responses, speed of sound, pose; dead, reversed, odd transducers; what is vague

@@ -12,7 +12,7 @@ from pacinian.acoustics.array import MIN_STRENGTH
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.uncertainty import MAX_GAIN, MAX_PHASE
 from pacinian.checks import check_number
-from pacinian.devices.layouts import Grid, Places, Unit
+from pacinian.devices.layouts import AutdUnit, Grid, Places
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     serial: str = ""
-    layout: Unit | Grid | Places = Unit()
+    layout: AutdUnit | Grid | Places = AutdUnit()
     pose: Pose = Pose()
     order: tuple[int, ...] = ()
     dead: tuple[int, ...] = ()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
 
 
-class Element(Struct, frozen=True, forbid_unknown_fields=True):
+class TransducerType(Struct, frozen=True, forbid_unknown_fields=True):
     """The kind of transducer, as `pacinian.Transducer`; by default that of the AUTD units.
 
     pressure_error: standard error of `pressure`, relative; by default that of published values. directivity: a name, or
@@ -50,7 +50,7 @@ class Element(Struct, frozen=True, forbid_unknown_fields=True):
         )
 
 
-class Steps(Struct, frozen=True, forbid_unknown_fields=True):
+class LevelCounts(Struct, frozen=True, forbid_unknown_fields=True):
     """Numbers of phase and amplitude levels of the device."""
 
     phases: int = 256
@@ -89,8 +89,8 @@ class DeviceDescription(Struct, frozen=True, forbid_unknown_fields=True):
 
     boards: tuple[Board, ...]
     backend: str = ""
-    transducer: Element = Element()
-    levels: Steps | None = None
+    transducer: TransducerType = TransducerType()
+    levels: LevelCounts | None = None
     calibration: str = ""
 
     def __post_init__(self) -> None:

@@ -19,7 +19,7 @@ MAX_TRANSDUCERS = 4096  # transducers of one board
 AUTD = 249  # transducers of an AUTD unit
 
 
-class Unit(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
+class AutdUnit(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
     """An AUTD unit: 249 transducers, row by row along x."""
 
     @property

@@ -19,21 +19,21 @@ namespace pacinian {
 
 namespace solving {
 
-void define_unbounded(nb::module_& m);  // in unbounded.cpp
+void define_non_finite(nb::module_& m);  // in non_finite.cpp
 
 static void define(nb::module_& m) {
     define_kernels(m);
     define_changes(m);
     define_passes(m);
     define_regions(m);
-    define_unbounded(m);
+    define_non_finite(m);
 }
 
 }  // namespace solving
 
 namespace scene {
 
-void define_unbounded(nb::module_& m);  // in unbounded.cpp
+void define_non_finite(nb::module_& m);  // in non_finite.cpp
 
 static void define(nb::module_& m) {
     define_levels(m);
@@ -45,14 +45,14 @@ static void define(nb::module_& m) {
     define_broad(m);
     define_tour(m);
     define_cells(m);
-    define_unbounded(m);
+    define_non_finite(m);
 }
 
 }  // namespace scene
 
 namespace rendering {
 
-void define(nb::module_& m);  // in unbounded.cpp
+void define(nb::module_& m);  // in non_finite.cpp
 
 }  // namespace rendering
 

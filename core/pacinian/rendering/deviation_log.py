@@ -6,7 +6,13 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.scene.sampling.sample_counts import HAND_FADING, HAND_LOST, LEFT_OUT, TOO_FINE
+from pacinian.scene.sampling.sample_counts import (
+    HAND_FADING,
+    HAND_LOST,
+    LEFT_OUT,
+    NO_SURFACE,
+    TOO_FINE,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -27,7 +33,7 @@ FEWER_FRAMES = "in fewer frames"
 BY_TICK = frozenset(
     {
         LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
-        FEWER_FRAMES, TOO_FINE, HAND_LOST, HAND_FADING,
+        FEWER_FRAMES, TOO_FINE, NO_SURFACE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""

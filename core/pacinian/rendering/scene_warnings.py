@@ -10,9 +10,10 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PointOnTransducer
-from pacinian.scene.objects import Particles, Path
+from pacinian.scene.objects import Particles, Path, Volume
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import OFF
+from pacinian.scene.shapes.function_solid import SDF
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,11 +34,13 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
 
     gain: largest amplitude of a transducer, 0..1. Raises ArgumentError if a texture's file cannot be read.
     """
-    outside, weak = list[str](), list[str]()
+    outside, weak, empty = list[str](), list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
         if not item.pressure > 0.0 or item.envelope == OFF:
             continue
         label = repr(label_object(item, i))
+        if isinstance(item, Volume) and isinstance(item.shape, SDF) and not item.shape.area > 0.0:
+            empty.append(label)
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > 0.0 and away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
@@ -56,6 +59,11 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
         yield (
             f"stronger than the array can be at that place: {_name(weak)}. Move nearer to the array, ask for less, or "
             "add units"
+        )
+    if empty:
+        yield (
+            f"without a surface: {_name(empty)}. The function of an `SDF` must give distances in metres "
+            "that are 0 somewhere within its `extent`"
         )
     for i, period, resolved in sampler.find_fine_textures(scene):
         yield (

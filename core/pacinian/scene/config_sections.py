@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=Struct)
 
 DEFAULT_BUDGET = 320  # samples; a ball of 30 mm radius in free air has 304 (decision 75)
-MIN_SPACING = 1e-4  # smallest spacing of samples [m], about a hundredth of a wavelength
+MIN_SAMPLE_SPACING = 1e-4  # smallest spacing of samples [m], about a hundredth of a wavelength
 
 
 class Units(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="autd"):
@@ -121,7 +121,7 @@ class Sampling(Struct, frozen=True, forbid_unknown_fields=True):
         # The same checks as in `Sampler`, which a guard does not load, because it must restart quickly.
         check_integer("budget", self.budget, low=1)
         if self.spacing is not None:
-            check_number("spacing", check_length("spacing", self.spacing), low=MIN_SPACING)
+            check_number("spacing", check_length("spacing", self.spacing), low=MIN_SAMPLE_SPACING)
 
 
 class Workspace(Struct, frozen=True, forbid_unknown_fields=True):

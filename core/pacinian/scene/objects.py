@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 SPOT = math.pi * 0.00425**2  # default area of a point [m^2]: a disc one wavelength across
-WAVELENGTH = 0.0085  # default width of paths and diameter of particles [m]
+DEFAULT_WIDTH = 0.0085  # default width of paths and diameter of particles [m]
 THICKNESS = 0.02  # default depth down to which a surface is felt [m]
 MAX_PARTICLES = 100_000  # largest number of particles in one object
 ORIGIN = np.zeros(3)
@@ -96,7 +96,7 @@ class Path(HapticObject, frozen=True, kw_only=True, tag_field="type", tag="path"
 
     shape: Curve
     pose: Pose = Pose()
-    width: float = WAVELENGTH
+    width: float = DEFAULT_WIDTH
 
     def __post_init__(self) -> None:
         check_kind("shape", self.shape, Line, Circle, Lissajous, Polyline)
@@ -138,7 +138,7 @@ class Particles(
 
     positions: tuple[Vector, ...]
     pose: Pose = Pose()
-    radius: float = WAVELENGTH / 2.0
+    radius: float = DEFAULT_WIDTH / 2.0
 
     def __post_init__(self) -> None:
         places = check_numbers("positions", self.positions, (None, 3))

@@ -16,7 +16,7 @@ from pacinian.scene.shapes.local_samples import EDGE
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
-MIN_SPACING = 1e-6  # smallest distance of points [m]
+MIN_POINT_SPACING = 1e-6  # smallest distance of points [m]
 ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -84,4 +84,4 @@ def ball(radius: float, spacing: float, centre: ArrayLike = ORIGIN) -> Floats:
 
 
 def _check_spacing(spacing: float) -> float:
-    return check_number("spacing", check_length("spacing", spacing), low=MIN_SPACING)
+    return check_number("spacing", check_length("spacing", spacing), low=MIN_POINT_SPACING)

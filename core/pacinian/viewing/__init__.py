@@ -2,7 +2,7 @@
 
 run.py                   runs all of it, until Ctrl-C
 app.py                   HTTP on loopback, token, content security policy, websockets
-feed.py                  the connection to one page: messages, at most 40 per second, slow pages
+page_connection.py       the connection to one page: its messages and requests, at most 40 slices a second; slow pages
 messages.py              messages between pages and viewer (docs/viewer-feed.md); their version
 hub.py                   newest values for all pages
 server_connection.py     a client of the server in a thread: passes on requests (arm, stop, select), reconnects

@@ -22,7 +22,7 @@ try:
 except ImportError as error:
     raise MissingExtra("starlette", "view") from error
 
-from pacinian.viewing.feed import PageConnection
+from pacinian.viewing.page_connection import PageConnection
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send

@@ -22,7 +22,7 @@ from pacinian.wire.protocol import (
 )
 from pacinian.wire.shapes import Curve, Pose, Shell, Solid, Values
 
-WAVELENGTH = 0.0085  # [m]
+DEFAULT_WIDTH = 0.0085  # [m]
 SPOT = math.pi * 0.00425**2  # area of a disc one wavelength across [m^2]
 STILL = 0.0, 0.0, 0.0
 
@@ -102,7 +102,7 @@ class Path(Felt, frozen=True, kw_only=True, tag="path"):
 
     shape: Curve
     pose: Pose = Pose()
-    width: Length = WAVELENGTH
+    width: Length = DEFAULT_WIDTH
 
 
 class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
@@ -113,7 +113,7 @@ class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
 
     positions: Annotated[bytes, Meta(max_length=12 * MAX_PARTICLES)]
     pose: Pose = Pose()
-    radius: Length = WAVELENGTH / 2.0
+    radius: Length = DEFAULT_WIDTH / 2.0
 
     BULK = (Rows("positions", 3),)
 

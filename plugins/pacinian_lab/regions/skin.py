@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.reachability import ReachabilityFilter
-from pacinian.scene.config_sections import MIN_SPACING
+from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.session import Session
@@ -40,7 +40,7 @@ def measure_felt(
     sampler. gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3
     to 10 mm beside the touched skin.
     """
-    sampler = Sampler(BUDGET, MIN_SPACING, perception=False)
+    sampler = Sampler(BUDGET, MIN_SAMPLE_SPACING, perception=False)
     sampler.skin = _fine()
     sampler.prepare(array, medium)
     samples = sampler.sample(scene, t)

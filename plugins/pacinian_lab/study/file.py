@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.propagation import Precision
 from pacinian.checks import check_integer, check_length, check_number
-from pacinian.devices.description import Element, Steps
+from pacinian.devices.description import LevelCounts, TransducerType
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.scene.config_sections import Medium
@@ -96,9 +96,9 @@ class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     title: str = ""
     seed: int = 0
     medium: Medium = Medium()
-    transducer: Element = Element()
+    transducer: TransducerType = TransducerType()
     gain: float = 1.0
-    emitted: Steps | None = None
+    emitted: LevelCounts | None = None
     picture: Picture = Picture()
 
     def __post_init__(self) -> None:

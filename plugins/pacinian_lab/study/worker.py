@@ -22,7 +22,7 @@ from pacinian_lab.study.target_plane import TargetPlane
 if TYPE_CHECKING:
     from distributed import Worker
 
-    from pacinian.devices.description import Steps
+    from pacinian.devices.description import LevelCounts
     from pacinian.types import Complexes, Floats, Gains
     from pacinian_lab.study.file import Method, Picture
     from pacinian_lab.study.planes import Plane
@@ -63,7 +63,7 @@ class Batch:
     proportions: Floats
     medium: pc.Air
     gain: float | None
-    emitted: Steps | None
+    emitted: LevelCounts | None
     picture: Picture
     jobs: tuple[Job, ...]
 

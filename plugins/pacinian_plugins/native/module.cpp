@@ -8,7 +8,7 @@
 
 namespace pacinian::lagrange {
 
-void define_unbounded(nb::module_& m);  // in unbounded.cpp
+void define_non_finite(nb::module_& m);  // in non_finite.cpp
 
 static void define(nb::module_& m) {
     define_workspace(m);
@@ -19,7 +19,7 @@ static void define(nb::module_& m) {
     define_newton_step(m);
     define_primal(m);
     define_region(m);
-    define_unbounded(m);
+    define_non_finite(m);
 }
 
 }  // namespace pacinian::lagrange

@@ -223,20 +223,20 @@ def test_dead_and_odd_channels_are_counted() -> None:
 
 
 def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
-    from pacinian.devices.description import Element
+    from pacinian.devices.description import TransducerType
 
     found = levels(
-        device_findings.check_description(described(transducer=Element(frequency=30_000.0)))
+        device_findings.check_description(described(transducer=TransducerType(frequency=30_000.0)))
     )
     assert found["frequency"] == "warning"
 
 
 def test_levels_must_be_the_backend_s() -> None:
-    from pacinian.devices.description import Steps
+    from pacinian.devices.description import LevelCounts
 
     assert device_findings.levels(described(), CAN).level == "ok"
-    assert device_findings.levels(described(levels=Steps(128, 65)), CAN).level == "ok"
-    wrong = device_findings.levels(described(levels=Steps(256, 65), backend="mine"), CAN)
+    assert device_findings.levels(described(levels=LevelCounts(128, 65)), CAN).level == "ok"
+    wrong = device_findings.levels(described(levels=LevelCounts(256, 65), backend="mine"), CAN)
     assert wrong.level == "problem"
     assert "mine has 128 phases" in wrong.text
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pytest
 
 import pacinian as pc
 from pacinian import plot
 from pacinian.cli.run_output import picture
 from pacinian.testing import ManualClock
+
+if TYPE_CHECKING:
+    import pytest
 
 ARRAY = pc.autd(3, 3)
 

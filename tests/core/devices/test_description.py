@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.devices.description import schema
-from pacinian.devices.layouts import Grid, Places, Unit
+from pacinian.devices.layouts import AutdUnit, Grid, Places
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = sorted((ROOT / "examples" / "devices").glob("*.toml"))
@@ -190,7 +190,7 @@ def test_a_description_goes_through_json(tmp_path: Path) -> None:
     jsonschema.validate(json.loads(path.read_text()), schema())
 
 
-@pytest.mark.parametrize("layout", [Unit(), Grid(3, 5, 0.012), Places(((0.0, 0.0, 0.0),))])
+@pytest.mark.parametrize("layout", [AutdUnit(), Grid(3, 5, 0.012), Places(((0.0, 0.0, 0.0),))])
 def test_a_layout_has_as_many_places_as_it_says(layout: Any) -> None:
     assert layout.positions().shape == (layout.count, 3)
 

@@ -111,3 +111,36 @@ def test_many_objects_are_one_sentence_that_names_a_few() -> None:
 
 def test_particles_have_no_single_place() -> None:
     assert warn(pc.Particles(positions=((0.0, 0.0, 0.2),), radiation_pressure=1.0)) == ()
+
+
+@pytest.mark.parametrize("hands", [(), (pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.17))),)])
+@pytest.mark.parametrize(
+    "found",
+    [
+        lambda points: np.ones(len(points)),  # outside everywhere
+        lambda points: -np.ones(len(points)),  # inside everywhere
+        lambda points: np.linalg.norm(points, axis=1) - 0.05,  # beyond the extent
+        lambda points: 1e3 * np.linalg.norm(points, axis=1) - 10.0,  # in millimetres
+    ],
+)
+def test_a_solid_without_a_surface_is_named(found: Any, hands: tuple[pc.Hand, ...]) -> None:
+    solid = pc.SDF(found, (0.012, 0.012, 0.012))
+    item = pc.Volume(
+        shape=solid, pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=1.0, name="blob"
+    )
+    scene, clock = pc.Scene((item,), hands=hands), ManualClock()
+    with pc.Renderer(ARRAY, scene, medium=AIR, clock=clock) as renderer:
+        renderer.tick(0.0)
+        assert any(
+            "without a surface: 'blob'" in text and "extent" in text
+            for text in renderer.report.warnings
+        )
+        assert not renderer.report.as_asked
+        if not hands:
+            assert renderer.report.deviations.totals["blob"]["no surface found"].total == 1
+
+
+def test_a_solid_with_a_surface_is_not_named() -> None:
+    solid = pc.SDF(lambda points: np.linalg.norm(points, axis=1) - 0.01, (0.012, 0.012, 0.012))
+    item = pc.Volume(shape=solid, pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=0.01)
+    assert not warn(item)

@@ -174,7 +174,7 @@ class Status(RuleBasedStateMachine):
     def frame(self, sounds: bool) -> None:
         """The renderer writes a frame, and the guard reads it."""
         permit = Permit.unpack(self.memory["permit"].data)
-        device = self.gate.next or self.gate.generation
+        device = self.gate.next_generation or self.gate.generation
         self.sequence += 1
         head = FrameHead(self.sequence, 0.0, permit.epoch, device, 1 if sounds else 0, N).pack()
         levels = b"\1\0" * 2 * N if sounds else b""

@@ -12,7 +12,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.acoustics.propagation import field
-from pacinian.scene.config_sections import MIN_SPACING
+from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import _fine as fine_skin
 
@@ -182,7 +182,7 @@ class Skin(NamedTuple):
 
 def on_skin(array: pc.Array, scene: Callable[[float], pc.Scene], ticks: int) -> list[Skin]:
     """Yield these values for each row that is sent, at skin points that no sampler uses."""
-    sampler = pc.Sampler(1_000_000, MIN_SPACING, perception=False)
+    sampler = pc.Sampler(1_000_000, MIN_SAMPLE_SPACING, perception=False)
     sampler.skin = fine_skin()
     sampler.prepare(array, AIR)
     propagator, found = pc.Propagator(array, AIR), []

@@ -25,7 +25,7 @@ from pacinian.scene.modulation.envelope import (
 )
 from pacinian.scene.modulation.technique import AM, LM, SIMULTANEOUS, STM
 from pacinian.scene.motion import Motion
-from pacinian.scene.objects import SPOT, WAVELENGTH, Particles, Path, Point, Surface, Volume
+from pacinian.scene.objects import DEFAULT_WIDTH, SPOT, Particles, Path, Point, Surface, Volume
 from pacinian.scene.shapes import box_disc_rectangle
 from pacinian.scene.shapes import sphere_capsule as rounds
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
@@ -246,7 +246,7 @@ def test_who_knows_scene_files_knows_the_wire(ours: type, theirs: type) -> None:
 
 def test_defaults_are_those_of_scenes() -> None:
     assert objects.SPOT == SPOT
-    assert objects.WAVELENGTH == WAVELENGTH
+    assert objects.DEFAULT_WIDTH == DEFAULT_WIDTH
 
 
 def test_the_technique_that_nobody_chose_is_the_servers() -> None:

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.devices.description import Element, Steps
+from pacinian.devices.description import LevelCounts, TransducerType
 from pacinian.testing import ManualClock
 from pacinian_lab.study import worker
 from pacinian_lab.study.file import Picture, Study, read
@@ -93,7 +93,7 @@ def test_the_yield_of_one_transducer_is_a_closed_form() -> None:
     (row,) = rows(
         layouts=(Rings(diameter=0.001),),
         planes=(Plane(z=r),),
-        transducer=Element(directivity="omni"),
+        transducer=TransducerType(directivity="omni"),
     )
     assert row["transducers"] == 1
     c = AIR.speed_of_sound
@@ -175,9 +175,11 @@ def test_the_papers_experiment_comes_out_as_it_does_elsewhere(
 def test_gains_are_rounded_to_the_devices_levels_before_they_are_judged() -> None:
     parts = {"patterns": (RandomPoints(count=3, side=0.08),)}
     (exact,) = rows(**parts)
-    (coarse,) = rows(**parts, emitted=Steps(phases=8, amplitudes=8))
+    (coarse,) = rows(**parts, emitted=LevelCounts(phases=8, amplitudes=8))
     assert coarse["error"] > 10.0 * exact["error"]
-    study = Study(layouts=(Autd(),), picture=SMALL, emitted=Steps(phases=16, amplitudes=5), **parts)
+    study = Study(
+        layouts=(Autd(),), picture=SMALL, emitted=LevelCounts(phases=16, amplitudes=5), **parts
+    )
     batch = Plan(study).batch(Plan(study).tasks)
     g = quantise_gains(batch, solve(batch, batch.target_plane(), batch.jobs[0]).gains)
     np.testing.assert_allclose(4.0 * np.abs(g), np.rint(4.0 * np.abs(g)), atol=1e-5)

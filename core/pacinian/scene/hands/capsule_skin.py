@@ -13,8 +13,8 @@ from pacinian.scene.hands.bones import FINGERS, PARENTS
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.hands.skin import PosedPoints, Skin
 from pacinian.scene.hands.skin_lod import (
+    FINEST_SKIN_SPACING,
     GRAIN,
-    MIN_SPACING,
     SPACINGS,
     Between,
     SkinNodes,
@@ -53,7 +53,7 @@ class CapsuleSkin(Skin):
     """
 
     def __init__(
-        self, spacing: float = MIN_SPACING, grain: float = GRAIN, *, finely: bool = False
+        self, spacing: float = FINEST_SKIN_SPACING, grain: float = GRAIN, *, finely: bool = False
     ) -> None:
         shapes = flesh.make_capsules(Hand.open())
         every = [_around(shapes, c, grain) for c in range(len(shapes))]
@@ -73,7 +73,7 @@ class CapsuleSkin(Skin):
             for values in zip(*((k.bone, k.along, k.axial, k.sides) for k in kinds), strict=True)
         )
         K = sum(counts)
-        self.levels = spacing / MIN_SPACING * SPACINGS
+        self.levels = spacing / FINEST_SKIN_SPACING * SPACINGS
         hidden = np.arange(K) >= counts[0]
         super().__init__(surface, np.where(hidden, self.levels[0], apart), area, bone[:K], hidden)
         self.along, self.axial, self.sides = along[:K], axial[:K], sides[:K]

@@ -11,7 +11,7 @@ from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest
 from pacinian.scene.hands.skin import PosedPoints, Skin
-from pacinian.scene.hands.skin_lod import GRAIN, MIN_SPACING, SkinNodes, spread_finely
+from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING, GRAIN, SkinNodes, spread_finely
 from pacinian.scene.shapes.triangle_points import find_barycentric, pick_points
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class MeshSkin(Skin):
         normals = self.outward * across[face] / self.doubled[face, None]
         surface = SkinNodes(points, normals, np.zeros(N, dtype=np.intp))
         order, apart, area, self.between = spread_finely(
-            surface, np.full(N, total / N), MIN_SPACING
+            surface, np.full(N, total / N), FINEST_SKIN_SPACING
         )
         K, every = len(apart), surface.only(order)
         self._faces = face[order]

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats, Indices
 
 # Finest spacing, a fifth of a wavelength [m]. Pressure falls from full to 0 within 3 mm of a rim.
-MIN_SPACING = 1.75e-3
-SPACINGS = MIN_SPACING * np.sqrt(2.0) ** np.arange(9)
+FINEST_SKIN_SPACING = 1.75e-3
+SPACINGS = FINEST_SKIN_SPACING * np.sqrt(2.0) ** np.arange(9)
 """Spacings of the levels, fine to coarse, (9,) [m]."""
 GRAIN = 0.9e-3  # spacing of the candidates for the points of a skin [m]
 # Spacings of the levels between the points of a skin, over that of its finest level. The first has all candidates.
@@ -130,7 +130,7 @@ def join_between(parts: list[Between], counts: list[int]) -> Between:
 
 
 def spread_pressure(
-    surface: SkinNodes, spacing: float = MIN_SPACING
+    surface: SkinNodes, spacing: float = FINEST_SKIN_SPACING
 ) -> tuple[Indices, Floats, Indices]:
     """Choose points one after the other, each the farthest from those already chosen.
 

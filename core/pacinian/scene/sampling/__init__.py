@@ -8,8 +8,8 @@ Where
     posed_skin.hpp            skin near an object, forces: called by posed_skin.py and distance_cache.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
-    sources.py                objects near hands; objects without one; points, paths, particles that touch one; keys
-    spacing.py                distance between samples: a wavelength, or the array's resolution; closer in contacts
+    sample_sources.py         objects near hands; objects without one; points, paths, particles that touch one; keys
+    spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
     array_resolution.py       resolution of the array by place; how well it sees skin (incidence)
     refine.py                 closer samples for small regions
     surround.py               silent samples beside touched regions, against spill of pressure

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Floats
 
-COARSER = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
+LEVEL_RATIO = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
 MAX_SUBSET = 8  # number of transducers that represent the array for visibility
 # Mean cos^2 of the angle of incidence at which skin gets no pressure, or its full pressure (cosines 0.14 and 0.32).
 BLOCKED_COS2, FULL_PRESSURE_COS2 = 0.02, 0.1
@@ -69,8 +69,8 @@ class ArrayResolution:
                 resolved = 0.0
             # the resolution is infinite where only one transducer is heard
             finest = min(max(resolved, self.wavelength), MAX_LENGTH)
-            steps = math.log(finest / self.wavelength) / math.log(COARSER)
-            kept = self._cells[x, y, z] = self.wavelength * COARSER ** round(steps), resolved
+            steps = math.log(finest / self.wavelength) / math.log(LEVEL_RATIO)
+            kept = self._cells[x, y, z] = self.wavelength * LEVEL_RATIO ** round(steps), resolved
         return kept
 
     def focal_areas(self, positions: Floats, normals: Floats, *, uniform: bool) -> Floats:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native.scene import press_on
-from pacinian.scene.hands.skin_lod import MIN_SPACING as FINEST_OF_SKIN
+from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING
+from pacinian.scene.sampling.sample_sources import number_region
 from pacinian.scene.sampling.samples import Samples
-from pacinian.scene.sampling.sources import number_region
 from pacinian.scene.shapes.texture import apply_texture
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class Contact:
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """See `Source`."""
+        """See `SampleSource`."""
         return self.hand.centre
 
     @property
@@ -113,7 +113,7 @@ def find_contact(
         return None
 
     def finely(level: int) -> tuple[FineSkin, Indices, Floats]:
-        fine = hand.refine(which[d < reach + FINEST_OF_SKIN], level)
+        fine = hand.refine(which[d < reach + FINEST_SKIN_SPACING], level)
         at = (fine.points - pose.position) @ pose.matrix
         apart = distances.of(item, name, hand, fine.which, at, reach, material.enough(most))
         nodes, force = hand.press_finely(

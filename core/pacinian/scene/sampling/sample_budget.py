@@ -9,24 +9,25 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.errors import ArgumentError
-from pacinian.scene.sampling.array_resolution import COARSER
+from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
 from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
     FAINT,
+    NO_SURFACE,
     OUTSIDE,
     OVER_BUDGET,
     label_object,
 )
-from pacinian.scene.sampling.sources import WholeObject, is_dense, is_sequential
+from pacinian.scene.sampling.sample_sources import WholeObject, forms_region, is_sequential
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.scene.sampling.sample_counts import SampleCounts
+    from pacinian.scene.sampling.sample_sources import SampleSource
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.scene.sampling.sources import Source
 
     Cut = Callable[[Samples], Samples]
 
@@ -66,7 +67,7 @@ def _share_alone(budget: int, level: int) -> int:
 
 
 def allot_budget(
-    sources: list[tuple[Source, float]],
+    sources: list[tuple[SampleSource, float]],
     budget: int,
     levels: dict[int, int],
     cut: Cut,
@@ -115,6 +116,8 @@ def allot_budget(
             counts.note(COARSENED, source.index, asked - one.asked)
             counts.note(FAINT, source.index, one.faint)
             counts.note(OUTSIDE, source.index, one.outside)
+            if isinstance(source, WholeObject) and not (len(samples) or one.outside):
+                counts.note_object(NO_SURFACE, source.index)
             counts.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
             left -= min(count, left)
             parts.append(kept)
@@ -126,14 +129,14 @@ def count_pressing(samples: Samples) -> int:
     return int(np.count_nonzero(samples.radiation_pressure))
 
 
-def _make(source: Source, spacing: float, cut: Cut) -> LevelSamples:
+def _make(source: SampleSource, spacing: float, cut: Cut) -> LevelSamples:
     samples = source.at(spacing)
     inside = cut(samples)
     outside = 0 if inside is samples else count_pressing(samples) - count_pressing(inside)
     return LevelSamples(inside, source.faint, outside)
 
 
-def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
+def _count_asked(source: SampleSource, spacing: float, cut: Cut, most: float) -> int:
     """Return the number of samples at the intended spacing; an estimate if that is more than `most`."""
     if isinstance(source, WholeObject):
         count = estimate_samples(source.item, spacing)
@@ -144,7 +147,7 @@ def _count_asked(source: Source, spacing: float, cut: Cut, most: float) -> int:
     return _make(source, spacing, cut).asked
 
 
-def _check_estimate(members: list[tuple[Source, float]], left: int, bands: int) -> None:
+def _check_estimate(members: list[tuple[SampleSource, float]], left: int, bands: int) -> None:
     """Raise ArgumentError if there are clearly too many samples, before they are made."""
     if _estimate_whole(members, 0) > MAX_ESTIMATE_RATIO * left * bands:
         count, source = max(
@@ -153,7 +156,7 @@ def _check_estimate(members: list[tuple[Source, float]], left: int, bands: int) 
         raise _too_many(source, round(count), left)
 
 
-def _too_many(source: Source, count: int, left: int) -> ArgumentError:
+def _too_many(source: SampleSource, count: int, left: int) -> ArgumentError:
     label = label_object(source.item, source.index)
     return ArgumentError(
         "scene",
@@ -163,11 +166,11 @@ def _too_many(source: Source, count: int, left: int) -> ArgumentError:
     )
 
 
-def _count_simultaneous(source: Source, samples: Samples, bands: int) -> int:
+def _count_simultaneous(source: SampleSource, samples: Samples, bands: int) -> int:
     """Return the number of simultaneous samples of a source, given the number of bands."""
     if is_sequential(source.item):
         return min(1, len(samples))
-    divided = bands > 1 and is_dense(source.item) and len(samples) > MIN_DIVIDED_SAMPLES
+    divided = bands > 1 and forms_region(source.item) and len(samples) > MIN_DIVIDED_SAMPLES
     return math.ceil(len(samples) * WIDER / bands) if divided else len(samples)
 
 
@@ -177,7 +180,7 @@ def _strongest(samples: Samples, count: int) -> Samples:
 
 
 def _fit_level(
-    members: list[tuple[Source, float]], left: int, level: int, cut: Cut, bands: int, *, alone: bool, fixed: bool,
+    members: list[tuple[SampleSource, float]], left: int, level: int, cut: Cut, bands: int, *, alone: bool, fixed: bool,
 ) -> tuple[list[LevelSamples], int]:  # fmt: skip
     """Return the samples of sources of one priority, and the level at which they are at most `left`.
 
@@ -191,7 +194,9 @@ def _fit_level(
 
     def every(level: int) -> list[LevelSamples]:
         return [
-            _make(source, spacing if is_sequential(source.item) else spacing * COARSER**level, cut)
+            _make(
+                source, spacing if is_sequential(source.item) else spacing * LEVEL_RATIO**level, cut
+            )
             for source, spacing in members
         ]
 
@@ -210,7 +215,7 @@ def _fit_level(
         """Return whether a coarser level than `level` still reduces the samples."""
         reach = max(source.item.bounding_radius for source, _ in members)
         finest = min(spacing for _, spacing in members)
-        return finest * COARSER**level < 2.0 * reach and level < MAX_LEVEL
+        return finest * LEVEL_RATIO**level < 2.0 * reach and level < MAX_LEVEL
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
@@ -234,10 +239,10 @@ def _fit_level(
     return made, level
 
 
-def _estimate_whole(members: list[tuple[Source, float]], level: int) -> float:
+def _estimate_whole(members: list[tuple[SampleSource, float]], level: int) -> float:
     """Estimate the number of samples of the sources that are rendered whole."""
     return sum(
-        estimate_samples(source.item, spacing * COARSER**level)
+        estimate_samples(source.item, spacing * LEVEL_RATIO**level)
         for source, spacing in members
         if isinstance(source, WholeObject) and not is_sequential(source.item)
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
-from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SPACING
+from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SAMPLE_SPACING
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
@@ -43,21 +43,21 @@ from pacinian.scene.sampling.sample_counts import (
     TOO_FINE,
     SampleCounts,
 )
-from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
-from pacinian.scene.sampling.sources import (
+from pacinian.scene.sampling.sample_sources import (
     PointContacts,
+    SampleSource,
     SinglePoint,
-    Source,
     WholeObject,
     cull,
-    is_dense,
+    forms_region,
     is_sequential,
 )
+from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.spacing import (
     CONTACT_SAMPLES,
     FINE_CONTACT_SAMPLES,
     REGION_SPACING,
-    WAVELENGTH,
+    SPACING_WITHOUT_ARRAY,
     compute_spacing,
     space_contacts,
 )
@@ -130,7 +130,9 @@ class Sampler:
     ) -> None:
         self.budget = self.allowed = check_integer("budget", budget, low=1)
         if spacing is not None:
-            spacing = check_number("spacing", check_length("spacing", spacing), low=MIN_SPACING)
+            spacing = check_number(
+                "spacing", check_length("spacing", spacing), low=MIN_SAMPLE_SPACING
+            )
         self.spacing = spacing
         self.ramp = check_number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
@@ -242,7 +244,7 @@ class Sampler:
         )  # fmt: skip
         if not sources:
             return no_samples(scene.objects, capsules)
-        solid = any(is_dense(source.item) for source, _ in sources)
+        solid = any(forms_region(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
         if solid and skin:
             budget = share_budget(budget, SHARE_ON_SKIN)
@@ -281,7 +283,9 @@ class Sampler:
         for i in sorted(set(range(len(scene.objects))) - set(found)):
             item = scene.objects[i]
             if item.pressure > 0.0 and item.envelope != OFF:
-                spacing = self.spacing or WAVELENGTH * (REGION_SPACING if is_dense(item) else 1.0)
+                spacing = self.spacing or SPACING_WITHOUT_ARRAY * (
+                    REGION_SPACING if forms_region(item) else 1.0
+                )
                 count = round(estimate_samples(item, spacing))
                 counts.ask(i, count)
                 counts.note(FAR if scene.workspace is None else OUTSIDE, i, count)
@@ -364,9 +368,9 @@ class Sampler:
     def _sources(
         self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]],
         skin: bool,
-    ) -> list[tuple[Source, float]]:  # fmt: skip
+    ) -> list[tuple[SampleSource, float]]:  # fmt: skip
         """Return the sources of samples, highest priority first, each with its intended spacing [m]."""
-        objects, sources = scene.objects, list[tuple[Source, float]]()
+        objects, sources = scene.objects, list[tuple[SampleSource, float]]()
         for i in found:
             item = objects[i]
             if not item.pressure > 0.0 or item.envelope == OFF:
@@ -381,7 +385,7 @@ class Sampler:
             least = lowest_threshold(find_vibration(item)) if judged else 0.0
             for hand, share in hands:
                 own = (name + hand.salt) % NAMES
-                source: Source | None
+                source: SampleSource | None
                 if isinstance(item, (Surface, Volume)):
                     source = find_contact(
                         item,
@@ -472,7 +476,7 @@ class Sampler:
         group = np.repeat(_number_groups(items), sizes)
         P, area = np.empty(len(whole)), np.empty(len(whole))
         kept = np.empty(len(whole), dtype=np.bool_)
-        apart = MERGE_SHARE * (WAVELENGTH if self.spacing is None else self.spacing)
+        apart = MERGE_SHARE * (SPACING_WITHOUT_ARRAY if self.spacing is None else self.spacing)
         radius = np.full(len(whole), MERGE_DISTANCE if self.strict else apart)
         radius[whole.regions != ISOLATED] = MERGE_DISTANCE
         gone = merge(

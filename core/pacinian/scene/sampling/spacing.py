@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pacinian.scene.sampling.array_resolution import COARSER
+from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
 from pacinian.scene.sampling.contact import Contact
-from pacinian.scene.sampling.sources import is_dense
+from pacinian.scene.sampling.sample_sources import forms_region
 
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.array_resolution import ArrayResolution
-    from pacinian.scene.sampling.sources import Source
+    from pacinian.scene.sampling.sample_sources import SampleSource
 
-WAVELENGTH = 0.0085  # spacing before an array is known [m]
+SPACING_WITHOUT_ARRAY = 0.0085  # spacing before an array is known [m]
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
-REGION_SPACING = 0.5 / COARSER
+REGION_SPACING = 0.5 / LEVEL_RATIO
 # Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
 MIN_CONTACT_SPACING, MAX_CONTACT_SPACING = 0.08, 0.3
 # Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
@@ -30,12 +30,14 @@ def compute_spacing(
     item: Object, place: tuple[float, float, float], resolving: ArrayResolution | None
 ) -> float:
     """Return the spacing of an object's samples at `place` [m]. resolving: None if no array is known yet."""
-    resolved = WAVELENGTH if resolving is None else resolving.compute_isolated_spacing(place)
-    return REGION_SPACING * resolved if is_dense(item) else resolved
+    resolved = (
+        SPACING_WITHOUT_ARRAY if resolving is None else resolving.compute_isolated_spacing(place)
+    )
+    return REGION_SPACING * resolved if forms_region(item) else resolved
 
 
 def space_contacts(
-    sources: list[tuple[Source, float]], count: int, last: dict[int, float]
+    sources: list[tuple[SampleSource, float]], count: int, last: dict[int, float]
 ) -> dict[int, float]:
     """Set the spacings of all contacts that are regions, so that together they have about `count` samples.
 
@@ -46,7 +48,7 @@ def space_contacts(
     dense = [
         (n, source, spacing / REGION_SPACING)
         for n, (source, spacing) in enumerate(sources)
-        if isinstance(source, Contact) and is_dense(source.item)
+        if isinstance(source, Contact) and forms_region(source.item)
     ]
     each = sum(contact.extent for _, contact, _ in dense) / count
     for n, contact, resolved in dense:

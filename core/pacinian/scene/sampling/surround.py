@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.scene.sampling.sample_sources import make_keys
 from pacinian.scene.sampling.samples import BESIDE, join_samples
-from pacinian.scene.sampling.sources import make_keys
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin

@@ -62,7 +62,7 @@ MIN_ROUND_INTERVAL = 3e-4
 # system where a new session cannot end the wait.
 SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
 # Thread switch interval [s]. It limits how long a conversion blocks the loop.
-SWITCH = 2e-4
+THREAD_SWITCH_INTERVAL = 2e-4
 REPORT_INTERVAL = 0.05  # interval between two status reports [s]
 QUEUE = 256  # largest number of messages of one client that may wait at the bus
 
@@ -229,7 +229,7 @@ def main() -> None:
     ended = threading.Event()
     config = child_process.read_launch_config(ended.set)
     configure(config.settings.log, "bus")
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(THREAD_SWITCH_INTERVAL)
     # A priority above clients that flood the server, but below the renderer.
     scheduling.raise_priority(scheduling.EAGER - 1)
     with open_bus(config.settings, config.path, config.secrets) as bus:

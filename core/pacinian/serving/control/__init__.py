@@ -8,6 +8,6 @@ pending_stops.py      emergency stops that wait until the guard reports silence
 selection.py          another solver, backend, technique or intensity while it runs
 supervisor.py         starts the other processes, restarts those that end or hang, ends them in order
 server_status.py      the published state, from the statuses of all processes
-explain_silence.py    why the output is silent
+explain_silence.py    why the output is silent, in sentences for people
 metrics.py            figures for Prometheus
 """

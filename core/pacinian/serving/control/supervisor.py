@@ -21,7 +21,7 @@ GUARD, SPARE = "guard", "spare"
 # The processes in the order in which they end. The guard is last, because the device is silenced last.
 END_ORDER = "render", "bus", "guard"
 # Time limit for the first heartbeat of a process [s]. It is long because other processes may occupy the CPUs.
-STARTING = 120.0
+MAX_FIRST_HEARTBEAT_TIME = 120.0
 # Time limit for the first heartbeat of a spare that takes over a device that may sound, if the spare has not waited for
 # long [s].
 SOUNDING_START = 5.0
@@ -77,7 +77,7 @@ class Child:
     name: str
     process: Process
     started: float
-    patience: float = STARTING
+    patience: float = MAX_FIRST_HEARTBEAT_TIME
     due: float | None = None
     wait: float = MIN_RESTART_DELAY
     restarts: int = 0
@@ -198,14 +198,18 @@ class Supervisor:
             child.process, self._spare, self._spare_due = spare.process, None, child.due
             loaded = now - spare.started > BACKOFF_RESET_TIME
             # the device of the last guard may sound meanwhile
-            young = max(self._hang_timeout, SOUNDING_START) if child.sounded else STARTING
+            young = (
+                max(self._hang_timeout, SOUNDING_START)
+                if child.sounded
+                else MAX_FIRST_HEARTBEAT_TIME
+            )
             child.patience = self._hang_timeout if loaded else young
             child.process.activate()
         elif now < child.due:
             return ""
         else:
             try:
-                child.process, child.patience = self._start(child.name, 0), STARTING
+                child.process, child.patience = self._start(child.name, 0), MAX_FIRST_HEARTBEAT_TIME
             except (OSError, ServerError) as error:
                 return f"could not be started: {error}"
         child.started, child.due, child.heard, child.sounded = now, None, self._watched, False

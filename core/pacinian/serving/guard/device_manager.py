@@ -140,7 +140,7 @@ class DeviceManager:
     def busy(self) -> bool:
         """Whether a device is being opened, waits for its first frame, or is to be closed."""
         gate = self._gate
-        return self._opening is not None or gate.coming is not None or bool(gate.leaving)
+        return self._opening is not None or gate.next_backend is not None or bool(gate.to_close)
 
     def follow(self, orders: RequestedSettings) -> None:
         """Carry out the orders that are new."""
@@ -161,7 +161,7 @@ class DeviceManager:
     def _reset_or_reopen(self, order: str) -> None:
         """Reset after a fault: switch to the waiting device, or reopen the current one."""
         gate = self._gate
-        if gate.fault and gate.coming is None:
+        if gate.fault and gate.next_backend is None:
             self._next.resets.append(order)
             if (old := gate.release()) is not None:
                 self._next.olds.append(old)
@@ -184,8 +184,8 @@ class DeviceManager:
             self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(gate.generation, ()):  # it has got its first frame
             self._note_result(order)
-        while gate.leaving and self._start(functools.partial(self._close, gate.leaving[-1])):
-            gate.leaving.pop()
+        while gate.to_close and self._start(functools.partial(self._close, gate.to_close[-1])):
+            gate.to_close.pop()
 
     def _came(self, opening: Opening, opened: Opened) -> None:
         if opening is self._opening:
@@ -193,7 +193,7 @@ class DeviceManager:
             return
         self._hanging -= 1
         if opened.device is not None:
-            self._gate.leaving.append(opened.device[0])
+            self._gate.to_close.append(opened.device[0])
 
     def _take(self, opened: Opened) -> None:
         gate, (orders, choice, device, problem) = self._gate, opened
@@ -206,7 +206,7 @@ class DeviceManager:
                 gate.fail(problem)
         else:
             if gate.backend is not None and self._next.order:
-                gate.leaving.append(device[0])
+                gate.to_close.append(device[0])
                 for order in orders:
                     self._note_result(order, SUPERSEDED)
             else:
@@ -235,7 +235,7 @@ class DeviceManager:
         self._next = PendingOpen()
         # A device that was selected has taken over meanwhile.
         if ahead.choice is None and gate.backend is not None:
-            gate.leaving += ahead.olds
+            gate.to_close += ahead.olds
             gate.clear()
             for order in ahead.resets:
                 self._note_result(order)
@@ -252,7 +252,7 @@ class DeviceManager:
             else:
                 problem = f"{choice.name}: the system permits no more threads"
         if problem:
-            gate.leaving += ahead.olds
+            gate.to_close += ahead.olds
             self._take(Opened(ahead.orders, choice, problem=problem))
 
     def _start(self, work: Callable[[], None]) -> bool:

@@ -53,22 +53,22 @@ class OutputGate:
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.backend: Backend | None = None
-        self.coming: Backend | None = None
+        self.next_backend: Backend | None = None
         """An open device that takes over with the first frame for it."""
-        self.leaving: list[Backend] = []
+        self.to_close: list[Backend] = []
         """Devices to close."""
         self._stuck: list[Backend] = []  # released while loud, and not closed yet
         self._why = ""  # the fault that released the last of them
         self.loud = False
         """A frame was sent since the last silence."""
-        self.generation = self.next = 0
+        self.generation = self.next_generation = 0
         self.fault = ""
         self.sounding = self.is_stale = False
         self.changed = True
         """There is news to report at once; the reporter clears it."""
         self._columns, self._gain, self._max_age, self._clock = columns, gain, frame_timeout, clock
         self._generations = 0
-        self._can = self._coming_can = Capability()
+        self._can = self._next_capability = Capability()
         self._head, self._data = NONE, b""  # the newest frame
         self._waits = False  # the newest frame has not been let through yet
         # Times [s]: newest frame seen, last frame of this device and epoch seen, epoch began.
@@ -92,9 +92,13 @@ class OutputGate:
             self._end_sound("replaced")
             self.backend, self.generation, self._can = backend, self._generations, can
         else:
-            if self.coming is not None:
-                self.leaving.append(self.coming)
-            self.coming, self.next, self._coming_can = backend, self._generations, can
+            if self.next_backend is not None:
+                self.to_close.append(self.next_backend)
+            self.next_backend, self.next_generation, self._next_capability = (
+                backend,
+                self._generations,
+                can,
+            )
         return self._generations
 
     def replace(self, last: DeviceStatus) -> None:
@@ -150,7 +154,7 @@ class OutputGate:
             self._epoch, self._armed, self._passed, self._gap = permit.epoch, now, math.nan, 0.0
         if frame is not None:
             self._see(frame, now)
-            if self.next and self._head.device == self.next:
+            if self.next_generation and self._head.device == self.next_generation:
                 self.switch()
                 return True
         reason = self._reason(permit, now)
@@ -226,9 +230,13 @@ class OutputGate:
         if self.loud and not faulty:
             return
         if (old := self.release()) is not None:
-            self.leaving.append(old)
-        self.backend, self.generation, self._can = self.coming, self.next, self._coming_can
-        self.coming, self.next, self.changed = None, 0, True
+            self.to_close.append(old)
+        self.backend, self.generation, self._can = (
+            self.next_backend,
+            self.next_generation,
+            self._next_capability,
+        )
+        self.next_backend, self.next_generation, self.changed = None, 0, True
 
     def _send(self) -> bool:
         """Send the newest frame; return whether that succeeded."""
@@ -267,10 +275,10 @@ class OutputGate:
         choice: PluginConfig | None = None,
     ) -> DeviceStatus:
         """Return the status to report to the other processes."""
-        can = self._can if self.coming is None else self._coming_can
+        can = self._can if self.next_backend is None else self._next_capability
         return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
-            next=self.next,
+            next=self.next_generation,
             name="" if self.backend is None else shorten(self.backend.name),
             phases=can.phases,
             amplitudes=len(can.sizes),

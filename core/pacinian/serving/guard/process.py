@@ -49,7 +49,7 @@ POLL_INTERVAL, IDLE_INTERVAL = 0.25e-3, 1e-3
 # Interval between two status reports while there is something to do, and while there is nothing to do [s].
 REPORT_INTERVAL, REST_REPORT_INTERVAL = 0.01, 0.05
 # Thread switch interval [s]. A thread that opens a device yields to the sounding one after this time.
-SWITCH = 1e-4
+THREAD_SWITCH_INTERVAL = 1e-4
 MAX_EXIT_TIME = 1.0  # time limit for the guard to end after its parent has gone [s]
 # Time to wait for the parent's lock on the shared memory after the parent has gone [s].
 LOCK_WAIT = 0.1
@@ -183,7 +183,7 @@ class GuardLoop:
                 gate.silence("end")
             with contextlib.suppress(Exception):
                 self.publish_status()
-            for backend in (gate.backend, gate.coming, *gate.leaving):
+            for backend in (gate.backend, gate.next_backend, *gate.to_close):
                 if backend is not None:
                     with contextlib.suppress(Exception):
                         backend.close()
@@ -214,7 +214,7 @@ def main() -> None:
     starter = child_process.Parent()
     config = starter.config
     configure(config.settings.log, "guard")
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(THREAD_SWITCH_INTERVAL)
     loop = GuardLoop(config.path, config.settings)
     if config.spare:
         starter.prepare()

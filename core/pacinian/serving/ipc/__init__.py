@@ -4,7 +4,7 @@ messages.py           what the processes tell each other: permit, frame, changes
 shared_memory.py      memory with one writer, where the newest value wins
 wake_pipe.py          ends the wait of another process
 child_process.py      a child of control: its start, configuration, heartbeat and end
-hang_detection.py     when a process without a heartbeat counts as one that hangs
+hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
 child_pipe.py         the pipes that hold a child's configuration, and end it when they close
 spawned_process.py    starts a process although no file descriptor is left
 scheduling.py         priority, real-time class and processor affinity

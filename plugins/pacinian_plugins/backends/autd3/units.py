@@ -20,7 +20,7 @@ PLACES = pc.autd().positions - pc.autd().positions[0]  # positions in a unit [m]
 
 
 @dataclass(frozen=True)
-class Unit:
+class UnitPose:
     """A unit: position of its first transducer [m], and rotation, a quaternion (w, x, y, z)."""
 
     origin: tuple[float, float, float]
@@ -36,7 +36,7 @@ class Unit:
 class Layout:
     """The units of an array of N transducers. places: unit * 249 + channel of each, (N,)."""
 
-    units: tuple[Unit, ...]
+    units: tuple[UnitPose, ...]
     places: Indices
 
     def geometry(self) -> Any:
@@ -76,7 +76,7 @@ def layout_of_description(description: pc.DeviceDescription, array: pc.Array) ->
     same = len(described) == len(array)
     if not same or np.abs(described.positions - array.positions).max() > POSITION_TOLERANCE:
         raise pc.BackendError(f"{NAME}: the array is not that of the `description`")
-    units: list[Unit] = []
+    units: list[UnitPose] = []
     places = np.zeros(len(array), np.intp)
     for k, (board, wiring) in enumerate(zip(description.boards, description.wiring, strict=True)):
         local = board.layout.positions()
@@ -90,12 +90,12 @@ def layout_of_description(description: pc.DeviceDescription, array: pc.Array) ->
                 f"{NAME}: board {k} must have no `order`: the units have their own"
             )
         x, y, z, w = board.pose.rotation
-        units.append(Unit(_triple(board.pose.points(local[:1])[0]), (w, x, y, z)))
+        units.append(UnitPose(_triple(board.pose.points(local[:1])[0]), (w, x, y, z)))
         places[wiring.indices] = UNIT * k + wiring.channels
     return Layout(tuple(units), places)
 
 
-def _unit(k: int, positions: Floats, normals: Floats) -> Unit:
+def _unit(k: int, positions: Floats, normals: Floats) -> UnitPose:
     """Return the unit that has these transducers. Raises BackendError."""
     x, y = (_direction(positions[end] - positions[0]) for end in (ACROSS, UP))
     z = np.cross(x, y)
@@ -105,7 +105,7 @@ def _unit(k: int, positions: Floats, normals: Floats) -> Unit:
     from scipy.spatial.transform import Rotation
 
     x, y, z, w = Rotation.from_matrix(np.stack([x, y, z], axis=1)).as_quat().tolist()
-    unit = Unit(_triple(positions[0]), (w, x, y, z))
+    unit = UnitPose(_triple(positions[0]), (w, x, y, z))
     off = float(np.abs(unit.positions() - positions).max())
     if off > POSITION_TOLERANCE:
         raise pc.BackendError(f"{problem}: one is {1e3 * off:.2g} mm from its place")

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pacinian/solving/unbounded.hpp"
+#include "pacinian/solving/non_finite.hpp"
 #include "pacinian_plugins/solvers/lagrange/dense_kernels.hpp"
 #include "pacinian_plugins/solvers/lagrange/workspace.hpp"
 

@@ -15,7 +15,7 @@ from pacinian.scene.objects import Particles
 from pacinian.scene.sampling.sample_budget import allot_budget
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sample_counts import SampleCounts, label_object
-from pacinian.scene.sampling.sources import WholeObject
+from pacinian.scene.sampling.sample_sources import WholeObject
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples

@@ -16,7 +16,7 @@ from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
-from pacinian.scene.sampling.sources import SinglePoint, WholeObject
+from pacinian.scene.sampling.sample_sources import SinglePoint, WholeObject
 from pacinian.scene.sampling.spacing import REGION_SPACING
 from pacinian.scene.shapes.curves import Circle, Line
 

@@ -19,10 +19,10 @@ import pytest
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import (
     BACKOFF_RESET_TIME,
+    MAX_FIRST_HEARTBEAT_TIME,
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
     SOUNDING_START,
-    STARTING,
     Supervisor,
 )
 from pacinian.serving.ipc.hang_detection import (
@@ -518,7 +518,7 @@ def test_one_that_cannot_be_started_again_is_tried_again_less_and_less_often(
 def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() -> None:
     watch = Watch()
     old = watch.clock.time - 1.0
-    assert watch.look(STARTING - 1.0, render=old) == []
+    assert watch.look(MAX_FIRST_HEARTBEAT_TIME - 1.0, render=old) == []
     assert not watch.supervisor.alive("render", old)
     assert watch.look(1.1, render=old) == [("render", "did not start, and was killed")]
     assert watch.look(MIN_RESTART_DELAY + LOOK) == []

@@ -104,7 +104,7 @@ class Bench:
 
     def frame(self) -> None:
         """Send a frame for the next device if there is one, otherwise for the present one."""
-        device = self.gate.next or self.gate.generation
+        device = self.gate.next_generation or self.gate.generation
         head = FrameHead(1, 0.0, 1, device, 1, N).pack()
         for _ in range(2):
             self.gate.step(Permit(1, 1.0, 1, 0), head + b"\x01\0" * 2 * N)
@@ -201,7 +201,7 @@ def test_one_that_waits_for_its_first_frame_gives_way_to_one_selected_since(benc
     bench.frame()
     bench.devices.follow(selected(1, "b"))
     bench.run()
-    assert bench.gate.next == 2
+    assert bench.gate.next_generation == 2
     bench.devices.follow(selected(2, "c"))
     bench.run()
     assert bench.devices.results["backend 1"] == SUPERSEDED
@@ -218,7 +218,7 @@ def test_one_that_is_opened_too_late_never_waits_for_a_frame(bench: Bench) -> No
     bench.devices.follow(selected(2, "c"))  # while b opens
     bench.waiting.pop(0)()
     bench.devices.poll()
-    assert bench.gate.next == 0
+    assert bench.gate.next_generation == 0
     assert bench.devices.results["backend 1"] == SUPERSEDED
     bench.run()
     bench.frame()
@@ -401,7 +401,7 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
     bench.run()
     bench.frame()
     assert bench.now == "c"
-    assert not bench.gate.next
+    assert not bench.gate.next_generation
     late = bench.made[-1]
     assert late.called == "b"
     assert late.log == ["close"], "it has not even been opened"
@@ -468,7 +468,7 @@ def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() 
     assert "no more threads" in bench.devices.results["backend 1"]
     bench.frame()
     assert bench.now == "a"
-    bench.gate.leaving.append(bench.made[0])
+    bench.gate.to_close.append(bench.made[0])
     bench.run()
     assert bench.devices.busy, "it is closed as soon as there is a thread"
     bench.threads = True

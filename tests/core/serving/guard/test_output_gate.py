@@ -363,7 +363,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     assert bench.backend.what == ["send", "send", "silence"]
     assert other.log == [(bench.clock.time, "send", 3)]
     assert (bench.status.generation, bench.status.next) == (2, 0)
-    assert bench.gate.leaving == [bench.backend]
+    assert bench.gate.to_close == [bench.backend]
     bench.step(bench.frame())  # still for the old device
     assert other.what == ["send", "silence"]
 
@@ -382,7 +382,7 @@ def test_a_third_device_supersedes_the_one_that_waits() -> None:
     second, third = Recorded(bench.clock), Recorded(bench.clock)
     bench.gate.take(second, second.can)
     bench.gate.take(third, third.can)
-    assert bench.gate.leaving == [second]
+    assert bench.gate.to_close == [second]
     bench.step(bench.frame(device=2))
     assert bench.status.generation == 1
     bench.step(bench.frame(device=3))
@@ -401,13 +401,13 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
         assert other.log == []
         assert "stuck" in bench.status.fault
         assert bench.status.sounding, "no stop may be confirmed"
-    assert bench.gate.leaving == [bench.backend]  # waits to be closed
+    assert bench.gate.to_close == [bench.backend]  # waits to be closed
     bench.gate.clear()
     for _ in range(3):
         bench.step(bench.frame(device=2))
         assert other.log == []
         assert "stuck" in bench.status.fault  # control sees one and the same fault
-    left = bench.gate.leaving.pop()
+    left = bench.gate.to_close.pop()
     left.close()
     bench.gate.changed = False
     bench.gate.mark_closed(left)
@@ -524,8 +524,8 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
         if what.get("clear"):
             guard.clear()
         if what.get("close"):
-            while guard.leaving:
-                left = guard.leaving.pop()
+            while guard.to_close:
+                left = guard.to_close.pop()
                 left.close()
                 guard.mark_closed(left)
         for device in devices:
@@ -533,7 +533,10 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
         permit = {k: what[k] for k in ("armed", "stopped", "epoch") if k in what}
         if "lease" in what:
             permit["until"] = now + what["lease"]
-        epoch, aim = permit.get("epoch", bench.permit.epoch), guard.next or guard.generation
+        epoch, aim = (
+            permit.get("epoch", bench.permit.epoch),
+            guard.next_generation or guard.generation,
+        )
         changes: dict[str, dict[str, int]] = {
             "old": {"epoch": epoch - 1},
             "empty": {"rows": 0},
@@ -552,12 +555,12 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
             and not guard.problem
         )
         assert sum(device.loud for device in devices) <= 1
-        assert not may or not any(device.loud for device in guard.leaving)
+        assert not may or not any(device.loud for device in guard.to_close)
         for device, count in zip(devices, before, strict=True):
             asked = [name for _, name, _ in device.log[count:]]
             if device.loud and not may:
                 assert guard.problem
-                if device not in guard.leaving:
+                if device not in guard.to_close:
                     assert "silence" in asked  # and it failed
                     assert what.get("silence")
             if "send" in asked:
@@ -781,5 +784,5 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
     with rounds:
         for backend in backends[:2]:
             rounds.gate.take(backend, backend.can)
-        rounds.gate.leaving.append(backends[2])
+        rounds.gate.to_close.append(backends[2])
     assert [backend.what[-1] for backend in backends] == ["close"] * 3

@@ -9,7 +9,7 @@ namespace Pacinian
     /// </summary>
     internal sealed partial class ServerSession
     {
-        private const double Share = 0.125; // fraction of the lease between two renewals
+        private const double RenewalShare = 0.125; // fraction of the lease between two renewals
         private const int Burst = 100; // commands that are sent before messages are received again
 
         private readonly SharedState _shared;
@@ -78,7 +78,7 @@ namespace Pacinian
             {
                 return;
             }
-            if (ticked - _renewed >= Share * _sessionState.Lease)
+            if (ticked - _renewed >= RenewalShare * _sessionState.Lease)
             {
                 Renew(now, ticked);
             }

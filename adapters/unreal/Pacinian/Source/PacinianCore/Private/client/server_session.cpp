@@ -125,7 +125,7 @@ void ServerSession::renew(double now, MessageSink& outlet) {
   renew_.time = ticked_;  // the lease counts from this time
   writer_.clear();
   writer_.put(renew_);
-  due_ = now + share * welcome.lease;
+  due_ = now + renewal_share * welcome.lease;
   if (!outlet.send_control(writer_)) return;
   sent_[static_cast<std::size_t>(renew_.id) % sent_.size()] = {renew_.id, now};
   renewed_ = ticked_;

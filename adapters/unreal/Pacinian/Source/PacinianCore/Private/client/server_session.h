@@ -22,7 +22,7 @@ namespace pacinian::client {
 /// sink, and events to `events`.
 class ServerSession {
  public:
-  static constexpr double share = 0.1;    ///< fraction of the lease between two renewals
+  static constexpr double renewal_share = 0.1;  ///< fraction of the lease between two renewals
   static constexpr double change = 12.0;  ///< [s] longest time to open a solver or backend
 
   /// timeout: for an answer [s].

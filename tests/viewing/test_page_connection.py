@@ -1,4 +1,4 @@
-"""The feed of one page, without a socket, and with fields that are computed on demand."""
+"""The connection to one page, without a socket, and with fields that are computed on demand."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from websockets.asyncio.client import connect
 
 import pacinian as pc
 from pacinian.errors import ArgumentError
-from pacinian.viewing import feed, run
+from pacinian.viewing import page_connection, run
 from pacinian.viewing.app import make_app
 from pacinian.viewing.array_model import ArrayModel
-from pacinian.viewing.feed import PageConnection
 from pacinian.viewing.hub import Drive, Hub
+from pacinian.viewing.page_connection import PageConnection
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -39,7 +39,7 @@ VOLUME: dict[str, Any] = {
 @pytest.fixture(autouse=True)
 def unpaced(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let slices follow each other without a pause."""
-    monkeypatch.setattr(feed, "MIN_INTERVAL", 0.0)
+    monkeypatch.setattr(page_connection, "MIN_INTERVAL", 0.0)
 
 
 def drive(gain: float) -> Drive:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.acoustics.pose import Pose
 from pacinian.native import scene as kernels
-from pacinian.scene.config_sections import MIN_SPACING
+from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.scene.objects import Body
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
@@ -31,7 +31,7 @@ LONE = np.array([ISOLATED])
 UNTURNED.flags.writeable = LONE.flags.writeable = False
 
 
-class Source(Protocol):
+class SampleSource(Protocol):
     """Makes samples at a given spacing."""
 
     @property
@@ -73,7 +73,7 @@ class WholeObject:
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """See `Source`."""
+        """See `SampleSource`."""
         return self.item.pose.position
 
     @property
@@ -133,7 +133,7 @@ class PointContacts:
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """See `Source`."""
+        """See `SampleSource`."""
         return self.hand.centre
 
     def at(self, spacing: float) -> Samples:
@@ -173,7 +173,7 @@ def make_keys(name: int, spacing: float, which: Indices) -> Longs:
 
     name: number of the object. spacing: [m]; 0 if the samples are the same at all spacings. which: indices, (K,).
     """
-    level = 1 + round(2.0 * math.log2(spacing / MIN_SPACING)) if spacing else 0
+    level = 1 + round(2.0 * math.log2(spacing / MIN_SAMPLE_SPACING)) if spacing else 0
     return (name << 31) + (level << 25) + which.astype(np.int64)
 
 
@@ -181,14 +181,14 @@ def _apart(item: Object, spacing: float) -> float:
     return spacing if hasattr(item, "shape") else 0.0
 
 
-def is_dense(item: HapticObject) -> bool:
+def forms_region(item: HapticObject) -> bool:
     """Return whether an object's samples form a region: one surface, all of which sounds at once."""
     return isinstance(item, Body) and not is_sequential(item)
 
 
 def number_region(item: HapticObject, name: int) -> int:
     """Return the region number of an object's samples: the object's number `name`, or -1 if they are isolated."""
-    return name if is_dense(item) else ISOLATED
+    return name if forms_region(item) else ISOLATED
 
 
 def is_sequential(item: HapticObject) -> bool:

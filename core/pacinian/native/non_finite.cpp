@@ -4,8 +4,8 @@
 #include "pacinian/rendering/reachability.hpp"
 #include "pacinian/rendering/smoothing.hpp"
 #include "pacinian/rendering/steering.hpp"
-#include "pacinian/scene/unbounded.hpp"
-#include "pacinian/solving/unbounded.hpp"
+#include "pacinian/scene/non_finite.hpp"
+#include "pacinian/solving/non_finite.hpp"
 
 namespace pacinian::rendering {
 

@@ -5,8 +5,8 @@
 
 namespace pacinian::lagrange {
 
-void define_unbounded(nb::module_& m);
-void define_unbounded(nb::module_& m) {
+void define_non_finite(nb::module_& m);
+void define_non_finite(nb::module_& m) {
     define_start(m);
     define_convex(m);
 }
