@@ -69,7 +69,7 @@ SOCKETS = {
     "reply": ("AnyReply", protocol.MAX_REPLY_BYTES),
     "state": ("AnyState", protocol.MAX_REPLY_BYTES),
 }
-BASES = commands.Command, control.Request, replies.Reply, objects.Felt
+BASES = commands.Command, control.Request, replies.Reply, objects.HapticObject
 WRITTEN = "AnyCommand", "AnyControl"  # by a client
 HEARD = "AnyReply", "AnyState", "Object"  # by a client; it reads its own objects to check them
 

@@ -70,7 +70,7 @@ def test_what_is_new_on_the_wire_is_found(
     monkeypatch.delitem(table.WIRE, "HapticEffect.Priority")
     told = table.problems(model)
     assert "Path: not used by both" in told
-    assert "Felt.priority: in no feature" in told
+    assert "HapticObject.priority: in no feature" in told
 
 
 @pytest.mark.parametrize(

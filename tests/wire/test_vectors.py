@@ -64,7 +64,7 @@ def test_every_class_of_the_wire_is_in_them() -> None:
         and hasattr(kind, "__struct_fields__")
         and kind.__module__ == module.__name__
     }
-    assert all_there_are - seen == {commands.Command, control.Request, replies.Reply, objects.Felt}
+    assert all_there_are - seen == {commands.Command, control.Request, replies.Reply, objects.HapticObject}
 
 
 def every(value: object) -> Iterator[tuple[type, str]]:
@@ -83,7 +83,7 @@ def every(value: object) -> Iterator[tuple[type, str]]:
 def test_every_field_is_in_them_with_something_in_it() -> None:
     seen = {found for _, _, message in make_examples() for found in every(message)}
     kinds = set().union(*(held(message) for _, _, message in make_examples()))
-    shared = {*objects.Felt.__struct_fields__, *commands.Command.__struct_fields__}
+    shared = {*objects.HapticObject.__struct_fields__, *commands.Command.__struct_fields__}
     for kind in kinds:
         for field in fields(kind):
             if field.name not in shared:

@@ -5,7 +5,7 @@ namespace Pacinian.Haptics
     /// <summary>Draws a selected effect as it will be felt, in its true size, also in edit mode.</summary>
     public abstract partial class HapticEffect
     {
-        private Wire.Felt _shape;
+        private Wire.HapticObject _shape;
         private bool _drawn;
 
         /// <summary>Draws the shape that the server gets, in red if it cannot be felt.</summary>

@@ -87,7 +87,7 @@ namespace Pacinian.Haptics
         private void Put(HapticClient client, int session, Rigid pose, double now)
         {
             string problem;
-            Felt felt = Describe(out problem);
+            HapticObject felt = Describe(out problem);
             if (felt != null)
             {
                 ApplySettings(felt, now);
@@ -122,7 +122,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        private void ApplySettings(Felt felt, double now)
+        private void ApplySettings(HapticObject felt, double now)
         {
             felt.RadiationPressure = strength == HapticStrength.RadiationPressure ? (double?)radiationPressure : null;
             felt.Force = strength == HapticStrength.Force ? (double?)force : null;

@@ -94,10 +94,10 @@ namespace Pacinian.Haptics
         }
 
         /// <summary>Returns the shape without the settings that all effects have; null and the reason if there is none.</summary>
-        protected internal abstract Wire.Felt Describe(out string problem);
+        protected internal abstract Wire.HapticObject Describe(out string problem);
 
         /// <summary>Writes the pose, in the array's frame.</summary>
-        protected abstract void Place(Wire.Felt felt, Rigid pose);
+        protected abstract void Place(Wire.HapticObject felt, Rigid pose);
 
         /// <summary>Returns whether the shape differs from the one that was sent.</summary>
         protected virtual bool Reshaped()

@@ -18,14 +18,14 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Felt Describe(out string problem)
+        protected internal override HapticObject Describe(out string problem)
         {
             problem = "";
             return new Point { Area = 0.25 * System.Math.PI * diameter * diameter };
         }
 
         /// <inheritdoc/>
-        protected override void Place(Felt felt, Rigid pose)
+        protected override void Place(HapticObject felt, Rigid pose)
         {
             ((Point)felt).Position = pose.Position;
         }

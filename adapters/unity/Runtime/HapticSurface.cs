@@ -70,7 +70,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Felt Describe(out string problem)
+        protected internal override HapticObject Describe(out string problem)
         {
             problem = "";
             _scale = transform.lossyScale;
@@ -92,7 +92,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected override void Place(Felt felt, Rigid pose)
+        protected override void Place(HapticObject felt, Rigid pose)
         {
             HapticPose made = ((Surface)felt).Pose;
             made.Position = pose.Position;

@@ -71,7 +71,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected internal override Wire.Felt Describe(out string problem)
+        protected internal override Wire.HapticObject Describe(out string problem)
         {
             _scale = transform.lossyScale;
             VolumeFelt where = felt == HapticFelt.Interior ? VolumeFelt.Interior : VolumeFelt.Shell;
@@ -90,7 +90,7 @@ namespace Pacinian.Haptics
         }
 
         /// <inheritdoc/>
-        protected override void Place(Wire.Felt felt, Rigid pose)
+        protected override void Place(Wire.HapticObject felt, Rigid pose)
         {
             HapticPose made = ((Volume)felt).Pose;
             made.Position = pose.Position;

@@ -10,7 +10,7 @@ namespace Pacinian.Haptics
         private const int Segments = 32, MostFaces = 3000; // of a circle; of a mesh, beyond which some faces are left out
 
         /// <summary>Draws an object at its pose in the world.</summary>
-        public static void Draw(Felt felt, Rigid frame)
+        public static void Draw(HapticObject felt, Rigid frame)
         {
             Point point = felt as Point;
             Surface surface = felt as Surface;

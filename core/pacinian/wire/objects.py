@@ -66,7 +66,7 @@ class Texture(Struct, frozen=True, kw_only=True):
         check_arrays(self)
 
 
-class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
+class HapticObject(Struct, frozen=True, kw_only=True, tag_field="type"):
     """Fields of all objects.
 
     radiation_pressure: radiation pressure of the object; give either this or `force`. force: total force of the object;
@@ -86,14 +86,14 @@ class Felt(Struct, frozen=True, kw_only=True, tag_field="type"):
     duration: Duration | None = None
 
 
-class Point(Felt, frozen=True, kw_only=True, tag="point"):
+class Point(HapticObject, frozen=True, kw_only=True, tag="point"):
     """A single focus. position: position of the focus. area: area on which it presses; by default a disc of 8.5 mm."""
 
     position: Position
     area: Annotated[float, Meta(ge=1e-12, le=100.0, description="[m^2]")] = SPOT
 
 
-class Path(Felt, frozen=True, kw_only=True, tag="path"):
+class Path(HapticObject, frozen=True, kw_only=True, tag="path"):
     """A curve that presses on the skin along it.
 
     shape: curve in its own frame. pose: pose of that frame. width: width of the curve; it presses on skin within half
@@ -105,7 +105,7 @@ class Path(Felt, frozen=True, kw_only=True, tag="path"):
     width: Length = DEFAULT_WIDTH
 
 
-class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
+class Particles(HapticObject, frozen=True, kw_only=True, tag="particles"):
     """Many points, each of which presses by itself. positions: points in their own frame, (K, 3) float32 [m].
 
     pose: pose of that frame. radius: distance within which a point presses on the skin.
@@ -121,7 +121,7 @@ class Particles(Felt, frozen=True, kw_only=True, tag="particles"):
         check_arrays(self)
 
 
-class Surface(Felt, frozen=True, kw_only=True, tag="surface"):
+class Surface(HapticObject, frozen=True, kw_only=True, tag="surface"):
     """A surface that presses evenly, or according to its texture. shape: surface in its own frame.
 
     pose: pose of that frame. texture: factor on the pressure; by default 1. thickness: depth below the surface down to
@@ -134,7 +134,7 @@ class Surface(Felt, frozen=True, kw_only=True, tag="surface"):
     thickness: Length = 0.02
 
 
-class Volume(Felt, frozen=True, kw_only=True, tag="volume"):
+class Volume(HapticObject, frozen=True, kw_only=True, tag="volume"):
     """A volume that presses evenly, or according to its texture. shape: solid in its own frame.
 
     pose: pose of that frame. texture: factor on the pressure; by default 1. thickness: depth inside the volume down to

@@ -81,7 +81,7 @@ namespace Pacinian.Wire
                 {
                     return false;
                 }
-                Felt item = Objects.Spare();
+                HapticObject item = Objects.Spare();
                 if (!Unions.Read(r, ref item))
                 {
                     return r.Within("[...]");

@@ -41,10 +41,10 @@ namespace Pacinian.Haptics.Tests
             Assert.IsTrue(((Volume)Told(volume)).Felt == VolumeFelt.Interior);
         }
 
-        private static Felt Told(HapticEffect effect)
+        private static HapticObject Told(HapticEffect effect)
         {
             string problem;
-            Felt made = effect.Describe(out problem);
+            HapticObject made = effect.Describe(out problem);
             Assert.AreEqual(made == null, problem.Length > 0, problem);
             return made;
         }

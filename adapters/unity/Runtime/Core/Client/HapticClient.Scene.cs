@@ -17,7 +17,7 @@ namespace Pacinian
         /// afterwards. If the server would reject it, returns false, and <see cref="Refused"/> is raised at the next
         /// tick with the object's name.
         /// </summary>
-        public bool Put(string name, Felt item)
+        public bool Put(string name, HapticObject item)
         {
             if (!IsGamesThread("Put"))
             {

@@ -12,7 +12,7 @@ namespace Pacinian
         /// Returns what is wrong with an object; "" if nothing is. Does not know the limits in the server's own
         /// settings.
         /// </summary>
-        public static string Problem(Felt item)
+        public static string Problem(HapticObject item)
         {
             Writer writer = new Writer(4096);
             item.Write(writer);
@@ -23,11 +23,11 @@ namespace Pacinian
         }
 
         /// <summary>Returns whether an object is wrong, and why. written: its bytes. reader: used to decode them.</summary>
-        internal static bool Find(string name, Felt item, Writer written, Reader reader, out Refusal why)
+        internal static bool Find(string name, HapticObject item, Writer written, Reader reader, out Refusal why)
         {
             string path = "$.objects[" + name + "]";
             why = new Refusal { Code = "argument", Path = path, Message = "", Advice = "" };
-            Felt read = null;
+            HapticObject read = null;
             reader.Start(written.Data, 0, written.Count);
             if (string.IsNullOrEmpty(name) || name.Length > LongestName)
             {

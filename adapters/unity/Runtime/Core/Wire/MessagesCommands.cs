@@ -31,7 +31,7 @@ namespace Pacinian.Wire
         private static readonly byte[][] Tag = Utf8.Of("put");
 
         /// <summary>The objects by name. 0 to 256.</summary>
-        public readonly Table<Felt> Objects = new Table<Felt>();
+        public readonly Table<HapticObject> Objects = new Table<HapticObject>();
 
         /// <inheritdoc/>
         public override void Write(Writer w)

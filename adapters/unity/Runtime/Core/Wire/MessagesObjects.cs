@@ -3,7 +3,7 @@
 namespace Pacinian.Wire
 {
     /// <summary>Fields of all objects.</summary>
-    public abstract class Felt : IMessage
+    public abstract class HapticObject : IMessage
     {
         /// <summary>Radiation pressure of the object; give either this or `force`. 0 to 1e+06 [Pa]; null: not given.</summary>
         public double? RadiationPressure;
@@ -175,7 +175,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A single focus.</summary>
-    public sealed class Point : Felt
+    public sealed class Point : HapticObject
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "position", "area");
         private static readonly byte[][] Tag = Utf8.Of("point");
@@ -316,7 +316,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A curve that presses on the skin along it.</summary>
-    public sealed class HapticPath : Felt
+    public sealed class HapticPath : HapticObject
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "width");
         private static readonly byte[][] Tag = Utf8.Of("path");
@@ -467,7 +467,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>Many points, each of which presses by itself.</summary>
-    public sealed class Particles : Felt
+    public sealed class Particles : HapticObject
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "positions", "pose", "radius");
         private static readonly byte[][] Tag = Utf8.Of("particles");
@@ -699,7 +699,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A surface that presses evenly, or according to its texture.</summary>
-    public sealed class Surface : Felt
+    public sealed class Surface : HapticObject
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "texture", "thickness");
         private static readonly byte[][] Tag = Utf8.Of("surface");
@@ -866,7 +866,7 @@ namespace Pacinian.Wire
     }
 
     /// <summary>A volume that presses evenly, or according to its texture.</summary>
-    public sealed class Volume : Felt
+    public sealed class Volume : HapticObject
     {
         private static readonly byte[][] Keys = Utf8.Of("type", "radiation_pressure", "force", "envelope", "technique", "material", "motion", "priority", "duration", "shape", "pose", "texture", "thickness", "felt");
         private static readonly byte[][] Tag = Utf8.Of("volume");

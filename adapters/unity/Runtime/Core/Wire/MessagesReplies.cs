@@ -761,7 +761,7 @@ namespace Pacinian.Wire
         public Bulk Poses;
 
         /// <summary>Objects that are new since the version asked for, by name, as they were put. If there are many, the answer holds only some: ask again. Objects of nearly 1 MiB are left out. 0 to 1,024.</summary>
-        public readonly Table<Felt> Objects = new Table<Felt>();
+        public readonly Table<HapticObject> Objects = new Table<HapticObject>();
 
         /// <summary>Reads it; missing fields get their defaults. If not valid, returns false, partly read.</summary>
         public override bool Read(Reader r)
@@ -830,7 +830,7 @@ namespace Pacinian.Wire
                 {
                     return false;
                 }
-                Felt item = Objects.Spare();
+                HapticObject item = Objects.Spare();
                 if (!Unions.Read(r, ref item))
                 {
                     return r.Within("[...]");

@@ -456,7 +456,7 @@ namespace Pacinian.Wire
 
         private static readonly byte[][] ObjectTags = Utf8.Of("point", "path", "particles", "surface", "volume");
 
-        public static bool Read(Reader r, ref Felt value)
+        public static bool Read(Reader r, ref HapticObject value)
         {
             switch (r.Tag(ObjectTags))
             {

@@ -184,7 +184,7 @@ bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
     Remove();
     return false;
   }
-  wire::Felt& Felt = Haptic::Placed(Sent->Object, Haptic::ToWire(Sent->Pose));
+  wire::HapticObject& Felt = Haptic::Placed(Sent->Object, Haptic::ToWire(Sent->Pose));
   if (Strength == EHapticStrength::Force)
     Felt.force = FMath::Clamp(Force, 0.0f, 1000.0f);
   else

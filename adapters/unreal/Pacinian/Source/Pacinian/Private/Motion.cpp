@@ -47,7 +47,7 @@ wire::Pose ToWire(const pacinian::Rigid& Given) {
           {Turned.x, Turned.y, Turned.z, Turned.w}};
 }
 
-wire::Felt& Placed(wire::Object& Object, const wire::Pose& Pose) {
+wire::HapticObject& Placed(wire::Object& Object, const wire::Pose& Pose) {
   if (auto* Surface = std::get_if<wire::Surface>(&Object)) {
     Surface->pose = Pose;
     return *Surface;

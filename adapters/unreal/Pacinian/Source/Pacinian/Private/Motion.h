@@ -14,6 +14,6 @@ pacinian::wire::Motion MotionOf(const pacinian::Rigid& From, const pacinian::Rig
 pacinian::wire::Pose ToWire(const pacinian::Rigid& Given);
 
 /** Sets the pose of an object. Returns the fields that all objects have. */
-pacinian::wire::Felt& Placed(pacinian::wire::Object& Object, const pacinian::wire::Pose& Pose);
+pacinian::wire::HapticObject& Placed(pacinian::wire::Object& Object, const pacinian::wire::Pose& Pose);
 
 }  // namespace Haptic

@@ -43,7 +43,7 @@ struct Motion {
 };
 
 /// Fields of all objects.
-struct Felt {
+struct HapticObject {
   /// radiation pressure of the object; give either this or `force`; 0 to 1e+06 [Pa]
   std::optional<double> radiation_pressure;
   /// total force of the object; give either this or `radiation_pressure`; 0 to 1000 [N]
@@ -63,7 +63,7 @@ struct Felt {
 };
 
 /// A single focus.
-struct Point : Felt {
+struct Point : HapticObject {
   static constexpr std::string_view tag = "point";
 
   /// position of the focus; -10 to 10 [m]
@@ -73,7 +73,7 @@ struct Point : Felt {
 };
 
 /// A curve that presses on the skin along it.
-struct Path : Felt {
+struct Path : HapticObject {
   static constexpr std::string_view tag = "path";
 
   /// curve in its own frame
@@ -86,7 +86,7 @@ struct Path : Felt {
 };
 
 /// Many points, each of which presses by itself.
-struct Particles : Felt {
+struct Particles : HapticObject {
   static constexpr std::string_view tag = "particles";
 
   /// points in their own frame, (K, 3) float32 [m]; 0 to 120,000 bytes
@@ -110,7 +110,7 @@ struct Texture {
 };
 
 /// A surface that presses evenly, or according to its texture.
-struct Surface : Felt {
+struct Surface : HapticObject {
   static constexpr std::string_view tag = "surface";
 
   /// surface in its own frame
@@ -124,7 +124,7 @@ struct Surface : Felt {
 };
 
 /// A volume that presses evenly, or according to its texture.
-struct Volume : Felt {
+struct Volume : HapticObject {
   static constexpr std::string_view tag = "volume";
 
   /// solid in its own frame
