@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from pacinian.cli.doctor_rules import Finding
+from pacinian.cli.doctor_rules import Finding, list_first
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 # Residual at a position, relative to the expected rms there, above which it is named.
 MAX_MISFIT = 0.5
 MAX_PHASE_ERROR = 10.0  # standard error of phases that costs 3 % of a focus [deg]
-MAX_LISTED = 8  # items listed in one finding
 # pose, in standard errors, above which it is reported, and refused
 DOUBTFUL_POSE, WRONG_POSE = 2.5, 4.0
 ROUNDING = 1e-6  # of a pose that is known [m], [rad]
@@ -275,8 +274,7 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
 def _list(items: list[str], which: Flags) -> str:
     """Return how many items are chosen, and the first of them."""
     chosen = [item for item, here in zip(items, which, strict=True) if here]
-    more = f" and {len(chosen) - MAX_LISTED} more" if len(chosen) > MAX_LISTED else ""
-    return f"{len(chosen)}: {', '.join(chosen[:MAX_LISTED])}{more}"
+    return f"{len(chosen)}: {list_first(chosen)}"
 
 
 def _measure(values: Floats, errors: Floats, form: str) -> str:

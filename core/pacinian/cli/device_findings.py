@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.cli.doctor_rules import Finding
+from pacinian.cli.doctor_rules import Finding, list_first
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Iterable
 
     from pacinian.devices.board import Board
     from pacinian.devices.description import DeviceDescription
@@ -19,7 +19,6 @@ MIN_TRANSDUCER_SPACING = 0.008  # least plausible distance of transducers [m]
 # Largest plausible ratio of a channel's strength to that of its kind, or inverse.
 MAX_STRENGTH_RATIO = 2.0
 BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
-MAX_LISTED = 8  # items listed in one finding
 
 
 def check_description(device: DeviceDescription) -> list[Finding]:
@@ -41,11 +40,11 @@ def _board(board: Board) -> Finding:
     ]
     text = f"{L} channels"
     if len(dead):
-        text += f", dead: {_some(dead.tolist())}"
+        text += f", dead: {list_first(dead.tolist())}"
     if len(dead) != L and np.ptp(size[board.alive]):
         text += f", {size[board.alive].min():.2g} to {size[board.alive].max():.2g} times as strong"
     if len(odd):
-        text += f", far from their kind: {_some(odd.tolist())}"
+        text += f", far from their kind: {list_first(odd.tolist())}"
         return Finding(_name(board), "warning", text, "measure them again, or list them as dead")
     return Finding(_name(board), "ok", text)
 
@@ -63,7 +62,7 @@ def _places(device: DeviceDescription) -> Finding:
         return Finding("places", "ok", f"none are nearer than {1e3 * MIN_TRANSDUCER_SPACING:g} mm")
     wrong = sorted({" and ".join(sorted({owners[i], owners[j]})) for i, j in pairs})
     nearest = min(float(np.linalg.norm(r[i] - r[j])) for i, j in pairs)
-    text = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {_some(wrong, '; ')}"
+    text = f"transducers overlap, {1e3 * nearest:.1f} mm apart, on {list_first(wrong, '; ')}"
     return Finding("places", "problem", text, "correct the boards' poses and layouts")
 
 
@@ -84,7 +83,7 @@ def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]
     ]
     if left:
         fix = "measure them with `pacinian devices calibrate`; until then the description applies"
-        text = f"{len(measured)} channels measured, not: {_some(left)}"
+        text = f"{len(measured)} channels measured, not: {list_first(left)}"
         return Finding("calibration", "warning", text, fix)
     return Finding("calibration", "ok", f"{len(measured)} channels measured")
 
@@ -112,7 +111,7 @@ def check_connected(device: DeviceDescription, found: Iterable[FoundDevice]) -> 
         if one is None and blind is not None:
             made.append(Finding(name, "problem", "search failed", blind.problem))
         elif one is None:
-            others = _some([f.serial or "one without a serial" for f in here]) or "none"
+            others = list_first([f.serial or "one without a serial" for f in here]) or "none"
             fix = f"plug it in and switch it on, or correct its serial (connected: {others})"
             made.append(Finding(name, "problem", "not found", fix))
         elif one.problem:
@@ -123,14 +122,9 @@ def check_connected(device: DeviceDescription, found: Iterable[FoundDevice]) -> 
     spare = [f.serial for f in here if f.serial and f.serial not in serials]
     if spare and "" not in serials:
         fix = "describe them, or ignore this: they are not driven"
-        made.append(Finding("others", "warning", f"not described: {_some(spare)}", fix))
+        made.append(Finding("others", "warning", f"not described: {list_first(spare)}", fix))
     return made
 
 
 def _name(board: Board) -> str:
     return f"board {board.serial}" if board.serial else "board"
-
-
-def _some(items: Sequence[object], gap: str = ", ") -> str:
-    shown = gap.join(map(str, items[:MAX_LISTED]))
-    return shown + (f" and {len(items) - MAX_LISTED} more" if len(items) > MAX_LISTED else "")

@@ -92,7 +92,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
     Exit code 1 if there is a problem; warnings do not count.
     """
     from pacinian.cli.device_findings import calibration, check_description
-    from pacinian.cli.doctor import print_findings
+    from pacinian.cli.doctor import report_findings
     from pacinian.devices.calibration import read_calibration
     from pacinian.devices.description import DeviceDescription
 
@@ -102,12 +102,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
         findings.append(calibration(device, read_calibration(file.parent / device.calibration)))
     if not offline:
         findings += _check_online(device)
-    if as_json:
-        click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
-    else:
-        print_findings(findings)
-    if any(f.level == "problem" for f in findings):
-        raise SystemExit(1)
+    report_findings(findings, as_json)
 
 
 def _check_online(device: DeviceDescription) -> list[Finding]:

@@ -26,7 +26,11 @@ def doctor(connection: str | None, as_json: bool) -> None:
     """
     from pacinian.cli.doctor_probes import examine
 
-    findings = examine(connection)
+    report_findings(examine(connection), as_json)
+
+
+def report_findings(findings: list[Finding], as_json: bool) -> None:
+    """Print findings, as lines or as one JSON object. Exits with code 1 if there is a problem."""
     if as_json:
         click.echo(json.dumps({"findings": [asdict(f) for f in findings]}))
     else:

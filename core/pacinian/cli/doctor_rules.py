@@ -11,6 +11,7 @@ from pacinian.errors import suggest_install
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+MAX_LISTED = 8  # items listed in one finding
 MIN_PYTHON = 3, 11
 JITTER = 0.001  # 99th percentile of the lateness of a sleep [s]
 VARIANTS = {"v4": "AVX-512", "v3": "AVX2", "plain": "all processors of its kind"}
@@ -30,6 +31,12 @@ class Finding:
     level: Literal["ok", "warning", "problem"]
     text: str
     fix: str = ""
+
+
+def list_first(items: Sequence[object], gap: str = ", ") -> str:
+    """Return the first items as text, with a gap between them, and how many more there are."""
+    more = f" and {len(items) - MAX_LISTED} more" if len(items) > MAX_LISTED else ""
+    return gap.join(map(str, items[:MAX_LISTED])) + more
 
 
 def python(version: tuple[int, int, int], executable: str) -> Finding:

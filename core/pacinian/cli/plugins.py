@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from pacinian.plugins.registry import CommandOffer, Offer, Plugins
+    from pacinian.plugins.registry import Offer
 
 
 @click.command()
@@ -22,16 +22,23 @@ def plugins(as_json: bool) -> None:
 
     found = discover_plugins()
     offers = found.list()
+    commands = [
+        {
+            "name": name,
+            "summary": offer.command.get_short_help_str(limit=100),
+            "from": offer.distribution,
+        }
+        for name, offer in sorted(found.commands.items())
+    ]
     if as_json:
         failed = {name: str(error) for name, error in found.failed.items()}
-        commands = [_describe_command(c) for c in _sort_commands(found)]
         listed = {"plugins": [_plain(o) for o in offers], "commands": commands, "failed": failed}
         click.echo(json.dumps(listed))
     else:
         _tell(offers)
-        for command in _sort_commands(found):
-            click.echo(f"{command.name}  command, from {command.distribution}")
-            click.echo(f"    {command.command.get_short_help_str(limit=100)}")
+        for command in commands:
+            click.echo(f"{command['name']}  command, from {command['from']}")
+            click.echo(f"    {command['summary']}")
         for error in found.failed.values():
             click.echo(str(error), err=True)
     if found.failed:
@@ -49,15 +56,6 @@ def _plain(offer: Offer) -> dict[str, Any]:
         "summary": _summary(offer),
         "from": offer.distribution,
     }
-
-
-def _sort_commands(plugins: Plugins) -> list[CommandOffer]:
-    return [plugins.commands[name] for name in sorted(plugins.commands)]
-
-
-def _describe_command(offer: CommandOffer) -> dict[str, str]:
-    summary = offer.command.get_short_help_str(limit=100)
-    return {"name": offer.name, "summary": summary, "from": offer.distribution}
 
 
 def _tell(offers: list[Offer]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -166,7 +165,7 @@ class Client(ReconnectingClient):
         """
         with suppress(ServerError):  # called from another thread, or the session is closed or lost
             self._check()
-            self._server_session.stop(control.Stop())
+            self._server_session.stop()
             return
         emergency_stop(self._where, timeout=self._timeout, keys=self._keys)
 
@@ -271,15 +270,9 @@ class Client(ReconnectingClient):
         It is measured between the samples, against the targets. Points and paths are left out; in silence, all objects
         are.
         """
-        from pacinian.solving.felt_regions import FeltRegion
+        from pacinian.wire.state_wording import read_felt
 
-        if state.output != "sounding":
-            return {}
-        figures = unpack(state.felt, 4).tolist()
-        regions = {
-            name: FeltRegion(*four) for name, four in zip(state.objects, figures, strict=False)
-        }
-        return {name: felt for name, felt in regions.items() if not math.isnan(felt.force)}
+        return read_felt(state.objects, state.felt) if state.output == "sounding" else {}
 
     def age(self, state: State) -> float:
         """Return the age of a state [s], accurate to half of the shortest round trip of a connection or a renewal."""

@@ -18,15 +18,13 @@ from pacinian.client.server_clock import ServerClock
 from pacinian.client.state_subscription import read_newest
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
-from pacinian.wire.control import Arm, Bye, Hello, Renew, Request
+from pacinian.wire.control import Arm, Bye, Hello, Renew, Request, Stop
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
 from pacinian.wire.state import STATE, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from msgspec import Struct
 
     from pacinian.wire.commands import AnyCommand
     from pacinian.wire.connection_file import Connection
@@ -125,9 +123,9 @@ class ServerSession:
         self._resumes = resume
         self.look()
 
-    def stop(self, message: Struct) -> None:
+    def stop(self) -> None:
         """Send an emergency stop, which needs no session."""
-        self._call(self._control, message, Ok, self.timeout)
+        self._call(self._control, Stop(), Ok, self.timeout)
 
     def request_nowait(self, kind: type[Request], **fields: Any) -> int:
         """Send a request without waiting; return its number. Its error, if any, goes to `errors` with that number."""

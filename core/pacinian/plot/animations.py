@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.checks import check_number
 from pacinian.errors import ArgumentError
 from pacinian.plot.emissions import Emission, Run, collect_emission
-from pacinian.plot.fields import BELOW, BESIDE, LABELS, MIN_FLAT_RATIO, TALLEST
+from pacinian.plot.fields import fit_column
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import DPI, figure
 from pacinian.plot.planes import Plane, cut, draw, middle_of
@@ -158,9 +158,8 @@ def _draw_pictures(
     ends = limits(np.array(found), np.broadcast_to(near, (len(found), *near.shape)), show)
     if top is not None and show != "phase":
         ends = min(ends[0], top - 1.0) if show == "level" else 0.0, top
-    flat = plane.ratio > MIN_FLAT_RATIO
-    wide = COLUMN - (LABELS if flat else BESIDE)
-    page = figure(COLUMN, min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / plane.ratio))
+    flat, height = fit_column(plane)
+    page = figure(COLUMN, height)
     canvas: Any = FigureCanvasAgg(page)
     panel: Any = page.subplots()
     brightest = max(found, key=np.nanmax)  # so that the bar tells of values beyond its end

@@ -104,6 +104,7 @@ def _gains(array: Array, gains: ArrayLike) -> Complexes:
 
 def _marks(panel: Panel, array: Array, g: Complexes, part: str, axes: tuple[int, int]) -> Any:
     """Draw a disc of its size for each transducer; return the coloured artist."""
+    from matplotlib import colormaps
     from matplotlib.collections import EllipseCollection
 
     along = 3 - sum(axes)
@@ -115,21 +116,15 @@ def _marks(panel: Panel, array: Array, g: Complexes, part: str, axes: tuple[int,
     discs: Any = EllipseCollection(
         [d], [d], [0.0], units="xy", offsets=1e3 * r, offset_transform=panel.transData, linewidths=0
     )
-    discs.set_array(np.ma.masked_where((size == 0.0) & (part == "phase"), _value(g, part)))
-    discs.set_cmap(_colours(part))
-    discs.set_clim(*((-np.pi, np.pi) if part == "phase" else (0.0, float(size.max()) or 1.0)))
+    if part == "phase":
+        discs.set_array(np.ma.masked_where(size == 0.0, np.angle(g)))
+        discs.set_clim(-np.pi, np.pi)
+    else:
+        discs.set_array(size)
+        discs.set_clim(0.0, float(size.max()) or 1.0)
+    discs.set_cmap(colormaps[CYCLIC if part == "phase" else MAP].with_extremes(bad=OFF))
     panel.add_collection(discs)
     return discs
-
-
-def _value(g: Complexes, part: str) -> Floats:
-    return np.asarray(np.angle(g) if part == "phase" else np.abs(g), np.float64)
-
-
-def _colours(part: str) -> Any:
-    from matplotlib import colormaps
-
-    return colormaps[CYCLIC if part == "phase" else MAP].with_extremes(bad=OFF)
 
 
 def _pitch(positions: Floats) -> float:

@@ -16,6 +16,7 @@ from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both
 from pacinian.plot.mesh_colours import make_plain_mesh, make_textured_mesh, picture, strip, wheel
+from pacinian.plot.outlines import find_pose
 from pacinian.plot.quantities import clear, limits
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
@@ -137,9 +138,7 @@ class _Model:
         most = max(tops)[1]
         for plane, P in both:
             corners = _corners(plane)
-            quad = meshes.Triangles(
-                corners, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(4, dtype=np.intp)
-            )
+            quad = meshes.make_triangles(corners, np.array([[0, 1, 2], [0, 2, 3]]))
             uv = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
             self.add(
                 f"field {plane.place}", make_textured_mesh(quad, uv, picture(P, most), clear=True)
@@ -151,7 +150,7 @@ class _Model:
         P = grid.radiation()
         if (value := level * float(np.nanmax(P))) > 0.0:
             vertices, faces = isosurface(P, grid.corner, grid.step, value)
-            whole = meshes.Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))
+            whole = meshes.make_triangles(vertices, faces)
             self.add("isosurface", make_plain_mesh(whole, SOUND, opacity=0.5))
             self.extras["isosurface, radiation pressure on skin [Pa]"] = value
 
@@ -173,8 +172,7 @@ def _corners(plane: Plane) -> Floats:
 
 def _place_object(item: Object, t: float) -> Triangles:
     made = meshes.make_object(item)
-    pose = item.pose if item.motion is None else item.motion.pose(item.pose, t)
-    return made._replace(vertices=pose.points(made.vertices))
+    return made._replace(vertices=find_pose(item, t).points(made.vertices))
 
 
 def _vti(path: Path, p: Any, P: Floats, corner: Floats, step: float) -> None:

@@ -85,14 +85,19 @@ def field(
     q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
     found = values(array, gains, where.points, medium, show)
-    flat = where.ratio > MIN_FLAT_RATIO
-    wide = COLUMN - (LABELS if flat else BESIDE)
-    height = min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / where.ratio)
+    flat, height = fit_column(where)
     page, (panel,), _ = panels(ax, [height])
     image = draw(panel, where, found, show, limits(found, clear(array, where.points, medium), show))
     mark(panel, where.project_near(q), QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
     return dress(page) if ax is None else ax
+
+
+def fit_column(plane: Plane) -> tuple[bool, float]:
+    """Return whether the colour bar is below the plane, and the height of a figure as wide as a column [inch]."""
+    flat = plane.ratio > MIN_FLAT_RATIO
+    wide = COLUMN - (LABELS if flat else BESIDE)
+    return flat, min(TALLEST, BELOW + (BESIDE - LABELS) * flat + wide / plane.ratio)
 
 
 def slices(

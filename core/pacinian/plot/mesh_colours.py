@@ -50,7 +50,7 @@ def wheel() -> Image:
     return _image(bright[:, None, None] * hue)
 
 
-def strip(name: str = MAP) -> Image:
+def strip(name: str) -> Image:
     """Make a picture of a colour map from left to right."""
     return _image(np.tile(_map(name)(np.linspace(0.0, 1.0, COLOURS))[:, :3], (4, 1, 1)))
 

@@ -49,8 +49,7 @@ def discs(array: Array) -> Triangles:
     rim = spun(SIDES).T
     rims = rim[0, :, None] * u[:, None] + rim[1, :, None] * np.cross(n, u)[:, None]
     flat = np.concatenate([np.zeros((len(n), 1, 3)), WIDE * rims], axis=1)
-    fan = np.array([(0, 1 + k, 1 + (k + 1) % SIDES) for k in range(SIDES)])
-    return _copies(flat + array.positions[:, None], fan)
+    return _copies(flat + array.positions[:, None], _fan(SIDES))
 
 
 def spots(points: Floats) -> Triangles:
@@ -64,7 +63,7 @@ def spots(points: Floats) -> Triangles:
 def hand(held: Hand) -> Triangles:
     """Make the skin of a hand, which must not be lost."""
     if held.vertices is not None and held.faces is not None:
-        return _make_triangles(held.vertices, held.faces)
+        return make_triangles(held.vertices, held.faces)
     assert held.joints is not None  # because it has no mesh
     capsules = flesh.make_capsules(held)
     far = capsules[:, 6:].max() + 2.0 * SKIN
@@ -78,7 +77,7 @@ def make_object(item: Object) -> Triangles:
         return spots(item.sample_surface(ALONG).points)
     shape = item.shape
     if isinstance(shape, Mesh):
-        return _make_triangles(shape.triangles.vertices, shape.triangles.faces)
+        return make_triangles(shape.triangles.vertices, shape.triangles.faces)
     if isinstance(shape, Rectangle):
         ends = np.array([-0.5, 0.5])
         return _sheet(ends * shape.width, ends * shape.height, np.zeros((2, 2)))
@@ -91,8 +90,7 @@ def make_object(item: Object) -> Triangles:
         return _sheet(x, y, shape.z[np.ix_(i, j)])
     if isinstance(shape, Disc):
         rim = spun(DISC_CORNERS) * shape.radius
-        fan = np.array([(0, 1 + k, 1 + (k + 1) % DISC_CORNERS) for k in range(DISC_CORNERS)])
-        return _make_triangles(np.pad(rim, ((1, 0), (0, 1))), fan)
+        return make_triangles(np.pad(rim, ((1, 0), (0, 1))), _fan(DISC_CORNERS))
     half = np.array(shape.extent)
     cells = np.clip(np.ceil(LONGEST_EDGE_CELLS * half / half.max()), MIN_CELLS, LONGEST_EDGE_CELLS)
     step = 2.0 * half / cells
@@ -107,6 +105,11 @@ def spun(count: int) -> Floats:
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
 
+def _fan(count: int) -> Longs:
+    """Return the triangles from a middle to a rim of `count` points that follow it, (count, 3)."""
+    return np.array([(0, 1 + k, 1 + (k + 1) % count) for k in range(count)])
+
+
 def _solid(
     away: Callable[[Floats], Floats], low: Floats, high: Floats, step: float | Floats
 ) -> Triangles:
@@ -116,7 +119,7 @@ def _solid(
     x, y, z = (low[k] + steps[k] * np.arange(counts[k]) for k in range(3))
     Z, Y, X = np.meshgrid(z, y, x, indexing="ij")
     d = away(np.stack([X, Y, Z], axis=-1).reshape(-1, 3)).reshape(Z.shape)
-    return _make_triangles(*isosurface(-d, low, step, 0.0))
+    return make_triangles(*isosurface(-d, low, step, 0.0))
 
 
 def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
@@ -126,10 +129,11 @@ def _sheet(x: Floats, y: Floats, z: Floats) -> Triangles:
     first = (C * np.arange(R - 1)[:, None] + np.arange(C - 1)).ravel()
     a, b, c, d = first, first + 1, first + C + 1, first + C
     faces = np.concatenate([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)])
-    return _make_triangles(np.stack([X, Y, z], axis=-1).reshape(-1, 3), faces)
+    return make_triangles(np.stack([X, Y, z], axis=-1).reshape(-1, 3), faces)
 
 
-def _make_triangles(vertices: Floats, faces: Longs) -> Triangles:
+def make_triangles(vertices: Floats, faces: Longs) -> Triangles:
+    """Make the triangles of a single thing."""
     return Triangles(vertices, faces, np.zeros(len(vertices), dtype=np.intp))
 
 

@@ -202,8 +202,7 @@ def _until(item: Object) -> float:
     return motion.time + MAX_EXTRAPOLATION if motion is not None and moves else -math.inf
 
 
-def _unique(name: str, given: Iterable[str]) -> None:
-    names = list(given)
+def _unique(name: str, names: list[str]) -> None:
     if len(set(names)) != len(names):
         twice = next(word for word, n in Counter(names).items() if n > 1)
         raise ArgumentError(name, f"must have unique names: two are called {twice!r}")

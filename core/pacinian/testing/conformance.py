@@ -41,6 +41,14 @@ def a(kind: type, value: object, what: str) -> None:
     require(isinstance(value, kind), f"{what} is {value!r}, not a pacinian.{kind.__name__}")
 
 
+def check_class(kind: type, made: object) -> None:
+    """Raise Broken unless a plug-in is of that kind, with a name and a docstring."""
+    a(kind, made, "what is made")
+    name = getattr(type(made), "name", None)
+    require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
+    require(bool((type(made).__doc__ or "").strip()), "it has no docstring")
+
+
 def call_with_limit(what: str, action: Callable[[], T], limit: float) -> T:
     """Run `action` in a thread of its own and return its result. Re-raises its error; Hangs after `limit` [s]."""
     made: list[T] = []

@@ -13,7 +13,14 @@ import numpy as np
 from pacinian.acoustics.array import autd
 from pacinian.errors import BackendError
 from pacinian.plugins.backend import Backend, Capability, FoundDevice, Frame
-from pacinian.testing.conformance import Broken, a, call_with_limit, check_rules, require
+from pacinian.testing.conformance import (
+    Broken,
+    a,
+    call_with_limit,
+    check_class,
+    check_rules,
+    require,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -144,11 +151,7 @@ class _Kit:
 
     def its_class(self) -> None:
         """It is a backend with a name and a docstring."""
-        backend = self.make()
-        a(Backend, backend, "what is made")
-        name = getattr(type(backend), "name", None)
-        require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
-        require(bool((type(backend).__doc__ or "").strip()), "it has no docstring")
+        check_class(Backend, self.make())
 
     def find_devices(self) -> None:
         """The search for devices raises nothing and returns `FoundDevice`s with the backend's name."""

@@ -18,7 +18,7 @@ from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_check import REGION_TOLERANCE
 from pacinian.solving.solution_status import Status
-from pacinian.testing.conformance import a, call_with_limit, check_rules, require
+from pacinian.testing.conformance import a, call_with_limit, check_class, check_rules, require
 from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
 
 if TYPE_CHECKING:
@@ -141,10 +141,7 @@ class _Kit:
     def its_class(self) -> None:
         """It is a solver with a name and a docstring."""
         solver = self.make()
-        a(Solver, solver, "what is made")
-        name = getattr(type(solver), "name", None)
-        require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
-        require(bool((type(solver).__doc__ or "").strip()), "it has no docstring")
+        check_class(Solver, solver)
         unknown = set(solver.keeps) - {"quiet", "exact"}
         require(not unknown, f"`keeps` holds {unknown}, but a solver may keep only quiet and exact")
 

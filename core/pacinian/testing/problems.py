@@ -53,11 +53,14 @@ def make_ordinary(
     """
     rng = np.random.default_rng(seed)
     q = array.centre + np.c_[rng.uniform(-0.05, 0.05, (count, 2)), rng.uniform(0.12, 0.2, count)]
-    t = rng.uniform(0.5, 1.0, count)
-    t *= (
-        level * float(np.abs(matrix(array, q, Air())).sum(axis=1).mean()) / float(np.linalg.norm(t))
-    )
+    t = _scale(rng.uniform(0.5, 1.0, count), array, q, level)
     return Problem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
+
+
+def _scale(t: Floats, array: Array, q: Floats, level: float) -> Floats:
+    """Return amplitudes at points q whose norm is `level`, relative to the pressure of a single focus at full drive."""
+    focus = float(np.abs(matrix(array, q, Air())).sum(axis=1).mean())
+    return t * (level * focus / float(np.linalg.norm(t)))
 
 
 def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
@@ -66,10 +69,7 @@ def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
     level: norm of the amplitudes, relative to the pressure of a single focus at full drive. Targets beside are 0.
     """
     q = shape.points + array.centre + [0.0, 0.0, REGION_HEIGHT - HEIGHT]
-    t = np.where(shape.regions == BESIDE, 0.0, 1.0)
-    t *= (
-        level * float(np.abs(matrix(array, q, Air())).sum(axis=1).mean()) / float(np.linalg.norm(t))
-    )
+    t = _scale(np.where(shape.regions == BESIDE, 0.0, 1.0), array, q, level)
     phases = np.zeros(len(q))
     for number in range(int(shape.regions.max()) + 1):
         own = shape.regions == number

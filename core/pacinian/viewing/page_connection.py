@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from pacinian.viewing.hub import Drive, Hub
+    from pacinian.viewing.messages import ServerMessage
     from pacinian.viewing.slices import FieldWorker
 
 BATCH = encode_message(Batch())
@@ -121,7 +122,7 @@ class PageConnection:
             if pressure is None:
                 continue
             window.unseen = asked.id
-            await self._send(_encode_answer(asked, pressure, drive))
+            await self._send(encode_message(_make_answer(asked, pressure, drive)))
             await asyncio.sleep(begin + MIN_INTERVAL - time.perf_counter())
 
 
@@ -152,26 +153,20 @@ class Window:
             self.turn.set()
 
 
-def _encode_answer(asked: Slice | Volume, pressure: bytes, drive: Drive) -> bytes:
+def _make_answer(asked: Slice | Volume, pressure: bytes, drive: Drive) -> ServerMessage:
     if isinstance(asked, Skin):
         felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
-        return encode_message(
-            SkinMessage(
-                id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
-                shape=asked.shape, felt=felt, asked=wanted, time=drive.time,
-            )
+        return SkinMessage(
+            id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
+            shape=asked.shape, felt=felt, asked=wanted, time=drive.time,
         )  # fmt: skip
     if isinstance(asked, Slice):
-        return encode_message(
-            SliceMessage(
-                id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
-                shape=asked.shape, of=asked.of, over=asked.over, frames=drive.frames(asked),
-                pressure=pressure, time=drive.time,
-            )
-        )  # fmt: skip
-    return encode_message(
-        VolumeMessage(
-            id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
+        return SliceMessage(
+            id=asked.id, centre=asked.centre, u=asked.u, v=asked.v, size=asked.size,
+            shape=asked.shape, of=asked.of, over=asked.over, frames=drive.frames(asked),
             pressure=pressure, time=drive.time,
-        )
+        )  # fmt: skip
+    return VolumeMessage(
+        id=asked.id, origin=asked.origin, spacing=asked.spacing, shape=asked.shape,
+        pressure=pressure, time=drive.time,
     )  # fmt: skip

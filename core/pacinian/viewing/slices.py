@@ -77,16 +77,12 @@ class FieldWorker:
         """
         where, drive, peak = make_grid(asked), drive.choose_frames(asked), asked.over == "peak"
         count = math.prod(where.shape)
-        if isinstance(asked, Skin):
+        skin = isinstance(asked, Skin)
+        if isinstance(asked, Slice) and (skin or asked.of == "error"):
             if drive.regions is None or not drive.gains:
-                return np.full(2 * count, np.nan, np.float32).tobytes()
+                return np.full((1 + skin) * count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._run(compute_skin, drive, where, across, drive.regions)
-        if isinstance(asked, Slice) and asked.of == "error":
-            if drive.regions is None or not drive.gains:
-                return np.full(count, np.nan, np.float32).tobytes()
-            across = tuple(np.cross(asked.u, asked.v).tolist())
-            return await self._run(compute_region_errors, drive, where, across, drive.regions)
+            return await self._run(compute_on_regions, drive, where, across, drive.regions, skin)
         if not drive.gains:
             self._start()  # the first field after silence would otherwise wait for its imports
             return bytes(4 * count)
@@ -196,36 +192,26 @@ def compute_pressure(
     return found.tobytes()
 
 
-def compute_region_errors(
+def compute_on_regions(
     model: bytes,
     gains: bytes,
     where: InterpolatedField,
     across: tuple[float, ...],
     regions: Regions,
+    skin: bool,
 ) -> bytes:
-    """Return the error of the pressure on regions near the points of a grid, float32 [Pa]: `compute_error`."""
-    from pacinian.viewing.region_error import compute_error
+    """Return the error of the pressure on regions near the points of a grid, float32 [Pa]: `compute_error`.
+
+    skin: return the pressure, then its target, instead of the error.
+    """
+    from pacinian.viewing.region_error import compute_error, compute_felt_and_asked
 
     array, medium = _unpack_model(model)
-    frames, at = _average_gains(gains, array), _points(where)
-    found = compute_error(array, medium, frames, at, np.array(across), regions)
-    return found.astype(np.float32).tobytes()
-
-
-def compute_skin(
-    model: bytes,
-    gains: bytes,
-    where: InterpolatedField,
-    across: tuple[float, ...],
-    regions: Regions,
-) -> bytes:
-    """Return the pressure on regions near the points of a grid, then its target, float32 [Pa]."""
-    from pacinian.viewing.region_error import compute_felt_and_asked
-
-    array, medium = _unpack_model(model)
-    frames, at = _average_gains(gains, array), _points(where)
-    found = compute_felt_and_asked(array, medium, frames, at, np.array(across), regions)
-    return np.concatenate(found).astype(np.float32).tobytes()
+    compute = compute_felt_and_asked if skin else compute_error
+    found = compute(
+        array, medium, _average_gains(gains, array), _points(where), np.array(across), regions
+    )
+    return np.asarray(found, np.float32).tobytes()
 
 
 def compress_gains(frames: Gains) -> tuple[Gains, Gains]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from msgspec.msgpack import Decoder
 
@@ -30,9 +30,6 @@ from pacinian.wire.convert_shapes import (
 )
 from pacinian.wire.decode_errors import CONVERSION_ERRORS, locate, locate_errors
 
-if TYPE_CHECKING:
-    from pacinian.scene.modulation.technique import Technique
-
 __all__ = [
     "envelope_to_scene",
     "envelope_to_wire",
@@ -46,15 +43,13 @@ SOFT = objects.Material()
 _objects: Decoder[objects.Object] = Decoder(objects.Object)
 
 
-def to_scene(
-    name: str, item: objects.Object, default: Technique = SIMULTANEOUS, time: float = 0.0
-) -> scene.Object:
+def to_scene(name: str, item: objects.Object, time: float = 0.0) -> scene.Object:
     """Convert a wire object to a scene object. Raises WireError.
 
-    name: name of the object. default: its technique if it has none. time: time from which its motion counts [s].
+    name: name of the object. time: time from which its motion counts [s].
     """
     try:
-        return _to_scene(name, item, default, time)
+        return _to_scene(name, item, time)
     except CONVERSION_ERRORS as error:
         raise locate(f"$.objects[{name}]", item, error) from error
 
@@ -69,13 +64,13 @@ def to_wire(item: scene.Object, duration: float | None = None) -> objects.Object
     return check_part(_objects, locate_errors("$", lambda i: _to_wire(i, duration), item))
 
 
-def _to_scene(name: str, item: objects.Object, default: Technique, time: float) -> scene.Object:
+def _to_scene(name: str, item: objects.Object, time: float) -> scene.Object:
     technique, material, motion = item.technique, item.material, item.motion
     felt: dict[str, Any] = {
         "radiation_pressure": item.radiation_pressure,
         "force": item.force,
         "envelope": envelope_to_scene(item.envelope, ".envelope"),
-        "technique": technique_to_scene(technique, ".technique") if technique else default,
+        "technique": technique_to_scene(technique, ".technique") if technique else SIMULTANEOUS,
         "material": FIRM
         if material == SOFT
         else Material(stiffness=material.stiffness, reach=material.reach),

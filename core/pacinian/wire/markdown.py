@@ -7,7 +7,14 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any, get_args
 
 from pacinian.wire import commands, control, modulation, objects, protocol, replies, shapes, state
-from pacinian.wire.message_docs import GROUPS, describe_fields, name_class, summarise
+from pacinian.wire.message_docs import (
+    GROUPS,
+    describe_fields,
+    link_class,
+    list_classes,
+    name_class,
+    summarise,
+)
 from pacinian.wire.silence_cause import CAUSES
 
 if TYPE_CHECKING:
@@ -62,27 +69,20 @@ def _parts() -> dict[str, str]:
         "felt fields": _format_table(objects.HapticObject),
         "objects": sections(objects.OBJECTS, objects.HapticObject),
         "object parts": sections([shapes.Pose, objects.Texture, objects.Material, objects.Motion]),
-        "shells": sections(_kinds(shapes.Shell)),
-        "solids": sections(_kinds(shapes.Solid)),
-        "curves": sections(_kinds(shapes.Curve)),
-        "envelopes": sections(_kinds(modulation.Envelope)),
-        "techniques": sections(_kinds(modulation.Technique)),
+        "shells": sections(list_classes(shapes.Shell)),
+        "solids": sections(list_classes(shapes.Solid)),
+        "curves": sections(list_classes(shapes.Curve)),
+        "envelopes": sections(list_classes(modulation.Envelope)),
+        "techniques": sections(list_classes(modulation.Technique)),
     }
     limits = {
         name: f"{getattr(protocol, name):,}" for name in ("MAX_COMMAND_BYTES", "MAX_CONTROL_BYTES")
     }
-    return made | limits | {f"group {name}": _links(group) for name, group in GROUPS.items()}
-
-
-def _kinds(group: Any) -> list[type[Struct]]:
-    """Return the classes of a union."""
-    return [kind for kind in get_args(group) if isinstance(kind, type)]
-
-
-def _links(group: Any) -> str:
-    return ", ".join(
-        f"[`{name_class(kind)}`](#{name_class(kind).lower()})" for kind in _kinds(group)
-    )
+    groups = {
+        f"group {name}": ", ".join(map(link_class, list_classes(group)))
+        for name, group in GROUPS.items()
+    }
+    return made | limits | groups
 
 
 def _section(kind: type[Struct], base: type[Struct] | None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import msgspec
 from msgspec.inspect import (
@@ -63,6 +63,16 @@ class FieldSaid(NamedTuple):
 def name_class(kind: type[Struct]) -> str:
     """Return the name of a class on the wire: its `type`, or the class name of a part that has none."""
     return str(kind.__struct_config__.tag or kind.__name__)
+
+
+def link_class(kind: type[Struct]) -> str:
+    """Return the name of a class, linked to its section."""
+    return f"[`{name_class(kind)}`](#{name_class(kind).lower()})"
+
+
+def list_classes(group: Any) -> list[type[Struct]]:
+    """Return the classes of a union."""
+    return [kind for kind in get_args(group) if isinstance(kind, type)]
 
 
 def summarise(kind: type[Struct]) -> str:
@@ -128,7 +138,7 @@ def _type(t: Type) -> str:
     if isinstance(t, UnionType):
         return _union(t)
     if isinstance(t, StructType):
-        return f"[`{name_class(t.cls)}`](#{name_class(t.cls).lower()})"
+        return link_class(t.cls)
     if isinstance(t, LiteralType):
         return " or ".join(f'`"{value}"`' for value in t.values) if len(t.values) < 6 else "str"
     if isinstance(t, TupleType):
@@ -146,12 +156,12 @@ def _union(t: UnionType) -> str:
     left = {part.cls for part in t.types if isinstance(part, StructType)}
     words = [_type(part) for part in t.types if not isinstance(part, StructType)]
     for name, group in GROUPS.items():
-        kinds = {kind for kind in group.__args__ if isinstance(kind, type)}
+        kinds = set(list_classes(group))
         if kinds <= left:
             left -= kinds
-            texts = {_type(msgspec.inspect.type_info(t)) for t in set(group.__args__) - kinds}
+            texts = {_type(msgspec.inspect.type_info(t)) for t in set(get_args(group)) - kinds}
             words = [f"[{name}](#{name.replace(' ', '-')})", *(w for w in words if w not in texts)]
-    words += sorted(f"[`{name_class(kind)}`](#{name_class(kind).lower()})" for kind in left)
+    words += sorted(link_class(kind) for kind in left)
     return " or ".join(sorted(words, key=lambda word: word == "nil"))
 
 

@@ -172,7 +172,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     def summarise(self) -> dict[str, str]:
         """Return names and values of what a person wants to know first."""
-        from pacinian.wire.state_wording import count, describe_felt, list_counts, share
+        from pacinian.wire.state_wording import count, list_counts, read_felt, share
 
         hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4
         median, p99, longest = self.tick_ms
@@ -187,8 +187,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
         }
         if samples:
             rows["error"] = f"{self.error:.2%} of the target sound pressures, as emitted"
-        felt = describe_felt(self.objects, self.felt)
-        rows |= {f"felt of {name}": text for name, text in felt.items()}
+        felt = read_felt(self.objects, self.felt)
+        rows |= {f"felt of {name}": str(region) for name, region in felt.items()}
         rows |= {
             "ticks": f"{self.ticks:,} at {self.rate:g} Hz, {share(self.late, self.ticks)} late",
             "tick time": f"median {median:.2f} ms, p99 {p99:.2f} ms, max {longest:.2f} ms",

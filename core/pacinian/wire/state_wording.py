@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pacinian.solving.felt_regions import FeltRegion
+from pacinian.wire.binary_arrays import unpack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -30,7 +30,11 @@ def list_counts(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{n} {name}" for name, n in counts.items() if n)
 
 
-def describe_felt(objects: Iterable[str], felt: bytes) -> dict[str, str]:
+def read_felt(objects: Iterable[str], felt: bytes) -> dict[str, FeltRegion]:
     """Return the felt quality of objects that have regions, between their samples. felt: as in `State`."""
-    figures = zip(objects, np.frombuffer(felt, "<f4").reshape(-1, 4).tolist(), strict=False)
-    return {name: str(FeltRegion(*four)) for name, four in figures if four[0] == four[0]}
+    regions = (FeltRegion(*four) for four in unpack(felt, 4).tolist())
+    return {
+        name: region
+        for name, region in zip(objects, regions, strict=False)
+        if not math.isnan(region.force)
+    }

@@ -16,4 +16,5 @@ paper.py            `pacinian paper`: the paper's experiment, figures, forces
 soak.py             `pacinian soak`: a server that runs for long
 stress.py           `pacinian stress`: promises of solvers on hard problems
 study.py            `pacinian study`: layouts, planes, patterns, solvers in all combinations
+output.py           what they do alike: print tables, make a folder
 """

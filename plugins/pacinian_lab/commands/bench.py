@@ -21,6 +21,7 @@ from pacinian_lab.commands.bench_scenes import scenes
 from pacinian_lab.commands.bench_server import bus
 from pacinian_lab.commands.bench_tick import tick
 from pacinian_lab.commands.bench_view import view
+from pacinian_lab.commands.output import make_folder, print_tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -134,7 +135,7 @@ def bench(
     if min(allowed) < 1:
         raise click.BadParameter("must be 1 or more", param_hint="--threads")
     workers = run.workers(sorted(allowed), _root(peers))
-    _make(out)
+    make_folder(out, "--out")
     try:
         rows, interrupted = _measure(workers, solvers, todo, chosen["seconds"], limit, out)
     finally:
@@ -173,13 +174,6 @@ def _root(given: str | None) -> Path | None:
     if missing:
         click.echo(peers.advice(root, missing), err=True)
     return root
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise click.BadParameter(str(error), param_hint="--out") from error
 
 
 def _measure(
@@ -235,13 +229,11 @@ def _print(rows: Sequence[Row]) -> None:
     from pacinian_lab.solvers.targets import verdicts
 
     found = cells(rows)
-    console = Console()
     shown = [*tables.results(found), tables.updates(found), tables.resources(rows)]
     if lines := growth(found):
         shown.append(tables.exponents(lines))
-    for table in (*shown, tables.verdicts(verdicts(rows))):
-        console.print(table)
-        console.print()
+    print_tables([*shown, tables.verdicts(verdicts(rows))])
+    console = Console()
     for cell in found:
         if cell.note:
             place = f"N {cell.N}, M {cell.M}, level {cell.level:g}"

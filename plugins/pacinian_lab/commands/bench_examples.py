@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian_lab.commands.output import print_tables
 
 
 @click.command()
@@ -40,13 +41,14 @@ def examples(
     from pacinian_lab.examples.examples import make_examples
     from pacinian_lab.examples.score import score
     from pacinian_lab.solvers import peers as environments
+    from pacinian_lab.solvers.run import workers as make_workers
 
     root = Path(peers) if peers else environments.folder()
     missing = [peer for peer in environments.PEERS if environments.python(root, peer) is None]
     if missing:
         click.echo(environments.advice(root, missing), err=True)
-    console, todo = Console(), make_examples()
-    workers = run.start(root, threads)
+    todo = make_examples()
+    workers = make_workers([threads], root, run.WORKERS)
     try:
         report = Console(stderr=True).print
         rows = list(run.measure(workers, todo, seconds, report))
@@ -66,6 +68,4 @@ def examples(
     elif markdown:
         click.echo(tables.write_markdown(rows, todo))
     else:
-        for table in tables.tabulate(rows, todo):
-            console.print(table)
-            console.print()
+        print_tables(tables.tabulate(rows, todo))

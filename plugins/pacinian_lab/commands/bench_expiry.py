@@ -20,7 +20,7 @@ def expiry(short: bool, as_json: bool) -> None:
 
     from pacinian_lab.server.expiry import FULL, SHORT, measure, tabulate
 
-    rows = list(measure(sizes=SHORT if short else FULL))
+    rows = list(measure(SHORT if short else FULL))
     if as_json:
         click.echo(json.dumps([asdict(row) for row in rows]))
     else:

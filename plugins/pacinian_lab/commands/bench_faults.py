@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian_lab.commands.output import print_tables
 
 if TYPE_CHECKING:
     from pacinian_lab.server.faults.run import Row
@@ -97,16 +98,14 @@ def hostile(messages: int, seconds: float, seed: int, as_json: bool) -> None:
         }  # fmt: skip
         click.echo(json.dumps(result))
     else:
-        console = Console()
-        shown = (
-            tables.phases,
-            tables.tabulate_sent,
-            tables.tabulate_errors,
-            tables.memory,
-            tables.tabulate_verdicts,
+        print_tables(
+            [
+                tables.phases(found),
+                tables.tabulate_sent(found),
+                tables.tabulate_errors(found),
+                tables.memory(found),
+                tables.tabulate_verdicts(found),
+            ]
         )
-        for made in shown:
-            console.print(made(found))
-            console.print()
     if not all(verdict.met for verdict in judged[1:]):
         raise SystemExit(1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import units
+from pacinian_lab.commands.output import make_folder, print_tables
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
@@ -103,28 +103,18 @@ def _measure(
     peers: Peers | None,
     as_json: bool,
 ) -> None:
-    from rich.console import Console
-
     from pacinian_lab.regions.run import STRENGTHS, measure
     from pacinian_lab.regions.tables import tabulate
+    from pacinian_lab.solvers.report import replace_non_finite
 
-    console, every = Console(), list[dict[str, Any]]()
+    every = list[dict[str, Any]]()
     for name in names:
         rows = list(measure(array, name, solvers, strengths or STRENGTHS, peers))
-        every += [_plain(row._asdict()) for row in rows]
-        for table in () if as_json else tabulate(rows):
-            console.print(table)
-            console.print()
+        every += [replace_non_finite(row._asdict()) for row in rows]
+        if not as_json:
+            print_tables(tabulate(rows))
     if as_json:
         click.echo(json.dumps(every))
-
-
-def _plain(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row for JSON, with null for NaN."""
-    return {
-        name: None if isinstance(value, float) and math.isnan(value) else value
-        for name, value in row.items()
-    }
 
 
 def _start_peers(given: str, side: int) -> Peers:
@@ -157,27 +147,19 @@ def _measure_cost(as_json: bool) -> None:
 
 
 def _measure_contacts(array: Array, as_json: bool) -> None:
-    from rich.console import Console
-
     from pacinian_lab.regions.contacts import measure_contacts
     from pacinian_lab.regions.tables import tabulate_contacts
 
     found = list(measure_contacts(array))
     if as_json:
         click.echo(json.dumps([contact._asdict() for contact in found]))
-        return
-    console = Console()
-    for table in tabulate_contacts(found):
-        console.print(table)
-        console.print()
+    else:
+        print_tables(tabulate_contacts(found))
 
 
 def _draw(array: Array, names: tuple[str, ...], folder: Path) -> None:
     from pacinian_lab.regions.pictures import draw
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise click.BadParameter(str(error), param_hint="--pictures") from error
+    make_folder(folder, "--pictures")
     for path in draw(array, names, folder):
         click.echo(f"wrote {path}")

@@ -11,6 +11,7 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import units
+from pacinian_lab.commands.output import print_tables
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -160,12 +161,9 @@ def _measure(array: Array, todo: Sequence[str], seconds: float, more: bool) -> t
 
 
 def _print(found: Found) -> None:
-    from rich.console import Console
-
     from pacinian_lab.scenes import report as scene_report
     from pacinian_lab.scenes import tables as scene_tables
 
-    console = Console()
     shown = [
         scene_tables.scenes(found.rows),
         scene_tables.tabulate_felt(found.rows),
@@ -179,9 +177,7 @@ def _print(found: Found) -> None:
         shown.append(scene_tables.sounds(found.sounds))
     verdicts = scene_report.verdicts(found.rows, found.savings, found.growth)
     shown.append(scene_tables.verdicts(verdicts))
-    for table in shown:
-        console.print(table)
-        console.print()
+    print_tables(shown)
 
 
 def _draw(array: Array, todo: Sequence[str], folder: Path, as_json: bool) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian_lab.commands.output import print_tables
 
 if TYPE_CHECKING:
     from pacinian_lab.server.latency_sender import Times
@@ -97,18 +98,13 @@ def _measure(what: What, side: int, seconds: float, clients: tuple[int, ...]) ->
 
 
 def _print(found: Found) -> None:
-    from rich.console import Console
-
     from pacinian_lab.scenes import tables as scene_tables
     from pacinian_lab.server import report, tables
 
-    console = Console()
     shown: list[Any] = []
     if found.times:
         shown += tables.latency(found.times)
     if found.rows:
         shown += tables.load_(found.rows)
     verdicts = [*report.latency(found.times), *report.load(found.rows, found.finals)]
-    for table in (*shown, scene_tables.verdicts(verdicts)):
-        console.print(table)
-        console.print()
+    print_tables([*shown, scene_tables.verdicts(verdicts)])

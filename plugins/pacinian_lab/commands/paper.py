@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian_lab.commands.output import make_folder
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -58,10 +60,7 @@ def _prepare_drawing(folder: Path) -> Callable[[Report, Path], list[Path]]:
     """Return the drawing function. Fails before the work if a library is missing or the folder cannot be made."""
     from pacinian_lab.paper.figures import draw
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise click.BadParameter(str(error), param_hint="--out") from error
+    make_folder(folder, "--out")
     return draw
 
 

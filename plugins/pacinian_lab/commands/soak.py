@@ -11,6 +11,7 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_server import units
+from pacinian_lab.commands.output import print_tables
 from pacinian_lab.server import soak_drift
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
     are killed, malformed messages arrive, and the output is disarmed, stopped and armed again. Exit code 1 if the
     server misses a target.
     """
-    from pacinian_lab.server import report
+    from pacinian_lab.solvers.report import about
 
     rows, interrupted = _measure(side, SHORT if short else 60.0 * minutes)
     found = soak_drift.verdicts(rows) if rows else []
@@ -51,7 +52,7 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
         import msgspec
 
         result = {
-            **report.about(),
+            **about(),
             "interrupted": interrupted,
             "targets": [asdict(verdict) for verdict in found],
             "rows": msgspec.to_builtins(rows),
@@ -96,16 +97,8 @@ def _draw(rows: Sequence[Row], path: Path) -> None:
 
 
 def _print(rows: Sequence[Row]) -> None:
-    from rich.console import Console
-
     from pacinian_lab.scenes import tables as scene_tables
     from pacinian_lab.server import tables
 
-    console = Console()
-    for table in (
-        tables.windows(rows),
-        tables.events(rows),
-        scene_tables.verdicts(soak_drift.verdicts(rows)),
-    ):
-        console.print(table)
-        console.print()
+    verdicts = scene_tables.verdicts(soak_drift.verdicts(rows))
+    print_tables([tables.windows(rows), tables.events(rows), verdicts])

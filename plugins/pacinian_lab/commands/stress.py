@@ -108,16 +108,13 @@ def _figure(value: float) -> str:
 
 def _plain(table: Sequence[Row], broken: Sequence[Evidence], quick: bool) -> dict[str, Any]:
     """Return the run for JSON, with null for values that are not finite."""
+    from pacinian_lab.solvers.report import replace_non_finite
     from pacinian_lab.stress import promises
 
     summaries = [{**asdict(row), "broken": len(row.broken)} for row in table]
     return {
         "quick": quick,
         "promises": {**promises.EVERY, **promises.OURS, **promises.PROPAGATOR},
-        "rows": [{key: _number(value) for key, value in row.items()} for row in summaries],
-        "broken": [{key: _number(value) for key, value in asdict(e).items()} for e in broken],
+        "rows": [replace_non_finite(row) for row in summaries],
+        "broken": [replace_non_finite(asdict(e)) for e in broken],
     }
-
-
-def _number(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

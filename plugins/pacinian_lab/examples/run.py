@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from pacinian_lab.solvers import peers
-from pacinian_lab.solvers.worker_process import Worker, WorkerError
+from pacinian_lab.solvers.worker_process import WorkerError, read_gains
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from pacinian.types import Complexes
     from pacinian_lab.examples.examples import Example
+    from pacinian_lab.solvers.worker_process import Worker
 
-OURS = "pacinian"
 WORKERS = Path(__file__).parent / "workers"
 LIMIT = 300.0  # [s] longest wait for a measurement
 TURNS = 5  # measurements of each way
@@ -34,13 +30,6 @@ class Row(NamedTuple):
     threads: int
     p50: float
     gains: Complexes
-
-
-def start(root: Path, threads: int) -> list[Worker]:
-    """Return the workers of Pacinian and of the peers that are installed in `root`."""
-    pythons = {OURS: sys.executable}
-    pythons |= {peer: str(made) for peer in peers.PEERS if (made := peers.python(root, peer))}
-    return [Worker.of(name, python, threads, WORKERS) for name, python in pythons.items()]
 
 
 def measure(
@@ -84,12 +73,9 @@ def run_one(worker: Worker, way: str, example: Example, seconds: float) -> Row:
     """Return one row. Raises WorkerError."""
     message = {"solver": way, "mode": example.name, "seconds": seconds}
     reply = worker.ask({**message, "problem": example.message()}, LIMIT)
+    gains = read_gains(reply, (len(example.points), len(example.positions)))
     try:
-        gains = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
         p50 = float(reply["p50"])
     except (KeyError, TypeError, ValueError) as error:
         raise WorkerError(f"gave an invalid answer: {error!r}") from error
-    shape = len(example.points), len(example.positions)
-    if gains.shape != shape or not np.isfinite(gains).all():
-        raise WorkerError(f"must return {shape} finite gains")
     return Row(example.name, way, worker.threads, p50, gains)

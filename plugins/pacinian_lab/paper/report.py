@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from pacinian_lab.paper import experiment, focus, fourier
 from pacinian_lab.paper.force import forces
+from pacinian_lab.solvers.report import replace_non_finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,12 +82,10 @@ def make(advance: Callable[[], object] = lambda: None) -> Report:
 
 def plain(report: Report) -> dict[str, Any]:
     """Return the report's numbers in SI units, for JSON, with null for an infinite condition number."""
-    spectra = [asdict(spectrum) for spectrum in report.experiment.spectra.values()]
-    for row in spectra:
-        row["condition"] = row["condition"] if math.isfinite(row["condition"]) else None
+    spectra = report.experiment.spectra.values()
     return {
         "experiment": {
-            "cases": spectra,
+            "cases": [replace_non_finite(asdict(spectrum)) for spectrum in spectra],
             "outcomes": [
                 {
                     "pattern": o.pattern,

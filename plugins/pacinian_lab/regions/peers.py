@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.transducer import Transducer
 from pacinian_lab.regions.methods import OURS, SPACINGS, MethodResult
 from pacinian_lab.solvers.problems import AIR, PRESSURE, WAVENUMBER
-from pacinian_lab.solvers.worker_process import WorkerError
+from pacinian_lab.solvers.worker_process import read_gains
 
 if TYPE_CHECKING:
     from pacinian_lab.regions.shapes import Shape
@@ -67,10 +65,4 @@ class Peers:
         }
         message = {"solver": solver, "mode": "cold", "seconds": 0.0, "problem": problem}
         reply = self.worker.ask(message, LIMIT)
-        try:
-            gains = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
-        except (KeyError, TypeError, ValueError) as error:
-            raise WorkerError(f"gave an invalid answer: {error!r}") from error
-        if gains.shape != (len(self.array),) or not np.isfinite(gains).all():
-            raise WorkerError(f"must return {len(self.array)} finite gains")
-        return MethodResult(gains, len(q))
+        return MethodResult(read_gains(reply, (len(self.array),)), len(q))

@@ -104,10 +104,10 @@ CASES: dict[str, Callable[[float], Scene]] = {
 }
 
 
-def measure(array: Array, rows: int, ticks: int = TICKS) -> list[Coming]:
+def measure(array: Array, rows: int) -> list[Coming]:
     """Measure all cases, with `rows` rows per tick."""
     return [
-        evaluate(what, collect_gains(array, scene, rows, ticks), rows, array)
+        evaluate(what, collect_gains(array, scene, rows), rows, array)
         for what, scene in CASES.items()
     ]
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import platform
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from pacinian_lab.scenes.run import MAX_LATE_SHARE, RATE
-from pacinian_lab.solvers.run import cores
+from pacinian_lab.solvers.report import about
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,12 +75,7 @@ def plain(
     """Return all results, in the units that the names give, or else in SI units."""
     return {
         **said,
-        "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": {
-            "system": platform.platform(),
-            "cores": cores(),
-            "python": platform.python_version(),
-        },
+        **about(),
         "targets": [asdict(verdict) for verdict in verdicts(rows, savings, growth)],
         "rows": [asdict(row) for row in rows],
         "savings": [{**asdict(one), "ratio": one.ratio} for one in savings],

@@ -18,7 +18,6 @@ from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
-    from pacinian.plugins.backend import Backend
 
 At = Callable[[float], Scene]
 """A function from time [s] to a scene."""
@@ -77,11 +76,10 @@ class Side:
         before: Callable[[Renderer], object] = _do_nothing,
     ) -> None:
         self.clock, self.times, self.before = ManualClock(), list[float](), before
-        self.device: Backend = registry.backend("simulated", rate=1.0 / PERIOD)
         self.renderer = Renderer(
             array,
             scene,
-            backend=self.device,
+            backend=registry.backend("simulated", rate=1.0 / PERIOD),
             sampler=sampler or Sampler(),
             smoothing=Smoothing(rate=None),
             adaptive=False,
@@ -97,7 +95,7 @@ class Side:
         self.renderer.tick(t)
         self.times.append(time.perf_counter() - begin)
         for fault in self.renderer.report.faults:
-            raise fault.error or RuntimeError(fault.message)
+            raise fault.cause
 
     @property
     def median_ms(self) -> float:

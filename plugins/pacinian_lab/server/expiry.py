@@ -22,8 +22,8 @@ from pacinian.serving.ipc.messages import FrameHead, Permit
 from pacinian.serving.settings import Settings
 from pacinian.testing import ManualClock
 from pacinian_lab.server.guard_process import MAX_WAIT, PROMPT, GuardProcess, levels
+from pacinian_lab.server.quantiles import Quantiles
 from pacinian_lab.solvers.tables import plain_table
-from pacinian_lab.solvers.timing import quantile
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -67,13 +67,12 @@ class Row:
     over: float
 
 
-def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1) -> Iterator[Row]:
+def measure(sizes: Sizes) -> Iterator[Row]:
     """Yield a row for each kind of end, with the repeats in `sizes`.
 
     Raises ServerError if a guard does not answer.
     """
-    settings = Settings() if settings is None else settings
-    chance = random.Random(seed)
+    settings, chance = Settings(), random.Random(1)
     stale = settings.safety.frame_timeout
     yield _row(
         "expired, simulated clock [rounds]",
@@ -93,10 +92,9 @@ def measure(settings: Settings | None = None, sizes: Sizes = FULL, seed: int = 1
 
 
 def _row(what: str, bound: float, times: Sequence[float]) -> Row:
-    times = sorted(times)
-    p50, p99, p999 = (quantile(times, share) for share in (0.5, 0.99, 0.999))
-    over = sum(one > bound for one in times) / len(times)
-    return Row(what, len(times), bound, p50, p99, p999, times[-1], over)
+    found = Quantiles.of(times)
+    over = sum(one > bound for one in times) / found.count
+    return Row(what, found.count, bound, found.p50, found.p99, found.p999, found.most, over)
 
 
 def _measure_simulated(settings: Settings, count: int, chance: random.Random) -> list[float]:

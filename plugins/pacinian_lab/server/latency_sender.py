@@ -36,7 +36,6 @@ RENEW = 0.05  # [s]
 ALONE = 8.0  # [s] maximum; the server forgets a session that does not renew for 10 s
 WARM = 5.0  # [s] maximum warm-up, which is not counted; never longer than the measurement
 SETTLE = 0.2  # [s] after the last hand until its effect is known
-WAITING = UNDER_WAY
 
 
 class Task(Struct, frozen=True):
@@ -183,7 +182,7 @@ class Sender:
             sounding=sum(s.output == "sounding" for s in self.seen) / len(self.seen),
             tick_ms=end.tick_ms[:2],
             late=(end.late - begin.late) / ticks,
-            waiting=(end.skipped.get(WAITING, 0) - begin.skipped.get(WAITING, 0)) / ticks,
+            waiting=(end.skipped.get(UNDER_WAY, 0) - begin.skipped.get(UNDER_WAY, 0)) / ticks,
             size=len(self.payload),
         )
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import platform
 from dataclasses import asdict
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from pacinian_lab.scenes.report import Verdict
-from pacinian_lab.solvers.run import cores
+from pacinian_lab.server.load import FULL
+from pacinian_lab.solvers.report import about
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +22,6 @@ FRESH = 0.1  # [s] maximum age of what is felt, at any load
 CONTROL = 0.05  # [s] within which control must answer, at any load
 HELD = 0.98  # fraction of the unloaded ticks per second that must remain
 GROWN = 1.25  # maximum ratio of the memory to that at the start of a phase
-FULL = 10_000.0  # [Hz] load at which the tick rate must hold
 # maximum increase of the share of late ticks over that at a tenth of the load
 MAX_LATE_INCREASE = 0.005
 
@@ -109,16 +107,4 @@ def plain(
         "latency": msgspec.to_builtins(times),
         "load": msgspec.to_builtins(rows),
         "finals": msgspec.to_builtins(finals),
-    }
-
-
-def about() -> dict[str, Any]:
-    """Return the date and the machine."""
-    return {
-        "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": {
-            "system": platform.platform(),
-            "cores": cores(),
-            "python": platform.python_version(),
-        },
     }

@@ -40,14 +40,14 @@ SWING = 0.02  # [m]
 NONE = np.empty((0, 4))
 
 
-class Play(Struct, frozen=True, tag=True):
+class Play(Struct, frozen=True):
     """How to play. connection: path of the connection file. beat: time between events [s]."""
 
     connection: str
     beat: float
 
 
-class Window(Struct, frozen=True, tag=True):
+class Window(Struct, frozen=True):
     """Order: play on for `seconds` [s], then report."""
 
     seconds: float
@@ -237,7 +237,7 @@ def main() -> None:
     """Run in a separate process and play while orders arrive."""
     context = zmq.Context[Any]()
     game = Game(context, worker_process.read_task(Play))
-    while (order := worker_process.read_order(Play | Window)) is not None:
+    while (order := worker_process.read_order(Window)) is not None:
         try:
             worker_process.answer(game.window(order))
         except ServerError as error:

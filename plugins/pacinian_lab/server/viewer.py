@@ -21,10 +21,9 @@ from pacinian.client.client import Client
 from pacinian.errors import ConnectionLost, Refused, ServerError
 from pacinian.scene.config_sections import Units
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.objects import Volume
-from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
+from pacinian_lab.server.footprint import BALL
 from pacinian_lab.server.viewer_pages import Chromium, Counts, Reader, feed, say
 from pacinian_lab.solvers.timing import quantile
 
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
 FRAME = 1.0 / 90.0  # [s] of the game
 SETTLE = 3.0  # [s] before each window
 LIMIT = 60.0  # [s] for the viewer to start, and for the game to reconnect
-BALL = Volume(name="ball", shape=Sphere(0.03), pose=Pose((0.0, 0.0, 0.175)), radiation_pressure=8.0)
 HOW = "closed", "feed", "slice"
 ALL = "&power=all"  # in a page's address: draw every frame, changed or not
 
@@ -83,7 +81,7 @@ def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterat
         with run_server(settings) as server, Client(server.connection, name="game") as game:
             game.put(BALL)
             game.arm()
-            wait = partial(_play_game, game)
+            wait = partial(play, game)
             where = "--connection", str(server.connection)
             for _ in range(rounds):
                 for how in (*HOW, "browser") if browser else HOW:
@@ -152,10 +150,6 @@ def _reconnect(game: Client) -> None:
             time.sleep(FRAME)
 
 
-def _play_game(game: Client, seconds: float) -> None:
-    play(game, seconds)
-
-
 def _window(
     game: Client, how: str, seconds: float, viewer: psutil.Process | None, page: Reader | Chromium | None
 ) -> Row:  # fmt: skip
@@ -190,7 +184,7 @@ def _counts(game: Client, page: Reader | Chromium | None) -> Counts:
 
 def _record(game: Client, seconds: float, folder: Path, *where: str) -> None:
     """Record the viewer's feed into its folder."""
-    with run_viewer(folder, partial(_play_game, game), *where) as (_, url), feed(url) as socket:
+    with run_viewer(folder, partial(play, game), *where) as (_, url), feed(url) as socket:
         say(socket, {"type": "record", "on": True})
         play(game, seconds)
 

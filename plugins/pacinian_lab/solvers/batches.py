@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import importlib.util
-import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,6 +17,7 @@ import pacinian as pc
 from pacinian import array_api
 from pacinian_lab.solvers import timing
 from pacinian_lab.solvers.problems import AIR, DISTANCE, PRESSURE, SIDE, Problem, matrix
+from pacinian_lab.solvers.run import cores
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -121,7 +121,6 @@ def measure(units: int, points: int, count: int, field: int, seconds: float) -> 
     units: AUTD units. points: M of each problem. seconds: of calls of each contestant. Raises ArgumentError.
     """
     batch = Batch.make(units, points, count)
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     libraries = find_libraries()
 
     def time_solve(name: str, solve: Callable[[], Any]) -> Row:
@@ -129,7 +128,7 @@ def measure(units: int, points: int, count: int, field: int, seconds: float) -> 
         return Row("solve", name, count, times.p50, batch.error(gains))
 
     for solver in SOLVERS:
-        for workers in sorted({1, cores or 1}):
+        for workers in sorted({1, cores()}):
             name = f"solve_many, {solver}, {workers} {'core' if workers == 1 else 'cores'}"
             yield time_solve(name, functools.partial(_solve_many, batch, solver, workers))
     for library in libraries:

@@ -1,4 +1,4 @@
-"""All results of a run as one object for JSON."""
+"""All results of a run as one object for JSON, and parts of such objects that other benchmarks also have."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from pacinian_lab.solvers import rows as bench_rows
 from pacinian_lab.solvers.run import cores
 from pacinian_lab.solvers.summary import cells, growth
 from pacinian_lab.solvers.targets import verdicts
@@ -26,22 +25,17 @@ def plain(rows: Sequence[Row], workers: Iterable[Worker], **said: Any) -> dict[s
     found = cells(rows)
     return {
         **said,
-        "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": {
-            "system": platform.platform(),
-            "cores": cores(),
-            "python": platform.python_version(),
-        },
+        **about(),
         "versions": {worker.name: worker.versions for worker in workers},
         "targets": [_verdict(verdict) for verdict in verdicts(rows)],
         "growth": [{**asdict(line), "exponent": line.exponent} for line in growth(found)],
-        "cells": [_finite(asdict(cell)) for cell in found],
-        "rows": [bench_rows.plain(row) for row in rows],
+        "cells": [replace_non_finite(asdict(cell)) for cell in found],
+        "rows": [replace_non_finite(asdict(row)) for row in rows],
     }
 
 
 def _verdict(verdict: Verdict) -> dict[str, Any]:
-    return _finite(
+    return replace_non_finite(
         {
             "target": verdict.target.name,
             "limit": verdict.target.limit,
@@ -54,7 +48,20 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
     )
 
 
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
+def about() -> dict[str, Any]:
+    """Return the date and the machine."""
+    return {
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": {
+            "system": platform.platform(),
+            "cores": cores(),
+            "python": platform.python_version(),
+        },
+    }
+
+
+def replace_non_finite(values: dict[str, Any]) -> dict[str, Any]:
+    """Return values for JSON, with null for numbers that are not finite."""
     return {
         k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in values.items()
     }

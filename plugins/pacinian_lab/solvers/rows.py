@@ -1,20 +1,16 @@
-"""The measurements, one row each: written as CSV during the run, and as JSON at its end."""
+"""The measurements, one row each: written as CSV during the run."""
 
 from __future__ import annotations
 
 import csv
 import math
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pacinian.errors import RecordingError
+from pacinian.closeable import Closeable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
-    from types import TracebackType
-
-KINDS: dict[str, Callable[[Any], Any]] = {"int": int, "float": float, "str": str}
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,7 @@ class Row:
 COLUMNS = [field.name for field in fields(Row)]
 
 
-class Writer:
+class Writer(Closeable):
     """Writes rows to a CSV file and flushes each row, so that an interrupted run keeps its measurements."""
 
     def __init__(self, path: Path) -> None:
@@ -73,40 +69,6 @@ class Writer:
         self._writer.writerow(asdict(row))
         self._file.flush()
 
-    def __enter__(self) -> Writer:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Close the file."""
         self._file.close()
-
-
-def read(path: Path) -> list[Row]:
-    """Return the rows of a CSV file. Raises RecordingError."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            return [row(found) for found in csv.DictReader(file)]
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise RecordingError(path, f"is not a benchmark: {error!r}") from error
-
-
-def row(values: dict[str, Any]) -> Row:
-    """Return a row from its columns, which are text or JSON values."""
-    read: dict[str, Any] = {}
-    for field in fields(Row):
-        value = values[field.name]
-        kind = KINDS[str(field.type)]
-        read[field.name] = math.nan if value is None and kind is float else kind(value)
-    return Row(**read)
-
-
-def plain(row: Row) -> dict[str, Any]:
-    """Return a row for JSON, with null for values that are not finite."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in asdict(row).items()
-    }

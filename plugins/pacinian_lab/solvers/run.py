@@ -13,7 +13,14 @@ from pacinian_lab.solvers import peers
 from pacinian_lab.solvers.problems import Problem
 from pacinian_lab.solvers.rows import Row
 from pacinian_lab.solvers.score import eight_bit, score
-from pacinian_lab.solvers.worker_process import START, Worker, WorkerError
+from pacinian_lab.solvers.worker_process import (
+    START,
+    WORKERS,
+    Worker,
+    WorkerError,
+    check_array,
+    read_gains,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -44,13 +51,16 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def workers(threads: Iterable[int], root: Path | None) -> list[Worker]:
-    """Return Pacinian's workers and, if `root` is given, those of the peers that have an environment there."""
+def workers(threads: Iterable[int], root: Path | None, folder: Path = WORKERS) -> list[Worker]:
+    """Return Pacinian's workers and, if `root` is given, those of the peers that have an environment there.
+
+    folder: of the files that the workers run.
+    """
     pythons = {OURS: sys.executable}
     if root is not None:
         found = {peer: peers.python(root, peer) for peer in peers.PEERS}
         pythons |= {peer: str(python) for peer, python in found.items() if python}
-    return [Worker.of(name, python, n) for name, python in pythons.items() for n in threads]
+    return [Worker.of(name, python, n, folder) for name, python in pythons.items() for n in threads]
 
 
 def entries(
@@ -126,15 +136,11 @@ def evaluate_answer(row: Row, problem: Problem, reply: dict[str, Any]) -> Row:
         row = replace(row, p50=p50, p99=p99, traced=traced, resident=most, samples=samples)
         if row.family == REFERENCE:
             return row
-        g = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
         q = np.array(reply["points"], np.float64)
     except (KeyError, TypeError, ValueError) as error:
         raise WorkerError(f"gave an invalid answer: {error!r}") from error
-    for name, array, shape in (("gains", g, (row.N,)), ("points", q, (row.M, 3))):
-        if array.shape != shape:
-            raise WorkerError(f"returned {name} of shape {array.shape}, not {shape}")
-        if not np.isfinite(array).all():
-            raise WorkerError(f"returned {name} that are not finite")
+    g = read_gains(reply, (row.N,))
+    check_array("points", q, (row.M, 3))
     found = score(problem.positions, q, problem.targets, g)
     rounded = score(problem.positions, q, problem.targets, eight_bit(g))
     return replace(

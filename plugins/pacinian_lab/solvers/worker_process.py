@@ -12,10 +12,14 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from pacinian.types import Complexes, Floats
 
 START = 300.0  # [s] to start, including compilation by the peers
 THREADS = (
@@ -25,6 +29,7 @@ THREADS = (
     "RAYON_NUM_THREADS",
 )
 HERE = Path(__file__).parent
+WORKERS = HERE / "workers"
 
 
 class WorkerError(PacinianError):
@@ -45,7 +50,7 @@ class Worker:
         self._offers: list[tuple[str, str]] = []
 
     @classmethod
-    def of(cls, name: str, python: str, threads: int, folder: Path = HERE / "workers") -> Worker:
+    def of(cls, name: str, python: str, threads: int, folder: Path = WORKERS) -> Worker:
         """Return a worker for the solvers in `{name}.py` of a folder, run by this Python."""
         files = (HERE / "worker.py", folder / f"{name}.py")
         return cls(name, [python, "-P", *(str(file) for file in files)], threads)
@@ -131,6 +136,24 @@ class Worker:
         self._errors.seek(0)
         lines = self._errors.read().strip().splitlines()
         return lines[-1] if lines else "without a message"
+
+
+def read_gains(reply: dict[str, Any], shape: tuple[int, ...]) -> Complexes:
+    """Return the gains of an answer. Raises WorkerError unless they are finite and have this shape."""
+    try:
+        gains = np.array(reply["re"], np.float64) + 1j * np.array(reply["im"], np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise WorkerError(f"gave an invalid answer: {error!r}") from error
+    check_array("gains", gains, shape)
+    return gains
+
+
+def check_array(name: str, array: Complexes | Floats, shape: tuple[int, ...]) -> None:
+    """Refuse an array of an answer that is not finite, or of another shape. Raises WorkerError."""
+    if array.shape != shape:
+        raise WorkerError(f"returned {name} of shape {array.shape}, not {shape}")
+    if not np.isfinite(array).all():
+        raise WorkerError(f"returned {name} that are not finite")
 
 
 def _pump(process: subprocess.Popen[str], lines: queue.SimpleQueue[str]) -> None:

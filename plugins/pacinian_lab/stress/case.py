@@ -65,11 +65,6 @@ class Case:
     def __repr__(self) -> str:
         return f"<Case {self.name}>"
 
-    @property
-    def family(self) -> str:
-        """Kind of problem."""
-        return self.name.partition(":")[0]
-
     def solve(self, solver: str | Solver) -> Solution:
         """Solve `history` and then the problem in one session. Returns the solution, with what its regions feel like.
 

@@ -15,11 +15,9 @@ SOLVES = {"pacinian.session", "pacinian.solving", "pacinian_plugins.native"}
 RENDERS = {"pacinian.rendering.renderer", "pacinian.scene.sampling.sampler"}
 SCENES = {"pacinian.scene.hands", "pacinian.scene.objects", "pacinian.scene.scene"}
 GUARD = """
-from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard import process
-from pacinian.serving.guard.device_manager import import_backend
-from pacinian.serving.ipc.plugin_list import list_offers
-import_backend(PluginConfig("simulated"))
+from pacinian.serving.ipc.plugin_list import find_plugin, list_offers
+find_plugin("backend", "simulated")
 list_offers("backend")
 """
 BUS = """

@@ -252,8 +252,8 @@ def test_defaults_are_those_of_scenes() -> None:
 def test_the_technique_that_nobody_chose_is_the_servers() -> None:
     item = to_wire(Point(position=(0.0, 0.0, 0.2), radiation_pressure=1.0))
     assert item.technique is None
-    made = to_scene("a", item, AM(150.0), 3.0)
-    assert made.technique == AM(150.0)
+    made = to_scene("a", item, time=3.0)
+    assert made.technique is SIMULTANEOUS
     assert made.motion is None
 
 

@@ -12,6 +12,7 @@ import pacinian as pc
 from pacinian_lab.examples import run, tables
 from pacinian_lab.examples.examples import Example, make_examples
 from pacinian_lab.examples.score import field, find_peak, score
+from pacinian_lab.solvers.run import OURS
 from pacinian_lab.solvers.worker_process import Worker
 
 EXAMPLES = {example.name: example for example in make_examples()}
@@ -52,7 +53,7 @@ def test_a_peak_beside_the_focus_is_found_and_silence_and_a_quiet_place_are_scor
 
 
 def test_our_own_worker_makes_examples_within_their_amplitudes() -> None:
-    worker = Worker.of(run.OURS, sys.executable, 1, run.WORKERS)
+    worker = Worker.of(OURS, sys.executable, 1, run.WORKERS)
     todo = [EXAMPLES["foci"], replace(EXAMPLES["circle"], points=EXAMPLES["circle"].points[::10])]
     try:
         rows = list(run.measure([worker], todo, 0.0, pytest.fail))

@@ -6,7 +6,7 @@ from pacinian_lab.server.expiry import BOUND, Sizes, measure, tabulate
 
 
 def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
-    rows = list(measure(sizes=Sizes(500, 10, 5, 3, 2, 1)))
+    rows = list(measure(Sizes(500, 10, 5, 3, 2, 1)))
     told, *real = rows
     assert told.count >= 500
     assert 0.0 < told.p50 < told.worst <= 1.0

@@ -129,9 +129,7 @@ def join_between(parts: list[Between], counts: list[int]) -> Between:
     )
 
 
-def spread_pressure(
-    surface: SkinNodes, spacing: float = FINEST_SKIN_SPACING
-) -> tuple[Indices, Floats, Indices]:
+def spread_pressure(surface: SkinNodes, spacing: float) -> tuple[Indices, Floats, Indices]:
     """Choose points one after the other, each the farthest from those already chosen.
 
     Stops when no point is `spacing` [m] away from all chosen points on its side. Returns the indices of the chosen

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.scene.modulation import stm_paths
+from pacinian.scene.modulation.tangent_plane import find_tangents
 from pacinian.scene.modulation.technique import LM, PLACES, STM, SWING
 
 if TYPE_CHECKING:
@@ -50,8 +52,6 @@ def present(technique: Technique, samples: Samples, t: float, frame: Floats = WO
 
 
 def _move_focus(technique: STM, samples: Samples, frame: Floats) -> Motion:
-    from pacinian.scene.modulation import stm_paths
-
     if technique.along == "samples":
         route = stm_paths.visit_one_by_one(samples)
     elif technique.along == "outline":
@@ -63,7 +63,5 @@ def _move_focus(technique: STM, samples: Samples, frame: Floats) -> Motion:
 
 
 def _swing(technique: LM, samples: Samples, frame: Floats) -> Motion:
-    from pacinian.scene.modulation.tangent_plane import find_tangents
-
     d = technique.amplitude * find_tangents(samples.normals, technique.angle, frame)
     return lambda i: replace(samples, positions=samples.positions + i / SWING * d)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from pacinian.native import scene as kernels
 from pacinian.scene.modulation.tangent_plane import compute_weights, fit_plane
 from pacinian.scene.shapes.polyline import MIN_LENGTH, Polyline3D
 
@@ -77,8 +78,6 @@ def visit_along(samples: Samples, curve: Curve, frame: Floats) -> Route:
 
 def _order_through(q: Floats) -> Indices:
     """Return the indices of points q, (M, 3) [m], on a tour from the first one, always to the nearest one left."""
-    from pacinian.native import scene as kernels
-
     order = np.empty(len(q), dtype=np.int64)
     kernels.visit_through(q, order)
     return order
@@ -89,8 +88,6 @@ def _order_around(q: Floats, order: Indices) -> Indices:
 
     order: of the points by x, then y, (M,). Andrew's monotone chain: the lower side, then the upper one.
     """
-    from pacinian.native import scene as kernels
-
     corners = np.empty(2 * len(q) + 1, dtype=np.int64)
     return corners[: kernels.visit_around(q, order, corners)]
 

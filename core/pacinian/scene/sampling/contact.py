@@ -116,8 +116,8 @@ def find_contact(
         fine = hand.refine(which[d < reach + FINEST_SKIN_SPACING], level)
         at = (fine.points - pose.position) @ pose.matrix
         apart = distances.of(item, name, hand, fine.which, at, reach, material.enough(most))
-        nodes, force = hand.press_finely(
-            fine, apart, reach, material.per_metre(most), most, viewpoints
+        nodes, force = hand.find_pressed(
+            np.arange(len(apart)), apart, reach, material.per_metre(most), most, viewpoints, fine
         )
         apply_texture(item.texture, at[nodes], force)
         force *= share

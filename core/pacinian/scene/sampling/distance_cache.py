@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.native.scene import stale
 from pacinian.scene.shapes.csg import Combination, Placed
 from pacinian.scene.shapes.mesh import Mesh
 
@@ -43,8 +44,6 @@ class DistanceCache:
         positions in the object's frame, (I, 3) [m]. beyond, deep: distances farther outside or inside than these need
         not be exact [m].
         """
-        from pacinian.native.scene import stale
-
         if not isinstance(item.shape, DEAR):
             return item.distance(local, beyond, deep)
         known = self._of(item, name, hand)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.native import scene as kernels
 from pacinian.scene.hands.skin import CREASE
 from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.sampling.array_resolution import BLOCKED_COS2, FULL_PRESSURE_COS2
@@ -43,8 +44,6 @@ class PosedSkin:
     """
 
     def __init__(self, hand: Hand, skin: Skin | None = None) -> None:
-        from pacinian.native import scene as kernels
-
         self.hand = hand
         self.skin = get_skin(hand) if skin is None else skin
         self.placed = self.skin.place(hand)
@@ -63,11 +62,9 @@ class PosedSkin:
 
         corners: points of the skin must face one of these, (V, 3) [m]; if empty, they may face anywhere.
         """
-        from pacinian.native.scene import candidates
-
         K = len(self.points)
         which, local = np.empty(K, dtype=np.intp), np.empty((K, 3))
-        count = candidates(
+        count = kernels.candidates(
             self.points, self.normals, self.skin.bone, self.placed.bounds,
             np.array(pose.position), radius, pose.matrix, corners, which, local,
         )  # fmt: skip
@@ -75,20 +72,22 @@ class PosedSkin:
 
     def find_pressed(
         self, which: Indices, d: Floats, reach: float, stiffness: float, most: float,
-        viewpoints: Floats,
+        viewpoints: Floats, fine: FineSkin | None = None,
     ) -> tuple[Indices, Floats]:  # fmt: skip
         """Find which of the points `which`, (I,), are pressed, and with what force.
 
         d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.
         viewpoints: positions of some transducers, (V, 3) [m]; only skin that faces them is pressed, or all if there are
-        none. Returns indices into `which`, and forces [N].
+        none. fine: points of a fine level, to which `which` refers instead of the skin's own. Returns indices into
+        `which`, and forces [N].
         """
-        from pacinian.native.scene import press
-
+        of = self.points, self.normals, self.area, self.skin.bone, self.skin.slack
+        if fine is not None:
+            of = fine[1:]
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
-        count = press(
-            d, which, reach, stiffness, most, self.points, self.normals, self.area, self.skin.bone,
-            self.skin.slack, self.capsules, viewpoints, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
+        count = kernels.press(
+            d, which, reach, stiffness, most, *of, self.capsules, viewpoints,
+            BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]
 
@@ -123,21 +122,6 @@ class PosedSkin:
             ),
         )  # fmt: skip
 
-    def press_finely(
-        self, fine: FineSkin, d: Floats, reach: float, stiffness: float, most: float,
-        viewpoints: Floats,
-    ) -> tuple[Indices, Floats]:  # fmt: skip
-        """Do the same as `find_pressed` for points of a fine level, of signed distances d, (I,) [m]."""
-        from pacinian.native.scene import press
-
-        every = np.arange(len(d))
-        inside, force = np.empty(len(d), dtype=np.intp), np.empty(len(d))
-        count = press(
-            d, every, reach, stiffness, most, fine.points, fine.normals, fine.area, fine.bone,
-            fine.slack, self.capsules, viewpoints, BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
-        )  # fmt: skip
-        return inside[:count], force[:count]
-
     def around(
         self, q: Floats, spacing: float, inner: float, outer: float, centre: Floats, most: int
     ) -> tuple[Indices, Indices]:
@@ -147,12 +131,10 @@ class PosedSkin:
         (3,) [m]. most: largest number of nodes. Returns the indices of the nodes, (I,), without those inside another
         finger, and of the nearest point of q to each, (I,).
         """
-        from pacinian.native.scene import around
-
         skin = self.skin
         count = skin.counts[skin.level(spacing)]
         which, nearest = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
-        found = around(
+        found = kernels.around(
             self.points, self.normals, count, q, centre, inner, outer, self.capsules, skin.bone, skin.slack,
             most, which, nearest,
         )  # fmt: skip
@@ -179,11 +161,9 @@ class PosedSkin:
 
         The arguments and results are those of `share_forces`. Each force is scaled to the larger area of its node [N].
         """
-        from pacinian.native.scene import thin
-
         skin, level = self.skin, self.skin.level(spacing)
         nodes, pressed, area = np.empty_like(touched), np.empty_like(force), np.empty_like(force)
-        count = thin(
+        count = kernels.thin(
             touched, force, skin.counts[level], skin.node_area[level], skin.area, self.area, self.points,
             self.capsules, skin.bone, skin.slack, nodes, pressed, area,
         )  # fmt: skip
@@ -198,12 +178,11 @@ class PosedSkin:
         inside other flesh, (M,); their forces [N], which have the same sum; and the skin area that each represents
         [m^2].
         """
-        from pacinian.native.scene import share_out
-
         skin, level = self.skin, self.skin.level(spacing)
         count = skin.counts[level]
         got, nodes = np.empty(count), np.empty(count, dtype=np.intp)
-        nodes = nodes[: share_out(touched, force, *skin.share[level], MIN_SHARE, got, nodes)]
+        held = kernels.share_out(touched, force, *skin.share[level], MIN_SHARE, got, nodes)
+        nodes = nodes[:held]
         shown = self.find_exposed(nodes)
         if not shown.all():
             nodes = nodes[shown]
@@ -214,6 +193,6 @@ class PosedSkin:
         uncovered = touched[skin.hidden[touched]]
         if level and len(uncovered):  # skin that is inside the flesh at rest
             more, which = np.empty(count), np.empty(count, dtype=np.intp)
-            share_out(uncovered, self.area[uncovered], *skin.share[level], 0.0, more, which)
+            kernels.share_out(uncovered, self.area[uncovered], *skin.share[level], 0.0, more, which)
             area += more[nodes]
         return nodes, kept, area

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from pacinian.acoustics.pose import Vector
+    from pacinian.scene.shapes.shape_types import Shell
     from pacinian.types import Floats
 
     Sides = tuple[tuple["SolidShape", float], ...]
@@ -62,7 +63,7 @@ class Placed(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
         """Return the signed distance of points, (K, 3), (K,) [m]; `beyond` and `deep` as for a mesh."""
         local = (points - self.pose.position) @ self.pose.matrix
-        return _distance(self.shape, local, beyond, deep)
+        return distance(self.shape, local, beyond, deep)
 
     def sample_surface(self, spacing: float) -> LocalSamples:
         """Return samples of the shape's surface, about `spacing` [m] apart."""
@@ -80,13 +81,9 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         """The parts, each with 1 if the shell of the part faces outward, or -1 if it faces inward."""
         raise NotImplementedError
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Surface area [m^2], estimated from samples. Raises ArgumentError."""
-        return self._area
-
-    @cached_property
-    def _area(self) -> float:
         for part, _ in self.sides:
             check_closed(part)
         return csg_shell.measure_shell(self, self.sides)
@@ -107,9 +104,9 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
     def distance(self, points: Floats, beyond: float = math.inf, deep: float = math.inf) -> Floats:
         """Return the signed distance of points, (K, 3), negative inside: (K,) [m]. `beyond`, `deep`: as for a mesh."""
         each = (
-            _distance(part, points, beyond, deep)
+            distance(part, points, beyond, deep)
             if side > 0.0
-            else -_distance(part, points, deep, beyond)
+            else -distance(part, points, deep, beyond)
             for part, side in self.sides
         )
         return functools.reduce(np.minimum if self.united else np.maximum, each)
@@ -224,7 +221,11 @@ def _inner(solid: SolidShape | Combination) -> tuple[SolidShape, ...]:
     return tuple(part for part, _ in solid.sides) if isinstance(solid, Combination) else ()
 
 
-def _distance(solid: SolidShape, points: Floats, beyond: float, deep: float) -> Floats:
-    if isinstance(solid, (Mesh, Placed, Combination)):
-        return solid.distance(points, beyond, deep)
-    return solid.distance(points)
+def distance(shape: Shell | SolidShape, points: Floats, beyond: float, deep: float) -> Floats:
+    """Return the signed distance of points, (K, 3), in the shape's own frame, (K,) [m]; negative inside or behind.
+
+    beyond, deep: distances farther outside or inside than these need not be exact [m].
+    """
+    if isinstance(shape, (Mesh, Placed, Combination)):
+        return shape.distance(points, beyond, deep)
+    return shape.distance(points)

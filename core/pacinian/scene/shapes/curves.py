@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import Struct
@@ -221,19 +221,12 @@ class Polyline(
 Curve = Line | Circle | Lissajous | Polyline
 
 
-class _Path(Protocol):
-    @property
-    def length(self) -> float: ...
-
-    def at(self, u: Floats) -> Floats: ...
-
-
 def _there_and_back(u: Floats) -> Floats:
     """Return values that go from 0 to 1 and back to 0 as u goes from 0 to 1."""
     return np.asarray(1.0 - np.abs(1.0 - 2.0 * (u % 1.0)))
 
 
-def _cover(curve: _Path, spacing: float, once: float = 1.0) -> LocalSamples:
+def _cover(curve: Curve, spacing: float, once: float = 1.0) -> LocalSamples:
     """Return the midpoints of equal pieces of a curve that is traversed once as u goes from 0 to `once`."""
     K = max(1, math.floor(check_count(curve.length, spacing, 1) + EDGE))
     points = curve.at(np.asarray(once * (np.arange(K) + 0.5) / K, dtype=np.float64))

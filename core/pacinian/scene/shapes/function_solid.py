@@ -69,13 +69,9 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
         for half in self.extent:
             check_length("extent", half)
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Surface area [m^2], estimated on a grid."""
-        return self._area
-
-    @cached_property
-    def _area(self) -> float:
         return measure_solid(self)
 
     @property

@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from pacinian.scene.shapes import Disc, Rectangle, Sphere
-from pacinian.scene.shapes.csg import SOLIDS, Combination, Placed, SolidShape, check_closed
+from pacinian.scene.shapes.csg import SOLIDS, SolidShape, check_closed, distance
 from pacinian.scene.shapes.height_map import HeightMap
 from pacinian.scene.shapes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from pacinian.types import Floats
 
 __all__ = ["SHELLS", "SOLIDS", "Shell", "SolidShape", "check_closed", "distance"]
 
 Shell = Rectangle | Disc | Sphere | HeightMap | Mesh
 SHELLS = Rectangle, Disc, Sphere, HeightMap, Mesh
-
-
-def distance(shape: Shell | SolidShape, points: Floats, beyond: float, deep: float) -> Floats:
-    """Return the signed distance of points, (K, 3), in the shape's own frame, (K,) [m]; negative inside or behind.
-
-    beyond, deep: distances farther outside or inside than these need not be exact [m].
-    """
-    if isinstance(shape, (Mesh, Placed, Combination)):
-        return shape.distance(points, beyond, deep)
-    return shape.distance(points)

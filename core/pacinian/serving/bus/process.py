@@ -64,7 +64,6 @@ SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
 # Thread switch interval [s]. It limits how long a conversion blocks the loop.
 THREAD_SWITCH_INTERVAL = 2e-4
 REPORT_INTERVAL = 0.05  # interval between two status reports [s]
-QUEUE = 256  # largest number of messages of one client that may wait at the bus
 
 
 class Bus:
@@ -209,9 +208,6 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         socket = stack.enter_context(context.socket(zmq.ROUTER))
         gate.protect(socket, settings.clients.max_command_bytes)
         socket.router_mandatory = False  # replies to a closed connection are dropped
-        # A long queue only makes messages older. `rcvbuf` stays at the system's default: 16 KiB
-        # halved the throughput of one client.
-        socket.rcvhwm = QUEUE
         network = settings.network
         try:
             socket.bind(network.endpoint(network.command))

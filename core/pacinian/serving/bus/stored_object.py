@@ -82,11 +82,10 @@ class StoredObject:
         """Whether the object takes long to convert and is not converted yet."""
         return self.slow and self.item is not None
 
-    def pack(self, most: float) -> bytes:
-        """Return the object, encoded. most: maximum radiation pressure [Pa]. Raises WireError, TooStrong."""
+    def pack(self, most: float) -> None:
+        """Encode the object, if it is not. most: maximum radiation pressure [Pa]. Raises WireError, TooStrong."""
         if self.item is not None:
             self.accept(encode_object(self.name, self.item, self.seen, most))
-        return self.packed
 
     def accept(self, packed: bytes) -> None:
         """Store the encoded object."""

@@ -13,10 +13,10 @@ from prometheus_client.registry import Collector
 
 from pacinian.errors import ServerError
 from pacinian.serving.settings import METRICS_HOST
+from pacinian.wire.state import OUTPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from types import TracebackType
 
     from prometheus_client import Metric
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 MAX_CONNECTIONS = 16  # largest number of connections at a time; each takes a thread
 MAX_REQUEST_TIME = 5.0  # time limit between two parts of a request [s]
-OUTPUTS = "silent", "sounding", "stale", "stopped", "faulted"
 
 
 class Metrics(Collector):
@@ -57,12 +56,7 @@ class Metrics(Collector):
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
@@ -91,7 +85,8 @@ class Metrics(Collector):
             "longest_gap_seconds", "Longest time between frames while armed", state.longest_gap
         )
         yield _gauge("clients", "Sessions", len(state.clients))
-        yield _make_gauge_family(
+        yield _make_family(
+            GaugeMetricFamily,
             "output",
             "State of the output",
             "state",
@@ -100,19 +95,19 @@ class Metrics(Collector):
         quantiles = {
             str(q): ms / 1e3 for q, ms in zip((0.5, 0.99, 1.0), state.tick_ms, strict=True)
         }
-        yield _make_gauge_family(
-            "tick_seconds", "Duration of a tick in the last second", "quantile", quantiles
+        yield _make_family(
+            GaugeMetricFamily,
+            "tick_seconds",
+            "Duration of a tick in the last second",
+            "quantile",
+            quantiles,
         )
-        restarts = CounterMetricFamily(
-            "pacinian_restarts", "Restarts of a process", labels=["process"]
+        yield _make_family(
+            CounterMetricFamily, "restarts", "Restarts of a process", "process", state.restarts
         )
-        for name, value in state.restarts.items():
-            restarts.add_metric([name], value)
-        yield restarts
-        skipped = CounterMetricFamily("pacinian_skipped", "Samples not rendered", labels=["reason"])
-        for name, value in state.skipped.items():
-            skipped.add_metric([name], value)
-        yield skipped
+        yield _make_family(
+            CounterMetricFamily, "skipped", "Samples not rendered", "reason", state.skipped
+        )
 
 
 class _Server(ThreadingMixIn, WSGIServer):
@@ -161,8 +156,14 @@ def _gauge(name: str, text: str, value: float) -> Metric:
     return GaugeMetricFamily(f"pacinian_{name}", text, value=value)
 
 
-def _make_gauge_family(name: str, text: str, label: str, values: Mapping[str, Any]) -> Metric:
-    family = GaugeMetricFamily(f"pacinian_{name}", text, labels=[label])
+def _make_family(
+    kind: type[CounterMetricFamily | GaugeMetricFamily],
+    name: str,
+    text: str,
+    label: str,
+    values: Mapping[str, float],
+) -> Metric:
+    family = kind(f"pacinian_{name}", text, labels=[label])
     for key, value in values.items():
         family.add_metric([key], float(value))
     return family

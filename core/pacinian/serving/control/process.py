@@ -353,7 +353,6 @@ class ControlLoop:
                 if fault and not ownership.fault:
                     self._fault(f"{name}: {fault}")
                     ownership.fail(f"{name}: {fault}")
-        device = self.view.device
         sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
         for name, why in self._supervisor.check(self._beats, sound):
             self._handle_exit(name, why, now)

@@ -241,7 +241,7 @@ class StatusPublisher:
             id=request,
             solvers=self._view.report.solvers,
             backends=device.backends,
-            techniques=list_techniques(),
+            techniques=tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique)),
             presets=tuple(PRESETS),
             positions=self._positions,
             normals=self._normals,
@@ -277,11 +277,6 @@ def describe_sound(array: Array, medium: Air) -> Sound:
         absorption=medium.beta(kind.frequency),
         temperature=medium.temperature,
     )
-
-
-def list_techniques() -> tuple[str, ...]:
-    """Return the names of all techniques."""
-    return tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique))
 
 
 def _names(plugins: Sequence[Any]) -> tuple[str, ...]:

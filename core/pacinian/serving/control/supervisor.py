@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.spawned_process import SystemProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,17 +36,8 @@ MAX_SILENCING_TIME = 5.0
 POLL_INTERVAL = 0.01  # interval between two checks whether a new guard has opened the device [s]
 
 
-class Process(Protocol):
-    """The part of `subprocess.Popen` that the supervisor needs."""
-
-    @property
-    def pid(self) -> int:
-        """Process id."""
-        ...
-
-    def poll(self) -> int | None:
-        """Return the exit code; None while the process runs."""
-        ...
+class Process(SystemProcess, Protocol):
+    """The part of `child_process.Process` that the supervisor needs."""
 
     def activate(self) -> None:
         """Let a spare begin; returns at once."""
@@ -53,14 +45,6 @@ class Process(Protocol):
 
     def close(self) -> None:
         """Close its standard input, which ends the process. For the end of the server."""
-        ...
-
-    def kill(self) -> None:
-        """Kill the process."""
-        ...
-
-    def wait(self, timeout: float | None = None) -> int:
-        """Wait until the process has ended; return its exit code."""
         ...
 
 
@@ -154,7 +138,7 @@ class Supervisor:
             child.sounded = child.sounded or (sound and name == GUARD)
             if child.due is not None:
                 why = self._restart_or_promote_spare(child, now)
-            elif why := self._check_child(child, beats.get(name, 0.0), limit, now):
+            elif why := self._check_child(child, beats.get(name, 0.0), limit):
                 if not self.trusted:
                     raise ServerError(f"the process {name!r} {why} before the server was ready")
                 if now - child.started > BACKOFF_RESET_TIME:
@@ -183,7 +167,7 @@ class Supervisor:
                 why = f"could not be started: {error}"
             else:
                 return ""
-        elif not (why := self._check_child(self._spare, now, math.inf, now)):
+        elif not (why := self._check_child(self._spare, now, math.inf)):
             return ""
         self._spare, self._spare_due = None, now + guard.wait
         guard.wait = min(MAX_RESTART_DELAY, 2.0 * guard.wait)
@@ -216,7 +200,7 @@ class Supervisor:
         child.restarts += 1
         return ""
 
-    def _check_child(self, child: Child, beat: float, limit: float, now: float) -> str:
+    def _check_child(self, child: Child, beat: float, limit: float) -> str:
         if (code := child.process.poll()) is not None:
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = beat >= child.started

@@ -318,11 +318,6 @@ class DeviceManager:
         return Opened(orders, choice, (backend, can))
 
 
-def import_backend(choice: Choice | PluginConfig) -> None:
-    """Import the plug-in of a backend. Raises UnknownPlugin, PluginError."""
-    plugin_list.find_plugin("backend", choice.name)
-
-
 def _make_backend(choice: Choice | PluginConfig, configured: Choice | PluginConfig) -> Backend:
     return cast("Backend", plugin_list.make_plugin("backend", choice, configured))
 

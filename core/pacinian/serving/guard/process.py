@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from msgspec.msgpack import Decoder
 
 from pacinian.scene.config_sections import PluginConfig
-from pacinian.serving.guard.device_manager import DeviceManager, import_backend
+from pacinian.serving.guard.device_manager import DeviceManager
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare_guard import stand_by
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
@@ -34,7 +34,7 @@ from pacinian.serving.ipc.messages import (
     open_wakes,
     pack,
 )
-from pacinian.serving.ipc.plugin_list import publish_offers
+from pacinian.serving.ipc.plugin_list import find_plugin, publish_offers
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class GuardLoop:
         self._listens = False
         self._orders.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
-            import_backend(self._orders.value.backend[1] or configured)
+            find_plugin("backend", (self._orders.value.backend[1] or configured).name)  # imports it
 
     def watch(self) -> tuple[float, bool]:
         """Return the running guard's last heartbeat [s], and whether there may be sound. A spare calls this."""

@@ -11,23 +11,17 @@ import os
 import select
 import sys
 import threading
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from pacinian.errors import ServerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from pacinian.serving.ipc.spawned_process import SystemProcess
+
 BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
 LOOK = 10  # interval between two looks at a pipe that is being emptied [ms]
-
-
-class Child(Protocol):
-    """The process that has a pipe as its standard input."""
-
-    def poll(self) -> int | None:
-        """Return the exit code; None while the process runs."""
-        ...
 
 
 class ChildPipe:
@@ -38,7 +32,7 @@ class ChildPipe:
 
     def __init__(self) -> None:
         self.source, self._sink = os.pipe()
-        self.child: Child | None = None
+        self.child: SystemProcess | None = None
         self._lock = threading.Lock()
         self._closed, self._unwritten = False, 0  # number of texts that are not yet written
         self._writer: threading.Thread | None = None

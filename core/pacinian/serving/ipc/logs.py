@@ -108,10 +108,8 @@ def flush() -> None:
 class RateLimitedLog:
     """A log that no client can flood: it limits the rate of each event, and then logs how many were left out."""
 
-    def __init__(
-        self, clock: Callable[[], float] = time.perf_counter, often: float = MAX_EVENT_RATE
-    ) -> None:
-        self._clock, self._often = clock, often
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._clock = clock
         self._allowed: dict[str, TokenBucket] = {}
         self._missed: dict[str, int] = {}
 
@@ -128,7 +126,7 @@ class RateLimitedLog:
         self._add("exception", event, values)
 
     def _add(self, level: str, event: str, values: dict[str, Any]) -> None:
-        if not self._allowed.setdefault(event, TokenBucket(self._often)).take(self._clock()):
+        if not self._allowed.setdefault(event, TokenBucket(MAX_EVENT_RATE)).take(self._clock()):
             self._missed[event] = self._missed.get(event, 0) + 1
             return
         if missed := self._missed.pop(event, 0):

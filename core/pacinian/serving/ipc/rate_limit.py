@@ -6,18 +6,16 @@ import math
 
 
 class TokenBucket:
-    """A token bucket. rate: tokens per second. burst: capacity; the rate by default."""
+    """A token bucket, which holds as many tokens as come in a second. rate: tokens per second."""
 
-    def __init__(self, rate: float, burst: float | None = None) -> None:
-        self.rate = rate
-        self.burst = rate if burst is None else burst
-        self._left = self.burst
+    def __init__(self, rate: float) -> None:
+        self._rate = self._left = rate
         self._seen = -math.inf
 
     def take(self, now: float) -> bool:
         """Take a token at `now` [s]; return whether there was one."""
         if now > self._seen:
-            self._left = min(self.burst, self._left + (now - self._seen) * self.rate)
+            self._left = min(self._rate, self._left + (now - self._seen) * self._rate)
             self._seen = now
         if self._left < 1.0:
             return False

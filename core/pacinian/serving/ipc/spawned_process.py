@@ -21,7 +21,7 @@ SAFE_PATH = {"PYTHONSAFEPATH": "1"}
 
 
 class SystemProcess(Protocol):
-    """The part of `subprocess.Popen` that `Process` needs."""
+    """The part of `subprocess.Popen` that the server needs."""
 
     @property
     def pid(self) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import psutil
 import zmq
 
+from pacinian.wire.connection_file import Connection
 from pacinian_lab.server.faults.game import POINT
 from pacinian_lab.server.faults.misbehaving_client import Peer, Silent, prepare
 from pacinian_lab.server.faults.proxy import Proxy
@@ -48,7 +49,8 @@ def freeze_client(rig: Rig) -> Times:
 def half_open_client(rig: Rig) -> Times:
     """Cut the connection without closing either end. A new game then connects directly."""
     rig.end()
-    with Proxy(address(rig, "control")) as control, Proxy(address(rig, "command")) as command:
+    file = Connection.read(rig.server.file)
+    with Proxy(file.control) as control, Proxy(file.command) as command:
         rig.play(control=control.address, command=command.address)
 
         def cut() -> None:
@@ -58,12 +60,6 @@ def half_open_client(rig: Rig) -> Times:
         silence = rig.inject_fault(cut)
         rig.end()
     return Times(silence, rig.recover(rig.play))
-
-
-def address(rig: Rig, name: str) -> str:
-    """Return the address of one of the server's sockets."""
-    with Peer(rig.server.file) as peer:
-        return str(peer.file[name])
 
 
 def jump_clock(rig: Rig) -> Times:

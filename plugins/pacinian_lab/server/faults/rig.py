@@ -201,11 +201,11 @@ class Rig(Closeable):
             (self.server.folder / name).unlink(missing_ok=True)
 
 
-def until(found: Callable[[], T], wait: float = WAIT) -> T:
-    """Return the value of `found` as soon as it is true. Raises TimeoutError after `wait` [s]."""
-    end = time.perf_counter() + wait
+def until(found: Callable[[], T]) -> T:
+    """Return the value of `found` as soon as it is true. Raises TimeoutError."""
+    end = time.perf_counter() + WAIT
     while not (value := found()):
         if time.perf_counter() > end:
-            raise TimeoutError(f"nothing within {wait:g} s")
+            raise TimeoutError(f"nothing within {WAIT:g} s")
         time.sleep(POLL)
     return value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import statistics
 import subprocess
@@ -151,22 +152,24 @@ def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5, busy: int = 0) -
 
     busy: number of processes that load the CPU meanwhile.
     """
-    with _busy(busy), tempfile.TemporaryDirectory(prefix="pacinian-faults-") as folder:
-        made = iter(range(1 << 30))
+    with (
+        _busy(busy),
+        tempfile.TemporaryDirectory(prefix="pacinian-faults-") as name,
+        contextlib.ExitStack() as stack,
+    ):
+        folders = (Path(name, str(number)) for number in itertools.count())
         server: Server | None = None
-        try:
-            for fault in faults:
-                row = Row(fault.name, fault.bound, fault.stated)
-                for _ in range(repeats):
-                    if server is None:
-                        server = _start(Path(folder, str(next(made))))
-                    if not _once(server, fault, row):
-                        server.close()
-                        server = None
-                yield row
-        finally:
-            if server is not None:
-                server.close()
+        for fault in faults:
+            row = Row(fault.name, fault.bound, fault.stated)
+            for _ in range(repeats):
+                if server is None:
+                    folder = next(folders)
+                    folder.mkdir()
+                    server = stack.enter_context(Server(folder))
+                if not _once(server, fault, row):
+                    stack.close()
+                    server = None
+            yield row
 
 
 @contextlib.contextmanager
@@ -180,17 +183,6 @@ def _busy(count: int) -> Generator[None]:
         for process in processes:
             process.kill()
             process.wait()
-
-
-def _start(folder: Path) -> Server:
-    folder.mkdir()
-    server = Server(folder)
-    try:
-        server.start()
-    except BaseException:
-        server.close()
-        raise
-    return server
 
 
 def _once(server: Server, fault: Fault, row: Row) -> bool:

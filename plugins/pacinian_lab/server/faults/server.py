@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 from pacinian.serving.control.supervisor import SPARE
 from pacinian.testing.server import READY_TIMEOUT
@@ -23,7 +24,7 @@ from pacinian_lab.server.faults.logging_device import Log, Other, Probe
 from pacinian_lab.server.faults.plugins import install
 
 if TYPE_CHECKING:
-    from types import TracebackType
+    from typing import Self
 
 CONFIGURATION = """backend = "probe"
 connection = "connection.json"
@@ -38,7 +39,7 @@ PARTS = "bus", "render", "guard"
 DEVICES = Probe, Other, Simulated, Models
 
 
-class Server:
+class Server(Closeable):
     """`pacinian serve` in its own folder; a context manager that leaves no process running.
 
     more: TOML to append to its configuration.
@@ -141,21 +142,13 @@ class Server:
         for log in self.logs:
             log.close()
 
-    def __enter__(self) -> Server:
+    def __enter__(self) -> Self:
         try:
             self.start()
         except BaseException:
             self.close()
             raise
         return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _runs(process: psutil.Process) -> bool:

@@ -1,147 +1,147 @@
-#include "pacinian/client.h"
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
+#include <complex>
+#include <cstdio>
 #include <utility>
 
-#include "object_validation.h"
 #include "client_impl.h"
 #include "pacinian/wire/bulk.h"
 
 namespace pacinian {
 
-using client::Outbox;
-using client::Request;
-using client::Stamp;
+using client::Event;
 
-namespace {
+Client::Impl::Impl(Options given)
+    : options(std::move(given)), emergency_stop(options, [this](const std::string& why) { stopped(why); }) {}
 
-using Requests = std::vector<Request>;
+Client::Client(Options options) : in_(std::make_unique<Impl>(std::move(options))) {}
 
-constexpr double farthest = 10.0, fastest = 100.0;  // [m]; [m/s] or [rad/s]
+Client::~Client() { close(); }
 
-float limited(double value, double most) {
-  return static_cast<float>(std::max(-most, std::min(value, most)));
+void Client::start() {
+  if (in_->worker) return;
+  auto worker = std::make_unique<client::Worker>(in_->options, in_->emergency_stop);
+  const std::lock_guard<std::mutex> guard(in_->lock);
+  in_->worker = std::move(worker);
+  in_->view.status = Status::connecting;
 }
 
-template <std::size_t N>
-bool finite(const std::array<double, N>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+void Client::close() {
+  std::unique_ptr<client::Worker> ended;
+  {
+    const std::lock_guard<std::mutex> guard(in_->lock);
+    ended = std::move(in_->worker);
+  }
+  in_->view = {};
+  in_->session = 0;
+  in_->has_state = false;
+  in_->touches.clear();
+  ++in_->closed;
 }
 
-}  // namespace
-
-double steady_clock() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
+void Client::stop() {
+  in_->emergency_stop.stop();
 }
 
-template <class Act>
-bool Client::Impl::tell(Act act) {
-  return is_games_thread("a call") && worker && worker->mailbox().change_outgoing(session, act);
-}
-
-/// Returns whether the call comes from the thread that ticked last, or no thread has ticked. Reports the first wrong
-/// call.
-bool Client::Impl::is_games_thread(const char* call) {
-  const std::thread::id game = thread.load();
-  if (game == std::thread::id() || game == std::this_thread::get_id()) return true;
+void Client::Impl::stopped(const std::string& problem) {
   const std::lock_guard<std::mutex> guard(lock);
-  if (!std::exchange(told_thread, true)) wrong_call = call;
-  return false;
+  if (worker) worker->mailbox().wake.set();
+  stop_problem = problem;
 }
 
-template <class Act>
-bool Client::Impl::command(Act act) {
-  const Stamp stamp{options.clock(), options.life, true};
-  return tell([&](Outbox& box, Requests&) { act(box, stamp); });
-}
-
-bool Client::Impl::ask(Request request) {
-  return tell([&](Outbox&, Requests& requests) { requests.push_back(std::move(request)); });
-}
-
-/// Reports the first command without a session as a refusal. Does not report commands that are sent every frame.
-bool Client::Impl::report_no_session(const char* what, bool done) {
-  if (done || !is_games_thread(what) || std::exchange(told_no_session, true)) return done;
-  const std::string start = worker ? "" : "call start, and ";
-  refusals.push_back({"session", std::string("`") + what + "` was asked for, but there is no session", "",
-                      start + "do it when on.connected is called"});
-  return false;
-}
-
-bool Client::put(std::string_view name, wire::Object object) {
-  Refusal why;
-  if (in_->is_games_thread("put") && client::refuse(name, object, why)) {
-    in_->refusals.push_back(std::move(why));
-    return false;
+void Client::tick() {
+  Impl& in = *in_;
+  if (in.ticks) return;  // called by an event handler
+  in.ticks = true;
+  in.thread = std::this_thread::get_id();
+  const int closed = in.closed;
+  bool newer = false;
+  std::string problem, wrong;
+  if (in.worker) {
+    const auto pause = in.worker->mailbox().record_tick(in.options.clock());
+    if (in.view.armed && pause.game > in.view.lease && on.stood_still)
+      on.stood_still({pause.game, pause.worker > 0.75 * pause.game});
   }
-  return in_->report_no_session("put", in_->command([&](Outbox& box, Stamp stamp) {
-    box.put(name, std::move(object), stamp);
-  }));
-}
-
-bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion) {
-  if (!finite(pose.position) || !finite(pose.rotation)) return false;
-  if (motion && !(finite(motion->velocity) && finite(motion->angular_velocity))) return false;
-  client::Place place{};
-  client::Speed speed{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    place[i] = limited(pose.position[i], farthest);
-    if (!motion) continue;
-    speed[i] = limited(motion->velocity[i], fastest);
-    speed[i + 3] = limited(motion->angular_velocity[i], fastest);
+  if (in.worker) {
+    newer = in.worker->mailbox().take_updates(in.view, in.events, in.state);
   }
-  for (std::size_t i = 0; i < 4; ++i) place[i + 3] = static_cast<float>(pose.rotation[i]);
-  return in_->command([&](Outbox& box, Stamp stamp) {
-    box.move(name, place, motion ? &speed : nullptr, stamp);
-  });
+  {
+    const std::lock_guard<std::mutex> guard(in.lock);
+    std::swap(problem, in.stop_problem);
+    std::swap(wrong, in.wrong_call);
+  }
+  if (!problem.empty() && on.refused) on.refused({"stop", problem, "", "try again"});
+  if (!wrong.empty() && on.refused)
+    on.refused({"thread", "`" + wrong + "` was called from another thread than `tick`, and did nothing", "",
+                "call it from the thread that calls tick; only stop may be called from any"});
+  for (const Refusal& refusal : std::exchange(in.refusals, {}))
+    if (on.refused) on.refused(refusal);
+  for (Event& event : in.events)
+    if (in.closed == closed) in.dispatch(event, on);
+  in.events.clear();
+  in.has_state = (in.has_state || newer) && in.closed == closed;
+  if (newer && in.has_state) {
+    in.touches.report_changes(in.state.scene == in.view.scene ? &in.state : nullptr, on);
+    if (in.has_state && in.closed == closed && on.state_changed) on.state_changed(in.state);
+  }
+  in.ticks = false;
 }
 
-bool Client::remove(std::string_view name) {
-  return in_->report_no_session("remove", in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); }));
+void Client::Impl::dispatch(Event& event, const Events& on) {
+  const Refusal& refusal = event.refusal;
+  switch (event.kind) {
+    case Event::Kind::connected:
+      session = event.session;
+      has_state = told_no_session = false;
+      if (on.connected) on.connected();
+      break;
+    case Event::Kind::lost:
+      session = 0;
+      has_state = false;
+      touches.report_changes(nullptr, on);
+      if (on.lost) on.lost(refusal.message);
+      break;
+    case Event::Kind::ended:
+      if (on.ended) on.ended(refusal);
+      break;
+    case Event::Kind::refused:
+      if (on.refused) on.refused(refusal);
+      break;
+    case Event::Kind::field: {
+      std::vector<std::complex<float>> pressures(event.pressures.size() / 8);
+      for (std::size_t i = 0; i < pressures.size(); ++i)
+        pressures[i] = {wire::float_at(event.pressures, 2 * i),
+                        wire::float_at(event.pressures, 2 * i + 1)};
+      if (event.callback) event.callback(pressures);
+      break;
+    }
+  }
 }
 
-bool Client::clear() {
-  return in_->report_no_session("clear", in_->command([](Outbox& box, Stamp stamp) { box.clear(stamp); }));
+Status Client::status() const { return in_->view.status; }
+const std::string& Client::problem() const { return in_->view.problem; }
+bool Client::armed() const { return in_->view.armed; }
+bool Client::owner() const { return in_->view.owner; }
+double Client::lease() const { return in_->view.lease; }
+double Client::latency() const { return in_->view.trips.median; }
+Trips Client::trips() const { return in_->view.trips; }
+double Client::offset() const { return in_->view.offset; }
+double Client::now() const { return in_->options.clock(); }
+double Client::age(const wire::State& state) const { return now() + offset() - state.time; }
+const std::string& Client::scene() const { return in_->view.scene; }
+const std::string& Client::server() const { return in_->view.server; }
+const wire::Abilities* Client::capabilities() const { return in_->view.abilities.get(); }
+const wire::State* Client::state() const { return in_->has_state ? &in_->state : nullptr; }
+const std::vector<wire::TouchState>& Client::touches() const { return in_->touches.now(); }
+RegionFelt Client::felt(std::string_view name) const { return RegionFelt::of(state(), name); }
+
+std::string Refusal::text() const {
+  return code + ": " + message + (path.empty() ? "" : " (" + path + ")") + (advice.empty() ? "" : "; " + advice);
 }
 
-bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
-  return in_->report_no_session("envelope", in_->command([&](Outbox& box, Stamp stamp) {
-    box.envelope(name, envelope, stamp);
-  }));
-}
-
-bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen) {
-  return in_->command([&](Outbox& box, Stamp stamp) {
-    stamp.time = std::min(seen.value_or(stamp.time), stamp.time);
-    box.hands(hands, stamp);
-  });
-}
-
-bool Client::quiet(const std::vector<wire::Zone>& zones) {
-  return in_->report_no_session("quiet", in_->command([&](Outbox& box, Stamp stamp) { box.quiet(zones, stamp); }));
-}
-
-bool Client::arm(bool take, bool resume) {
-  return in_->report_no_session("arm", in_->ask({Request::Kind::arm, take, resume}));
-}
-
-bool Client::disarm() { return in_->report_no_session("disarm", in_->ask({Request::Kind::disarm})); }
-
-bool Client::reset() { return in_->report_no_session("reset", in_->ask({Request::Kind::reset})); }
-
-bool Client::select(wire::Select choice) {
-  return in_->report_no_session("select", in_->ask({Request::Kind::select, false, false, std::move(choice)}));
-}
-
-bool Client::field(const std::vector<std::array<float, 3>>& points, FieldCallback callback) {
-  Request request{Request::Kind::field};
-  for (const auto& point : points)
-    for (const float value : point) wire::append(request.field.points, value);
-  request.callback = std::move(callback);
-  return in_->report_no_session("field", in_->ask(std::move(request)));
+std::string Standstill::text() const {
+  char figures[32];
+  std::snprintf(figures, sizeof figures, "%.1f", seconds);
+  const char* what = whole ? "the program stood still (a breakpoint, or the computer slept)" : "the game did not tick";
+  return std::string(what) + " for " + figures + " s, so it was silent; it goes on";
 }
 
 }  // namespace pacinian
