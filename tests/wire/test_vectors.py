@@ -64,7 +64,12 @@ def test_every_class_of_the_wire_is_in_them() -> None:
         and hasattr(kind, "__struct_fields__")
         and kind.__module__ == module.__name__
     }
-    assert all_there_are - seen == {commands.Command, control.Request, replies.Reply, objects.HapticObject}
+    assert all_there_are - seen == {
+        commands.Command,
+        control.Request,
+        replies.Reply,
+        objects.HapticObject,
+    }
 
 
 def every(value: object) -> Iterator[tuple[type, str]]:

@@ -8,7 +8,6 @@ import re
 import shutil
 import socket
 import sys
-import tempfile
 import threading
 import time
 from pathlib import Path
@@ -24,12 +23,11 @@ if TYPE_CHECKING:
 SLEEPS, SLEEP = 200, 0.001  # number and duration of the sleeps that are measured [s]
 MAX_ANSWER_TIME = 1.0  # time for the server's answer [s]
 MAX_IMPORT_TIME = 30.0  # time to import all plug-ins [s]
-SHARED = Path("/dev/shm")
 EXTRAS = "plot", "view", "devices", "study", "autd3"
 DEVICES = 2241 * 4  # transducers for which shared memory should have room
 
 
-def examine(connection: str | None = None) -> list[Finding]:
+def examine(connection: str | None) -> list[Finding]:
     """Return all findings, in the order in which they should be fixed."""
     looks: dict[str, Callable[[], Finding]] = {
         "Python": python,
@@ -145,9 +143,9 @@ def port() -> Finding:
 def memory() -> Finding:
     """Probe the folder in which the server's processes would share memory."""
     from pacinian.serving.ipc.messages import CAPACITIES, compute_frame_capacity
-    from pacinian.serving.ipc.shared_memory import SLOTS
+    from pacinian.serving.ipc.shared_memory import SLOTS, find_root
 
-    folder = SHARED if os.access(SHARED, os.W_OK) else Path(tempfile.gettempdir())
+    folder = find_root()
     needed = SLOTS * (sum(CAPACITIES.values()) + compute_frame_capacity(DEVICES))
     free = shutil.disk_usage(folder).free
     return doctor_rules.memory(str(folder), os.access(folder, os.W_OK), free, needed)

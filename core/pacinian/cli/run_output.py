@@ -102,9 +102,7 @@ class ProcessorMeter:
         return min(1.0, max(0.0, (busy - own) / everything)) if everything else 0.0
 
 
-def summary(
-    renderer: Renderer, extra: dict[str, Any], others: float | None = None
-) -> dict[str, Any]:
+def summary(renderer: Renderer, extra: dict[str, Any], others: float | None) -> dict[str, Any]:
     """Return the figures of a run. others: the share of all processors that other programs took, if it was measured."""
     session, report = renderer.session, renderer.report
     return {
@@ -119,7 +117,7 @@ def summary(
     }
 
 
-def print_summary(figures: dict[str, Any], as_json: bool, remedy: str = "") -> None:
+def print_summary(figures: dict[str, Any], as_json: bool, remedy: str) -> None:
     """Print a summary as a table, or as one JSON object.
 
     Exits with code 130 after Ctrl-C, and with code 1 after a fault or, if strict, if anything was not as asked.

@@ -2,7 +2,7 @@
 
 `__init__.pyi` beside this file lists the public names; each is imported when it is first used.
 
-fields.py           `field`, `slices`: the field in planes
+fields.py           `field`, `slices`: the field in planes, and which quantity they draw by default
 planes.py           which planes are drawn: size, grid, axes
 quantities.py       radiation pressure, sound pressure, level, phase: units, limits, colour maps
 volumes.py          `volume`, `isosurface`: the field in a box

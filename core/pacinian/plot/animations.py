@@ -15,7 +15,7 @@ from pacinian.plot.fields import fit_column
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import DPI, figure
 from pacinian.plot.planes import Plane, cut, draw, middle_of
-from pacinian.plot.quantities import QUANTITIES, clear, limits, values
+from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
 from pacinian.plot.style import COLUMN, bar, dress
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _draw_pictures(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.contour import ContourSet
 
-    near = clear(emission.array, plane.points, emission.medium)
+    near = find_clear(emission.array, plane.points, emission.medium)
     ends = limits(np.array(found), np.broadcast_to(near, (len(found), *near.shape)), show)
     if top is not None and show != "phase":
         ends = min(ends[0], top - 1.0) if show == "level" else 0.0, top

@@ -17,7 +17,7 @@ from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both
 from pacinian.plot.mesh_colours import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.outlines import find_pose
-from pacinian.plot.quantities import clear, limits
+from pacinian.plot.quantities import find_clear, limits
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
 from pacinian.scene.sampling.samples import Samples
@@ -134,7 +134,9 @@ class _Model:
     def planes(self, array: Array, gains: ArrayLike, points: Floats, medium: Air) -> None:
         """Add the radiation pressure in two planes, transparent where it is weak."""
         both = cut_both(array, gains, points, medium)
-        tops = [limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both]
+        tops = [
+            limits(P, find_clear(array, plane.points, medium), "radiation") for plane, P in both
+        ]
         most = max(tops)[1]
         for plane, P in both:
             corners = _corners(plane)

@@ -11,7 +11,7 @@ from pacinian.acoustics.propagation import check_medium
 from pacinian.checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
-from pacinian.plot.quantities import QUANTITIES, clear, limits, values
+from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
 from pacinian.plot.style import COLUMN, bar, dress
 
 if TYPE_CHECKING:
@@ -87,7 +87,9 @@ def field(
     found = values(array, gains, where.points, medium, show)
     flat, height = fit_column(where)
     page, (panel,), _ = panels(ax, [height])
-    image = draw(panel, where, found, show, limits(found, clear(array, where.points, medium), show))
+    image = draw(
+        panel, where, found, show, limits(found, find_clear(array, where.points, medium), show)
+    )
     mark(panel, where.project_near(q), QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
     return dress(page) if ax is None else ax
@@ -148,7 +150,7 @@ def draw_both(
     With points, the scale ends slightly above the pressure at them, because behind a surface it may be far higher.
     """
     image, radiation = None, QUANTITIES["radiation"]
-    ends = max(limits(P, clear(array, plane.points, medium), "radiation") for plane, P in both)
+    ends = max(limits(P, find_clear(array, plane.points, medium), "radiation") for plane, P in both)
     if len(points) and (felt := values(array, gains, points, medium, "radiation").max()) > 0.0:
         ends = ends[0], min(ends[1], ABOVE * float(felt))
     for panel, (plane, P) in zip(panels, both, strict=True):

@@ -22,12 +22,13 @@ MAX_SIDE = 400.0  # largest side that PNG writers accept [inch]
 FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}  # text stays text
 
 
-def require() -> None:
-    """Raise MissingExtra if Matplotlib is not installed."""
+def require() -> type[Figure]:
+    """Import Matplotlib's figure module. Raises MissingExtra if Matplotlib is not installed."""
     try:
-        import matplotlib.figure  # noqa: F401
+        from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtra("matplotlib", "plot") from error
+    return Figure
 
 
 def figure(width: float = COLUMN, height: float = 2.6) -> Figure:

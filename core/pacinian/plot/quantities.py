@@ -51,7 +51,7 @@ def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: st
         raise ArgumentError("gains", "must be of one moment at least")
     if show == "phase" and len(moments) != 1:
         raise ArgumentError("show", "must not be the phase of several moments: it has no mean")
-    p = np.stack([heard(array, g, points, medium) for g in moments])
+    p = np.stack([compute_field(array, g, points, medium) for g in moments])
     if show == "phase":
         return np.asarray(np.angle(p[0]))
     power = np.asarray((p.real.astype(np.float64) ** 2 + p.imag**2).mean(axis=0))
@@ -60,7 +60,7 @@ def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: st
     return np.sqrt(power) if show == "pressure" else sound_pressure_level(np.sqrt(power))
 
 
-def heard(array: Array, gains: ArrayLike, points: Floats, medium: Air) -> Complexes:
+def compute_field(array: Array, gains: ArrayLike, points: Floats, medium: Air) -> Complexes:
     """Return the complex sound pressure [Pa] at points (..., 3) [m], (...); NaN on transducers."""
     try:
         return field(array, gains, points, medium)
@@ -83,7 +83,7 @@ def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
     return 0.0, most if most > 0.0 else 1.0
 
 
-def clear(array: Array, points: Floats, medium: Air) -> Flags:
+def find_clear(array: Array, points: Floats, medium: Air) -> Flags:
     """Return which points (..., 3) [m] are more than a wavelength away from all transducers, (...).
 
     Closer to a point source, the field diverges and would dim everything else.

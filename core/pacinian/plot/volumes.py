@@ -11,7 +11,7 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.checks import check_length, check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.planes import HALF_WIDTH, MARGIN, middle_of
-from pacinian.plot.quantities import heard
+from pacinian.plot.quantities import compute_field
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
@@ -69,7 +69,9 @@ def volume(
         )
     x, y, z = (low[k] + step * np.arange(int(counts[k])) for k in range(3))
     Z, Y, X = np.meshgrid(z, y, x, indexing="ij")
-    return Volume(heard(array, gains, np.stack([X, Y, Z], axis=-1), medium), low, step, medium)
+    return Volume(
+        compute_field(array, gains, np.stack([X, Y, Z], axis=-1), medium), low, step, medium
+    )
 
 
 def around(array: Array, points: Floats) -> tuple[Floats, Floats]:

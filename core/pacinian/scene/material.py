@@ -13,7 +13,7 @@ from pacinian.checks import MAX_LENGTH, check_number
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-DEPTH = 0.002  # depth of full pressure if no stiffness is given [m]
+FULL_PRESSURE_DEPTH = 0.002  # depth of full pressure if no stiffness is given [m]
 
 
 class Material(Struct, frozen=True, forbid_unknown_fields=True):
@@ -32,13 +32,13 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
             force_setattr(self, "stiffness", stiffness)
         force_setattr(self, "reach", check_number("reach", self.reach, low=0.0, high=MAX_LENGTH))
 
-    def per_metre(self, most: float) -> float:
+    def compute_stiffness(self, most: float) -> float:
         """Return the stiffness [Pa/m] for an object whose full pressure is `most` [Pa]."""
-        return most / DEPTH if self.stiffness is None else self.stiffness
+        return most / FULL_PRESSURE_DEPTH if self.stiffness is None else self.stiffness
 
-    def enough(self, most: float) -> float:
+    def compute_full_depth(self, most: float) -> float:
         """Return the depth below the surface at which an object reaches its full pressure `most` [Pa]: [m]."""
-        return max(0.0, most / self.per_metre(most) - self.reach)
+        return max(0.0, most / self.compute_stiffness(most) - self.reach)
 
     def pressure(self, depth: Floats, most: float) -> Floats:
         """Return the radiation pressure [Pa], 0 to `most`, at `depth` [m] below the level where it begins.
@@ -46,7 +46,7 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
         Points, paths and particles use it. `press` in scene/sampling/posed_skin.hpp is the same law for surfaces and
         volumes: change both.
         """
-        return np.asarray(np.minimum(np.maximum(depth, 0.0) * self.per_metre(most), most))
+        return np.asarray(np.minimum(np.maximum(depth, 0.0) * self.compute_stiffness(most), most))
 
 
 FIRM = Material()

@@ -198,8 +198,9 @@ def _bound(item: Object) -> tuple[float, ...]:
 
 def _until(item: Object) -> float:
     motion = item.motion
-    moves = motion is not None and (motion.velocity != STILL or motion.angular_velocity != STILL)
-    return motion.time + MAX_EXTRAPOLATION if motion is not None and moves else -math.inf
+    if motion is None or motion.velocity == motion.angular_velocity == STILL:
+        return -math.inf
+    return motion.time + MAX_EXTRAPOLATION
 
 
 def _unique(name: str, names: list[str]) -> None:

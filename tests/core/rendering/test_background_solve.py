@@ -21,6 +21,7 @@ from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
 from pacinian.rendering.pipeline import MAX_AGE, Pipeline
 from pacinian.rendering.rerender import rerender
+from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
@@ -315,7 +316,10 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
     """The device has few levels, so that rounding matters."""
     device = Simulated(rate=1000.0, phases=8, amplitudes=2)
     scene = SCENES.get(name, AT_ITS_LIMIT)
-    with pc.Renderer(ARRAY, scene, backend=device, clock=ManualClock()) as renderer:
+    sampler = pc.Sampler(200 if name == "palm" else DEFAULT_BUDGET, ramp=0.005)  # then in bands
+    with pc.Renderer(
+        ARRAY, scene, backend=device, sampler=sampler, clock=ManualClock()
+    ) as renderer:
         solve_beside(renderer)
         for k in range(20):
             renderer.tick(k * TICK)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.material import DEPTH, Material
+from pacinian.scene.material import FULL_PRESSURE_DEPTH, Material
 
 stiffnesses = st.one_of(st.none(), st.floats(1.0, 1e6))
 mosts = st.floats(1e-3, 1e4)
@@ -28,7 +28,7 @@ def test_pressure_grows_with_depth_from_nothing_to_the_most(
 @given(stiffness=stiffnesses, most=mosts)
 def test_it_is_a_spring_until_it_saturates(stiffness: float | None, most: float) -> None:
     material = Material(stiffness)
-    slope = most / DEPTH if stiffness is None else stiffness
+    slope = most / FULL_PRESSURE_DEPTH if stiffness is None else stiffness
     where = most / slope
     depth = np.array([0.25, 0.5, 1.0, 2.0]) * where
     assert material.pressure(depth, most) == pytest.approx([most / 4, most / 2, most, most])
@@ -36,7 +36,7 @@ def test_it_is_a_spring_until_it_saturates(stiffness: float | None, most: float)
 
 @given(stiffness=stiffnesses, most=mosts)
 def test_pressure_never_jumps(stiffness: float | None, most: float) -> None:
-    slope = most / DEPTH if stiffness is None else stiffness
+    slope = most / FULL_PRESSURE_DEPTH if stiffness is None else stiffness
     steps = np.abs(np.diff(Material(stiffness).pressure(DEPTHS, most)))
     assert steps.max() <= slope * (DEPTHS[1] - DEPTHS[0]) * (1.0 + 1e-9)
 
@@ -46,7 +46,7 @@ def test_it_tells_how_deep_its_most_begins(
     stiffness: float | None, most: float, reach: float
 ) -> None:
     material = Material(stiffness, reach=reach)
-    enough = material.enough(most)
+    enough = material.compute_full_depth(most)
     assert material.pressure(np.array([reach + enough]), most)[0] == pytest.approx(most)
 
 

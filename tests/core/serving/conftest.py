@@ -75,11 +75,11 @@ class Pretender:
                 sounding=loud, **given,
             )  # fmt: skip
         elif self.name == "bus":
-            value = BusStatus(1, now, **self.extra)
+            value = BusStatus(now, **self.extra)
         else:
             solvers = Plugin(name="auto"), Plugin(name="gs")
             given = {"state": {"solver": "auto", "ticks": 3}, "solvers": solvers, **self.extra}
-            value = RendererStatus(1, now, **given)
+            value = RendererStatus(now, **given)
             with self.latest("frame") as file:
                 levels = bytes(range(8)) * 2
                 file.write(FrameHead(1, now, permit.epoch, 1, 2, 2).pack() + levels)

@@ -232,10 +232,10 @@ class Status(RuleBasedStateMachine):
             self.reset, self.halted = wanted, ""
             self.results[f"reset {wanted}"] = ""
         report = RendererStatus(
-            1, self.clock.now(), {}, self.results, self.halted, {}, (Plugin(name="auto"),)
+            self.clock.now(), {}, self.results, self.halted, {}, (Plugin(name="auto"),)
         )
         self.memory["renderer_status"].write(pack(report))
-        self.memory["bus_status"].write(pack(BusStatus(1, self.clock.now())))
+        self.memory["bus_status"].write(pack(BusStatus(self.clock.now())))
         self.told_halted = self.halted
 
     # clients

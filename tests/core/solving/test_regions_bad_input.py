@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.scene.sampling.bands import FADING
-from pacinian.scene.sampling.sample_budget import SHARES_ALONE
+from pacinian.scene.sampling.sample_budget import ALONE
 from pacinian.testing import ManualClock
 
 ARRAY, AIR = pc.autd(), pc.Air()
@@ -190,7 +190,7 @@ def test_the_loop_plays_any_of_them_within_the_limit(what: str) -> None:
         assert np.abs(sent).max() <= 1.0 + 1e-6
         assert (
             len(renderer.played.rows[0].samples)
-            <= FADING * SHARES_ALONE[-1] * renderer.sampler.budget
+            <= FADING * ALONE.shares[-1] * renderer.sampler.budget
         )
         status = renderer.played.rows[0].solution.status
     wanted = {"of a micrometre": pc.Status.ok, "10 m wide": pc.Status.limited}

@@ -11,7 +11,7 @@ import pytest
 import pacinian as pc
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.ipc.messages import FrameHead, Permit
-from pacinian_plugins.backends.openmpd.protocol import SIZES
+from pacinian_plugins.backends.openmpd.protocol import PULSE_PRESSURES
 from pacinian_plugins.backends.simulated import Simulated
 
 from .chips import Setup
@@ -31,7 +31,7 @@ def moving(t: float) -> pc.Scene:
 @pytest.mark.parametrize("rate", [1000.0, 2000.0])
 def test_boards_emit_what_the_simulated_array_does_row_by_row(scene: Any, rate: float) -> None:
     it = Setup("FT1", "FT2", rate=rate)
-    other = Simulated(phases=128, amplitudes=SIZES, rate=rate)  # type: ignore[arg-type]
+    other = Simulated(phases=128, amplitudes=PULSE_PRESSURES, rate=rate)  # type: ignore[arg-type]
     one = pc.Renderer(it.array, scene, backend=it.backend, clock=it.clock)
     two = pc.Renderer(it.array, scene, backend=other, clock=it.clock)
     rows = round(rate / 1000.0)

@@ -69,14 +69,14 @@ def test_the_board_emits_the_gains_that_the_levels_stand_for(seed: int, rows: in
 
 
 def test_pulse_lengths_make_the_sound_pressures_that_are_told() -> None:
-    assert (protocol.SIZES[0], protocol.SIZES[-1]) == (0.0, 1.0)
+    assert (protocol.PULSE_PRESSURES[0], protocol.PULSE_PRESSURES[-1]) == (0.0, 1.0)
     clock = ManualClock()
     board = Fpga(clock.now)
     (made,) = Packer([STRAIGHT]).pack(
         np.zeros((1, 256), np.uint16), np.minimum(ALL, 64)[None].astype(np.uint16)
     )
     board.take(made.tobytes())
-    np.testing.assert_allclose(np.abs(board.gains())[:65], protocol.SIZES, atol=1e-12)
+    np.testing.assert_allclose(np.abs(board.gains())[:65], protocol.PULSE_PRESSURES, atol=1e-12)
 
 
 def test_channels_of_boards_in_their_own_order_and_the_dead_are_silent() -> None:

@@ -70,16 +70,8 @@ class Hand:
             raise ArgumentError("vertices", "and `faces` must be given together")
         if joints is None and vertices is None:
             raise ArgumentError("joints", "or `vertices` and `faces` must be given")
-        J, lost = (
-            (None, False)
-            if joints is None
-            else _mask_unmeasured("joints", joints, (default_hand.JOINTS, 3))
-        )
-        V, gone = (
-            (None, False) if vertices is None else _mask_unmeasured("vertices", vertices, (None, 3))
-        )
-        lost = lost or (J is not None and _is_collapsed("joints", J))
-        gone = gone or (V is not None and _is_collapsed("vertices", V))
+        J, lost = _read_points("joints", joints, (default_hand.JOINTS, 3))
+        V, gone = _read_points("vertices", vertices, (None, 3))
         self._set(
             joints=J,
             radii=RADII if radii is None or (J is not None and lost) else _radii(radii),
@@ -189,11 +181,7 @@ class Hand:
 
         A shift of each carrier leaves joints that carry no skin where they are. Raises ArgumentError.
         """
-        try:
-            each = np.ndim(offset) != 1
-        except ValueError:  # ragged
-            each = False
-        if each:
+        if not _is_vector(offset):
             name = "joints" if self.vertices is None else "vertices"
             d = check_numbers("offset", offset, self.carriers.shape)
             return self._with(**{name: self.carriers + d})
@@ -228,6 +216,23 @@ def _mask_unmeasured(
     return np.where(known, array, np.nan), not known.all()
 
 
+def _is_vector(value: ArrayLike) -> bool:
+    try:
+        return np.ndim(value) == 1
+    except ValueError:  # ragged
+        return False
+
+
+def _read_points(
+    name: str, value: ArrayLike | None, shape: tuple[int | None, ...]
+) -> tuple[Floats | None, bool]:
+    """Return positions, if given, and whether they are those of a lost hand. Raises ArgumentError."""
+    if value is None:
+        return None, False
+    points, lost = _mask_unmeasured(name, value, shape)
+    return points, lost or _is_collapsed(name, points)
+
+
 def _is_collapsed(name: str, points: Floats) -> bool:
     """Return whether the points are too small for a hand. Raises ArgumentError if they are too large (millimetres)."""
     across = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
@@ -250,10 +255,7 @@ def _radii(value: ArrayLike) -> Floats:
 
 
 def _velocities(value: ArrayLike) -> Floats | None:
-    try:
-        shape = (3,) if np.ndim(value) == 1 else (default_hand.JOINTS, 3)
-    except ValueError:  # ragged
-        shape = (default_hand.JOINTS, 3)
+    shape = (3,) if _is_vector(value) else (default_hand.JOINTS, 3)
     v, unknown = _mask_unmeasured("velocities", value, shape)
     return None if unknown else np.broadcast_to(v, (default_hand.JOINTS, 3)).copy()
 

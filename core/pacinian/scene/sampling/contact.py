@@ -101,9 +101,11 @@ def find_contact(
     which, local = hand.find_near(pose, item.bounding_radius + reach, corners)
     if not len(which):
         return None
-    d = distances.of(item, name, hand, which, local, reach, material.enough(most))
+    d = distances.of(item, name, hand, which, local, reach, material.compute_full_depth(most))
     viewpoints = ANYWHERE if resolving is None else resolving.viewpoints
-    inside, force = hand.find_pressed(which, d, reach, material.per_metre(most), most, viewpoints)
+    inside, force = hand.find_pressed(
+        which, d, reach, material.compute_stiffness(most), most, viewpoints
+    )
     if not len(inside):
         return None
 
@@ -115,9 +117,17 @@ def find_contact(
     def finely(level: int) -> tuple[FineSkin, Indices, Floats]:
         fine = hand.refine(which[d < reach + FINEST_SKIN_SPACING], level)
         at = (fine.points - pose.position) @ pose.matrix
-        apart = distances.of(item, name, hand, fine.which, at, reach, material.enough(most))
+        apart = distances.of(
+            item, name, hand, fine.which, at, reach, material.compute_full_depth(most)
+        )
         nodes, force = hand.find_pressed(
-            np.arange(len(apart)), apart, reach, material.per_metre(most), most, viewpoints, fine
+            np.arange(len(apart)),
+            apart,
+            reach,
+            material.compute_stiffness(most),
+            most,
+            viewpoints,
+            fine,
         )
         apply_texture(item.texture, at[nodes], force)
         force *= share

@@ -31,13 +31,28 @@ if TYPE_CHECKING:
 
     Cut = Callable[[Samples], Samples]
 
-# Largest number of samples of regions, relative to the budget: in a scene with hands, because it takes time to find the
-# skin that they touch and the highest pressure on it; and of one object in free air, at levels 0, 1, 2 and coarser. Its
-# field can be steered, so its solves may take longer.
-SHARE_ON_SKIN = 0.8
-SHARES_ALONE = 1.0, 1.6, 2.0
-# Levels from which regions are divided into bands: in general, and one object in free air.
-BAND_LEVEL, BAND_LEVEL_ALONE = 1, 2
+
+class Allowance(NamedTuple):
+    """How many samples a frame may have, relative to the budget, and when regions are divided into bands.
+
+    shares: at level 0, 1, 2 and so on; the last one holds for coarser levels, too. divided_from: level from which
+    regions are divided into bands.
+    """
+
+    shares: tuple[float, ...]
+    divided_from: int
+
+    def limit(self, budget: int, level: int) -> int:
+        """Return the largest number of samples of a frame at a level."""
+        return max(1, round(self.shares[min(level, len(self.shares) - 1)] * budget))
+
+
+PLAIN = Allowance((1.0,), 1)
+# Touched skin takes time: to find, and to find the highest pressure on it. So a contact becomes coarser first; a wide
+# one may then have more samples, because the pressure between samples that are farther apart is not even (decision 79).
+ON_SKIN = Allowance((0.8, 1.2), 1)
+# One object in free air: its field can be steered, so its solves may take longer.
+ALONE = Allowance((1.0, 1.6, 2.0), 2)
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
 MAX_LEVEL = 40  # largest level, in steps of sqrt(2) of the spacing
 MAX_ESTIMATE_RATIO = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
@@ -56,16 +71,6 @@ class LevelSamples(NamedTuple):
         return count_pressing(self.samples) + self.faint + self.outside
 
 
-def share_budget(budget: int, share: float) -> int:
-    """Return a share of the budget, at least one sample."""
-    return max(1, round(share * budget))
-
-
-def _share_alone(budget: int, level: int) -> int:
-    """Return the largest number of samples of one object in free air."""
-    return share_budget(budget, SHARES_ALONE[min(level, len(SHARES_ALONE) - 1)])
-
-
 def allot_budget(
     sources: list[tuple[SampleSource, float]],
     budget: int,
@@ -75,34 +80,32 @@ def allot_budget(
     bands: int = 1,
     full: int = 0,
     *,
-    alone: bool = False,
+    allowance: Allowance = PLAIN,
     strict: bool = False,
 ) -> list[Samples]:
-    """Return samples of each source, at most `budget` simultaneous samples in all (but see `alone`).
+    """Return samples of each source, at most as many simultaneous samples in all as the `allowance` says.
 
     sources: with their intended spacings [m], highest priority first. The sources of one priority are made coarser
     together until they fit into the budget that the higher priorities leave. If a source still does not fit, its
     weakest samples are dropped (of equals, the last), and so are all sources after it. Samples that sound one at a
     time count as one. levels: coarseness of each priority; it is kept from tick to tick to prevent flicker. cut: drops
-    samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become one
-    level coarser before they are divided, because the pressure between their samples is still even then. alone: whether
-    there is one object, in free air: it becomes two levels coarser, but then has up to twice the budget.
+    samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become
+    coarser before they are divided, because the pressure between their samples is still even then.
 
     counts: gets what each object asks for, and what is left out. full: the budget if there were time; `budget` may
     be less. strict: raise ArgumentError, which names the object, instead of leaving anything out.
     """
     parts: list[Samples] = []
-    left, full = budget, max(budget, full)
+    used, full = 0, max(budget, full)
     for priority, group in itertools.groupby(sources, key=lambda s: s[0].item.priority):
         members = list(group)
         if strict:
-            _check_estimate(members, left, bands)
+            _check_estimate(members, allowance.limit(budget, 0) - used, bands)
         level = 0 if strict else levels.get(priority, 0)
-        made, level = _fit_level(members, left, level, cut, bands, alone=alone, fixed=strict)
+        made, level = _fit_level(members, budget, used, level, cut, bands, allowance, fixed=strict)
         levels[priority] = level
-        if alone:
-            left = _share_alone(left, level)
-        divided = strict or level >= (BAND_LEVEL_ALONE if alone else BAND_LEVEL)
+        left = max(0, allowance.limit(budget, level) - used)
+        divided = strict or level >= allowance.divided_from
         for (source, spacing), one in zip(members, made, strict=True):
             samples = one.samples
             count = _count_simultaneous(source, samples, bands if divided else 1)
@@ -119,7 +122,7 @@ def allot_budget(
             if isinstance(source, WholeObject) and not (len(samples) or one.outside):
                 counts.note_object(NO_SURFACE, source.index)
             counts.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
-            left -= min(count, left)
+            left, used = left - min(count, left), used + min(count, left)
             parts.append(kept)
     return parts
 
@@ -161,8 +164,8 @@ def _too_many(source: SampleSource, count: int, left: int) -> ArgumentError:
     return ArgumentError(
         "scene",
         f"has an object that cannot be rendered in full: {label!r} needs {count} samples at once, and the budget "
-        f"leaves {left}; raise `Sampler(budget=...)`, of which contacts with hands use {SHARE_ON_SKIN:.0%}, or make "
-        "the object smaller",
+        f"leaves {left}; raise `Sampler(budget=...)`, of which contacts with hands use {ON_SKIN.shares[0]:.0%}, or "
+        "make the object smaller",
     )
 
 
@@ -180,17 +183,17 @@ def _strongest(samples: Samples, count: int) -> Samples:
 
 
 def _fit_level(
-    members: list[tuple[SampleSource, float]], left: int, level: int, cut: Cut, bands: int, *, alone: bool, fixed: bool,
+    members: list[tuple[SampleSource, float]], budget: int, used: int, level: int, cut: Cut, bands: int,
+    allowance: Allowance, *, fixed: bool,
 ) -> tuple[list[LevelSamples], int]:  # fmt: skip
-    """Return the samples of sources of one priority, and the level at which they are at most `left`.
+    """Return the samples of sources of one priority, and the level at which they fit into what is left.
 
-    alone: as for `allot_budget`. fixed: keep the given level.
+    used: samples of higher priorities. fixed: keep the given level.
     """
-    divided_from = BAND_LEVEL_ALONE if alone else BAND_LEVEL
 
     def most(level: int) -> int:
         """Return the largest number of samples at `level`."""
-        return _share_alone(left, level) if alone else left
+        return max(0, allowance.limit(budget, level) - used)
 
     def every(level: int) -> list[LevelSamples]:
         return [
@@ -207,7 +210,7 @@ def _fit_level(
                 _count_simultaneous(m, one.samples, parts)
                 for (m, _), one in zip(members, made, strict=True)
             )
-            for parts in ({1, bands} if level >= divided_from else {1})
+            for parts in ({1, bands} if level >= allowance.divided_from else {1})
         ]
         return min(counts)
 
@@ -219,7 +222,7 @@ def _fit_level(
 
     def too_many(level: int) -> bool:
         """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        parts = bands if level >= divided_from else 1
+        parts = bands if level >= allowance.divided_from else 1
         return _estimate_whole(members, level) > MAX_ESTIMATE_RATIO * most(level) * parts
 
     if fixed:

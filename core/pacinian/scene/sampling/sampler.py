@@ -24,10 +24,10 @@ from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.refine import refine
 from pacinian.scene.sampling.sample_budget import (
-    SHARE_ON_SKIN,
-    SHARES_ALONE,
+    ALONE,
+    ON_SKIN,
+    PLAIN,
     allot_budget,
-    share_budget,
 )
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
@@ -105,12 +105,13 @@ class Sampler:
     Because of this state, samples stay fixed to their object or to the skin, and their pressures ramp up and down.
 
     budget: maximum number of samples. Surfaces and volumes that meet hands use four fifths of it, because contacts take
-    more time. One of them alone in free air may use up to twice as many, if `steers` is set. If a scene has more, the
-    sampler samples the objects of lowest priority more coarsely, and then drops them. spacing: between samples [m]. The
-    default is one wavelength, or the resolution of the array where that is coarser. The samples of surfaces and volumes
-    form regions: these use 0.35 times the default, or less if they are small. Where a hand touches them, they use 0.08
-    to 0.3 times the default, less for smaller contacts. ramp: time in which a pressure rises or falls [s]; 0 disables
-    ramps. perception: whether to leave out samples that are too faint to feel on a hand.
+    more time, or 1.2 times it if their spacing is coarser than intended. One of them alone in free air may use up to
+    twice as many, if `steers` is set. If a scene has more, the sampler samples the objects of lowest priority more
+    coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of the
+    array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or
+    less if they are small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for smaller
+    contacts. ramp: time in which a pressure rises or falls [s]; 0 disables ramps. perception: whether to leave out
+    samples that are too faint to feel on a hand.
 
     Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
     would get holes.
@@ -246,11 +247,10 @@ class Sampler:
             return no_samples(scene.objects, capsules)
         solid = any(forms_region(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
-        if solid and skin:
-            budget = share_budget(budget, SHARE_ON_SKIN)
         alone = solid and self.steers and not skin and not self.strict and len(sources) == 1
         alone = alone and sources[0][0].item.technique.still
-        self.frame_budget = share_budget(budget, SHARES_ALONE[-1]) if alone else budget
+        allowance = ALONE if alone else ON_SKIN if solid and skin else PLAIN
+        self.frame_budget = allowance.limit(budget, len(allowance.shares))
         parts = allot_budget(
             sources,
             budget,
@@ -259,7 +259,7 @@ class Sampler:
             counts,
             self.bands,
             self.budget,
-            alone=alone,
+            allowance=allowance,
             strict=self.strict,
         )
         if len(parts) > 1:
@@ -270,7 +270,7 @@ class Sampler:
             resolved = min(
                 self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
             )
-            left = budget - len(parts[0])
+            left = allowance.limit(budget, 0) - len(parts[0])
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 

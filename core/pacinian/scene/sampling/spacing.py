@@ -67,5 +67,6 @@ def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
     wanted = min(
         max(math.sqrt(each), MIN_CONTACT_SPACING * resolved), MAX_CONTACT_SPACING * resolved
     )
-    steady = last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING
-    return last if last is not None and steady else wanted
+    if last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING:
+        return last
+    return wanted

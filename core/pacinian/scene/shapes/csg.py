@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from pacinian.acoustics.pose import Vector
-    from pacinian.scene.shapes.shape_types import Shell
+    from pacinian.scene.shapes import Disc, Rectangle
+    from pacinian.scene.shapes.height_map import HeightMap
     from pacinian.types import Floats
 
     Sides = tuple[tuple["SolidShape", float], ...]
@@ -221,7 +222,9 @@ def _inner(solid: SolidShape | Combination) -> tuple[SolidShape, ...]:
     return tuple(part for part, _ in solid.sides) if isinstance(solid, Combination) else ()
 
 
-def distance(shape: Shell | SolidShape, points: Floats, beyond: float, deep: float) -> Floats:
+def distance(
+    shape: SolidShape | Rectangle | Disc | HeightMap, points: Floats, beyond: float, deep: float
+) -> Floats:
     """Return the signed distance of points, (K, 3), in the shape's own frame, (K,) [m]; negative inside or behind.
 
     beyond, deep: distances farther outside or inside than these need not be exact [m].

@@ -12,7 +12,6 @@ from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, Rese
 if TYPE_CHECKING:
     from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.bus.shared_scene import SharedScene
-    from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.serving.ipc.messages import AnyChange, ChangesAck
     from pacinian.wire.replies import Error
 
@@ -96,7 +95,8 @@ class ChangeBatcher:
                 fresh += 1
                 if fresh > AT_ONCE:
                     return
-                if not self._pack(scene, stored):
+                if (error := scene.pack(stored)) is not None:
+                    self.errors.append((stored.owner, error))
                     continue
             if not batch.fits(len(stored.packed)):
                 return
@@ -111,12 +111,6 @@ class ChangeBatcher:
             elif stored.wrapped:
                 pending.new(name, WRAPPED)
             batch.objects += 1
-
-    def _pack(self, scene: SharedScene, stored: StoredObject) -> bool:
-        error = scene.pack(stored)
-        if error is not None:
-            self.errors.append((stored.owner, error))
-        return error is None
 
 
 class Batch:

@@ -70,7 +70,7 @@ class CommandDispatcher:
         self.scenes: dict[str, SharedScene] = {}
         self.clients: dict[bytes, BusSession] = {}
         self.received = self.refused = 0
-        self._settings, self._run = settings, run
+        self._settings = settings
         self._reread, self._emitted, self._log = reread, emitted, log
         self._superseded = 0  # in scenes that have ended
         self._peers = PeerRateLimiter(
@@ -162,7 +162,6 @@ class CommandDispatcher:
     def bus_status(self, now: float, port: int) -> BusStatus:
         """Return the status of the bus."""
         return BusStatus(
-            run=self._run,
             beat=now,
             clients={
                 key.hex(): (c.objects, c.commands, c.errors, c.dropped, c.age)

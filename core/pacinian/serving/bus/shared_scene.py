@@ -95,13 +95,10 @@ class SharedScene:
             if stored is not None and stored.until is not None and stored.until <= now:
                 self.remove([name])
 
-    def has(self, stored: StoredObject) -> bool:
-        """Whether the object is still in the scene."""
-        return self.objects.get(stored.name) is stored
-
     def drop(self, stored_objects: list[StoredObject]) -> None:
         """Remove those of the objects that are still in the scene."""
-        self.remove([stored.name for stored in stored_objects if self.has(stored)])
+        here = [stored for stored in stored_objects if self.objects.get(stored.name) is stored]
+        self.remove(stored.name for stored in here)
 
     def pack(self, stored: StoredObject) -> Error | None:
         """Encode an object. If it is invalid, remove it and return the error for its client."""

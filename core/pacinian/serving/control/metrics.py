@@ -85,8 +85,7 @@ class Metrics(Collector):
             "longest_gap_seconds", "Longest time between frames while armed", state.longest_gap
         )
         yield _gauge("clients", "Sessions", len(state.clients))
-        yield _make_family(
-            GaugeMetricFamily,
+        yield _make_gauge_family(
             "output",
             "State of the output",
             "state",
@@ -95,19 +94,19 @@ class Metrics(Collector):
         quantiles = {
             str(q): ms / 1e3 for q, ms in zip((0.5, 0.99, 1.0), state.tick_ms, strict=True)
         }
-        yield _make_family(
-            GaugeMetricFamily,
-            "tick_seconds",
-            "Duration of a tick in the last second",
-            "quantile",
-            quantiles,
+        yield _make_gauge_family(
+            "tick_seconds", "Duration of a tick in the last second", "quantile", quantiles
         )
-        yield _make_family(
-            CounterMetricFamily, "restarts", "Restarts of a process", "process", state.restarts
+        restarts = CounterMetricFamily(
+            "pacinian_restarts", "Restarts of a process", labels=["process"]
         )
-        yield _make_family(
-            CounterMetricFamily, "skipped", "Samples not rendered", "reason", state.skipped
-        )
+        for name, value in state.restarts.items():
+            restarts.add_metric([name], value)
+        yield restarts
+        skipped = CounterMetricFamily("pacinian_skipped", "Samples not rendered", labels=["reason"])
+        for name, value in state.skipped.items():
+            skipped.add_metric([name], value)
+        yield skipped
 
 
 class _Server(ThreadingMixIn, WSGIServer):
@@ -156,14 +155,8 @@ def _gauge(name: str, text: str, value: float) -> Metric:
     return GaugeMetricFamily(f"pacinian_{name}", text, value=value)
 
 
-def _make_family(
-    kind: type[CounterMetricFamily | GaugeMetricFamily],
-    name: str,
-    text: str,
-    label: str,
-    values: Mapping[str, float],
-) -> Metric:
-    family = kind(f"pacinian_{name}", text, labels=[label])
+def _make_gauge_family(name: str, text: str, label: str, values: Mapping[str, Any]) -> Metric:
+    family = GaugeMetricFamily(f"pacinian_{name}", text, labels=[label])
     for key, value in values.items():
         family.add_metric([key], float(value))
     return family

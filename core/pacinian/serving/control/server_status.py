@@ -37,8 +37,8 @@ MAX_TEXT, MAX_NAME = 500, 200  # maximum characters of a fault, and of a backend
 INPUT = 32  # size of one hand update in `State.inputs` [bytes]
 OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
 NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
-NO_REPORT = RendererStatus(0, -float("inf"), {})
-NO_BUS_STATUS = BusStatus(0, -float("inf"))
+NO_REPORT = RendererStatus(-float("inf"), {})
+NO_BUS_STATUS = BusStatus(-float("inf"))
 EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 

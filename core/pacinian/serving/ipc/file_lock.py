@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -43,10 +44,12 @@ else:
 # Flags with which the lock file is opened. If a FIFO is in its place, opening it fails or returns at once.
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 MAX_PID_BYTES = 32
+# Number of looks for the holder's process id, which it writes once it holds the lock, and the pause between two [s].
+LOOKS, LOOK_INTERVAL = 20, 0.01
 
 
 class LockHeld(ServerError):
-    """Another process holds the lock. pid: its process id; 0 if the file does not hold it (yet)."""
+    """Another process holds the lock. pid: its process id; 0 if the file does not hold it."""
 
     def __init__(self, path: Path, pid: int) -> None:
         super().__init__(f"{path} is locked by process {pid or 'unknown'}")
@@ -112,8 +115,19 @@ def _open(path: Path) -> int:
         _check_owner(path, file)
         if _try_lock(file):
             return file
-        content = os.read(file, MAX_PID_BYTES)
-        raise LockHeld(path, int(content) if content.isdigit() else 0)
+        raise LockHeld(path, _read_holder(file))
     except BaseException:
         os.close(file)
         raise
+
+
+def _read_holder(file: int) -> int:
+    """Return the process id of the holder; 0 if it has written none, as on a full disk."""
+    for look in range(LOOKS):
+        if look:
+            time.sleep(LOOK_INTERVAL)
+        os.lseek(file, 0, os.SEEK_SET)
+        content = os.read(file, MAX_PID_BYTES)
+        if content.isdigit():
+            return int(content)
+    return 0

@@ -1,15 +1,15 @@
 """Messages between the server's processes, each in its own `SharedRegister` in the server's private folder.
 
-    file                 writer    readers            value
-    permit               control   guard, render      Permit
-    sessions             control   bus                SessionTable
-    requested_settings   control   render, guard      RequestedSettings
-    changes              bus       render             Changes, each only after the last was acknowledged
-    changes_ack          render    bus                ChangesAck
-    frame                render    guard, control     FrameHead, then the levels
-    renderer_status      render    control, bus       RendererStatus
-    device               guard     control, render    DeviceStatus
-    bus_status           bus       control            BusStatus
+    file                 writer    readers                value
+    permit               control   guard, render          Permit
+    sessions             control   bus                    SessionTable
+    requested_settings   control   render, guard          RequestedSettings
+    changes              bus       render                 Changes, each only after the last was acknowledged
+    changes_ack          render    bus                    ChangesAck
+    frame                render    guard, control, bus    FrameHead, then the levels
+    renderer_status      render    control                RendererStatus
+    device               guard     control, render, bus   DeviceStatus
+    bus_status           bus       control                BusStatus
 
 A new value in any but `renderer_status` and `bus_status` also wakes those that wait for it: `open_wakes`.
 
@@ -274,12 +274,10 @@ class ChangesAck(Struct, frozen=True, array_like=True):
 class RendererStatus(Struct, frozen=True, array_like=True):
     """The status of the renderer.
 
-    run: random. state: fields of `pacinian.wire.state.State`. results: of orders, by "kind number": "" if done,
-    otherwise the reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be
-    put, and why.
+    state: fields of `pacinian.wire.state.State`. results: of orders, by "kind number": "" if done, otherwise the
+    reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be put, and why.
     """
 
-    run: int
     beat: float
     state: dict[str, Any]
     results: dict[str, str] = {}
@@ -340,7 +338,6 @@ class BusStatus(Struct, frozen=True, array_like=True):
     port: where the bus listens; 0 until it does. waiting: number of changes that the renderer has not taken yet.
     """
 
-    run: int
     beat: float
     clients: dict[str, tuple[int, int, int, int, float]] = {}
     received: int = 0

@@ -41,6 +41,11 @@ SLOT = 3  # number of words before each value: number, length, checksum
 TRIES = 100  # largest number of tries to read a value that is being overwritten
 
 
+def find_root() -> Path:
+    """Return where the folders for shared memory are: in RAM, or among the temporary files."""
+    return Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
+
+
 @contextlib.contextmanager
 def folder() -> Generator[Path]:
     """Make a private folder for shared memory; remove it at the end.
@@ -48,7 +53,7 @@ def folder() -> Generator[Path]:
     Also removes the folders that killed processes left. A lock file lies beside the new folder, made before it and
     removed after it. This process holds the lock while it lives.
     """
-    root = Path("/dev/shm" if os.access("/dev/shm", os.W_OK) else tempfile.gettempdir())
+    root = find_root()
     for left in root.glob(f"{PREFIX}*{LOCK}"):
         remove(left.with_suffix(""))
     made = root / f"{PREFIX}{os.urandom(8).hex()}"

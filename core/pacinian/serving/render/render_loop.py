@@ -342,7 +342,6 @@ class RenderLoop:
         """Report the status; if its state cannot be encoded, report without it, as a heartbeat."""
         halted = self.renderer.halted
         report = messages.RendererStatus(
-            self.run,
             now,
             {},
             self.results,

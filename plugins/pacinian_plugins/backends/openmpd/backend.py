@@ -17,8 +17,8 @@ from pacinian_plugins.backends.openmpd.protocol import (
     BOARD,
     MAX_PULSE,
     PHASES,
+    PULSE_PRESSURES,
     RESYNC_PAUSE,
-    SIZES,
     Packer,
     encode_divider,
 )
@@ -61,7 +61,7 @@ class OpenMpd(pc.Backend):
         self.led = [check_integer("led", level, low=0) for level in self.led]
         if len(self.led) != 3 or max(self.led) > 255:
             raise ArgumentError("led", f"must be red, green and blue, 0 to 255, not {self.led}")
-        self._capability = pc.Capability(PHASES, SIZES, self.rate)
+        self._capability = pc.Capability(PHASES, PULSE_PRESSURES, self.rate)
         self._divide = encode_divider(self.rate)
         self._columns = 0
         self._packer = Packer([])

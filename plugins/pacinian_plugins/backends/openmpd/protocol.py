@@ -19,7 +19,7 @@ Bytes: TypeAlias = NDArray[np.uint8]
 
 BOARD, FRAME = 256, 512  # transducers per board; bytes per frame
 PHASES, MAX_PULSE = 128, 64  # phase levels per turn; longest pulse, half a period
-SIZES = tuple(math.sin(0.5 * math.pi * n / MAX_PULSE) for n in range(MAX_PULSE + 1))
+PULSE_PRESSURES = tuple(math.sin(0.5 * math.pi * n / MAX_PULSE) for n in range(MAX_PULSE + 1))
 """Sound pressure of each pulse length, relative to the strongest."""
 CARRIER, MAX_DIVIDER = 40_000.0, 255  # carrier frequency [Hz]; its largest divider
 RESYNC_PAUSE = 1.3  # pause after which the FPGA discards a partial frame [s]; it needs 1.0

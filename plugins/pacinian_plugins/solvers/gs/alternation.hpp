@@ -8,7 +8,7 @@
 namespace pacinian::gs {
 
 constexpr Index TILE = 512;       // transducers per tile, so that their gains stay in the first-level cache
-constexpr f8 SMALLEST = 1e-18;    // least |x| whose square does not underflow in single precision
+constexpr f8 MIN_ABS = 1e-18;    // least |x| whose square does not underflow in single precision
 
 inline f8 iterate(View<const f4, 3> B, View<const f8, 1> t, View<const bool, 1> free, f8 exponent, f8 floor, i8 steps, View<f8, 1> w,
                   View<c16, 1> u, View<f4, 2> h, View<c16, 1> p) {
@@ -57,7 +57,7 @@ inline f8 iterate(View<const f4, 3> B, View<const f8, 1> t, View<const bool, 1> 
             ++asked;
             if (free[m]) u[m] = p[m] / length;
         }
-        if (floor > SMALLEST && along > 0.0) floor = std::max(floor * total / along, SMALLEST);
+        if (floor > MIN_ABS && along > 0.0) floor = std::max(floor * total / along, MIN_ABS);
         if (!(exponent > 0.0)) continue;
         f8 largest = 0.0;
         for (Index m = 0; m < M; ++m) {

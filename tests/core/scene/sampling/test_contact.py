@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.material import DEPTH, Material
+from pacinian.scene.material import FULL_PRESSURE_DEPTH, Material
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
@@ -186,7 +186,7 @@ def test_the_force_is_the_integral_of_pressure_over_the_skin(
     hand, centre = bent(seed), np.add(at, (0.0, 0.03, 0.18))
     q, area = dense(hand, 1.5e-3)
     depth = radius - np.linalg.norm(q - centre, axis=1)
-    expected = (np.clip(depth / DEPTH, 0.0, 1.0) * 10.0) @ area
+    expected = (np.clip(depth / FULL_PRESSURE_DEPTH, 0.0, 1.0) * 10.0) @ area
     whole = ball(radius, centre, thickness=1.0)
     # at the rim, the error is that of a stripe as wide as the spacing of skin points
     rim = 10.0 * area[np.abs(depth) < FINEST].sum()
@@ -210,12 +210,16 @@ def test_all_of_a_hand_within_a_volume_is_pressed(hand: Hand) -> None:
 @pytest.mark.parametrize("depth", [0.0005, 0.001, 0.003])
 def test_a_plate_on_a_flat_palm_presses_as_the_formula_says(depth: float) -> None:
     slab = flat_hand((0.08, 0.16, 0.03), 0.2)
-    share = min(depth / DEPTH, 1.0)
+    share = min(depth / FULL_PRESSURE_DEPTH, 1.0)
     small, large = (touched(plate(0.2 + depth, size), hands=(slab,)) for size in (0.06, 0.3))
     assert small.force == pytest.approx(10.0 * share * 0.06 * 0.06, rel=0.06)
     assert small.positions[:, 2] == pytest.approx(0.2, abs=1e-9)
     assert small.normals == pytest.approx(np.tile([0.0, 0.0, -1.0], (len(small), 1)))
-    sides = 2.0 * (0.08 + 0.16) * (max(depth - DEPTH, 0.0) + share * min(depth, DEPTH) / 2.0)
+    sides = (
+        2.0
+        * (0.08 + 0.16)
+        * (max(depth - FULL_PRESSURE_DEPTH, 0.0) + share * min(depth, FULL_PRESSURE_DEPTH) / 2.0)
+    )
     assert large.force == pytest.approx(10.0 * (share * 0.08 * 0.16 + sides), rel=0.03)
 
 
@@ -241,7 +245,7 @@ def test_a_plate_on_a_finger_presses_as_the_formula_says(depth: float) -> None:
         shape=pc.Rectangle(0.2, 0.1), pose=pc.Pose((0.0, 0.0, 0.2 + depth)), radiation_pressure=10.0
     )
     a = math.acos((r - depth) / r)
-    expected = 0.2 * 2.0 * 10.0 / DEPTH * r * (r * math.sin(a) - (r - depth) * a)
+    expected = 0.2 * 2.0 * 10.0 / FULL_PRESSURE_DEPTH * r * (r * math.sin(a) - (r - depth) * a)
     assert touched(wide, hands=(finger,)).force == pytest.approx(expected, rel=0.08)
 
 
@@ -348,7 +352,7 @@ def test_a_rigid_motion_of_everything_changes_nothing_else(item: Any, seed: int)
 )
 def test_the_force_does_not_jump_as_a_contact_slides(name: str, spacing: float) -> None:
     item, step = OBJECTS[name], 1e-4
-    stiffness = item.material.stiffness or item.pressure / DEPTH
+    stiffness = item.material.stiffness or item.pressure / FULL_PRESSURE_DEPTH
     sampler = pc.Sampler(5000, spacing, perception=False)
     skin = dense(HAND, 2e-3)
     forces, bounds = [], []
@@ -374,7 +378,7 @@ def test_no_sample_jumps_more_than_its_share_as_a_contact_slides(spacing: float)
             for key in before.keys() | after.keys():
                 change = abs(after.get(key, 0.0) - before.get(key, 0.0))
                 # at most stiffness times step; twice that, because nodes have uneven shares of skin
-                assert change <= 10.0 / DEPTH * 1e-4 * 2.0
+                assert change <= 10.0 / FULL_PRESSURE_DEPTH * 1e-4 * 2.0
         before = after
 
 
@@ -799,9 +803,9 @@ def test_what_is_left_out_is_counted_each_time_it_is_looked_for() -> None:
     far, faint = ball(at=(1.0, 0.0, 0.2)), ball(at=(0.0, 0.04, 0.17), radiation_pressure=0.15)
     lost = Hand(np.full((26, 3), np.nan), name="lost")
     scene = pc.Scene((far, ball(), faint), hands=(HAND, lost))
-    sampler = pc.Sampler(4, 0.0085)  # on skin, four fifths of that
+    sampler = pc.Sampler(4, 0.0085)  # on skin that is sampled coarsely, 1.2 times that
     samples = sampler.sample(scene)
-    assert len(samples) == 3
+    assert len(samples) == 5
     assert sampler.skipped["objects away from hands"] == 1
     assert sampler.skipped["hands lost"] == 1
     assert sampler.skipped["samples too faint to feel"] > 0

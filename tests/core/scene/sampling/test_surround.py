@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.sample_budget import SHARE_ON_SKIN
+from pacinian.scene.sampling.sample_budget import ON_SKIN
 from pacinian.scene.sampling.surround import INNER, MAX_OF_SMALL, OUTER
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
@@ -29,7 +29,7 @@ def ball(radius: float, depth: float) -> pc.Scene:
 
 def sampled(scene: pc.Scene, budget: int = 256, surround: bool = True) -> pc.Samples:
     """Return the samples of a scene. budget: most samples on skin."""
-    sampler = pc.Sampler(round(budget / SHARE_ON_SKIN))
+    sampler = pc.Sampler(round(budget / ON_SKIN.shares[0]))
     sampler.prepare(ARRAY, AIR)
     sampler.surround = surround
     return sampler.sample(scene, 0.0)

@@ -351,12 +351,12 @@ def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
         server.memory["changes"].write(pack(Changes(9, 1, ())))
-        with open_bus(PLAIN, tmp_path, {"token": TOKEN}):
+        with open_bus(PLAIN, tmp_path, {"token": TOKEN}) as bus:
             read = server.memory["changes"].read()
             assert read is not None
             told = msgspec.msgpack.decode(read[1], type=Changes)
             assert (told.number, told.changes) == (0, ())
-            assert told.run == server.bus_status().run
+            assert told.run == bus.dispatcher.batcher.run
 
 
 @pytest.mark.parametrize(

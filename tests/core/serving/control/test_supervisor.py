@@ -61,7 +61,7 @@ with SharedRegister.attach(told.path / files[name]) as file:
         now = time.perf_counter()
         file.write(pack({
             "guard": DeviceStatus(1, 0, "", 16, 16, 1e3, None, now, False),
-            "bus": BusStatus(1, now), "render": RendererStatus(1, now, {}, solvers=(Plugin(name="auto"),)),
+            "bus": BusStatus(now), "render": RendererStatus(now, {}, solvers=(Plugin(name="auto"),)),
         }[name]))
         time.sleep(0.005)
 print("ended", name, flush=True)

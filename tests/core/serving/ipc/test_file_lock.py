@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pacinian.errors import ServerError
+from pacinian.serving.ipc import file_lock
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 
 if TYPE_CHECKING:
@@ -105,3 +106,15 @@ def test_a_link_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(ServerError, match="cannot be locked"):
         FileLock(tmp_path / "lock")
     assert (tmp_path / "precious").read_text() == "all"
+
+
+def test_a_holder_that_has_not_written_its_number_yet_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "lock"
+    with FileLock(path):
+        path.write_text("")
+        monkeypatch.setattr(file_lock.time, "sleep", lambda _: path.write_text("4321"))
+        with pytest.raises(LockHeld) as caught:
+            FileLock(path)
+    assert caught.value.pid == 4321
