@@ -11,6 +11,7 @@ from click.core import ParameterSource
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_batches import batches
+from pacinian_lab.commands.bench_bus import bus
 from pacinian_lab.commands.bench_devices import devices
 from pacinian_lab.commands.bench_examples import examples
 from pacinian_lab.commands.bench_expiry import expiry
@@ -18,10 +19,9 @@ from pacinian_lab.commands.bench_faults import faults, hostile
 from pacinian_lab.commands.bench_footprint import footprint
 from pacinian_lab.commands.bench_regions import regions
 from pacinian_lab.commands.bench_scenes import scenes
-from pacinian_lab.commands.bench_server import bus
 from pacinian_lab.commands.bench_tick import tick
 from pacinian_lab.commands.bench_view import view
-from pacinian_lab.commands.output import make_folder, print_tables
+from pacinian_lab.commands.shared import make_folder, print_tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

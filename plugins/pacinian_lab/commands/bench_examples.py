@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.output import print_tables
+from pacinian_lab.commands.shared import print_tables
 
 
 @click.command()

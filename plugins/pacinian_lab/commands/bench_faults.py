@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.output import print_tables
+from pacinian_lab.commands.shared import print_tables
 
 if TYPE_CHECKING:
     from pacinian_lab.server.faults.run import Row

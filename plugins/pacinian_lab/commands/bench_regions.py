@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import units
-from pacinian_lab.commands.output import make_folder, print_tables
+from pacinian_lab.commands.shared import make_folder, print_tables, units
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
@@ -87,11 +86,7 @@ def regions(
         _draw(autd(side, side), names, pictures)
     else:
         with contextlib.ExitStack() as stack:
-            asked = (
-                None
-                if peers is None
-                else stack.enter_context(contextlib.closing(_start_peers(peers, side)))
-            )
+            asked = None if peers is None else stack.enter_context(_start_peers(peers, side))
             _measure(autd(side, side), names, solvers, strengths, asked, as_json)
 
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import units
-from pacinian_lab.commands.output import print_tables
+from pacinian_lab.commands.shared import print_tables, units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,7 +9,7 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian_lab.commands.bench_scenes import names
-from pacinian_lab.commands.bench_server import units
+from pacinian_lab.commands.shared import units
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import units
+from pacinian_lab.commands.shared import units
 
 if TYPE_CHECKING:
     from pacinian_lab.server.viewer import Row

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian_lab.commands.output import make_folder
+from pacinian_lab.commands.shared import make_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.bench_server import units
-from pacinian_lab.commands.output import print_tables
+from pacinian_lab.commands.shared import print_tables, units
 from pacinian_lab.server import soak_drift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from pacinian_lab.scenes.report import Verdict
     from pacinian_lab.server.soak import Row
 
 SHORT = 10.0  # [s]
@@ -59,7 +59,7 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
         }
         click.echo(json.dumps(result))
     elif rows:
-        _print(rows)
+        _print(rows, found)
     if interrupted:
         raise SystemExit(130)
     if not all(verdict.met for verdict in found):
@@ -96,9 +96,8 @@ def _draw(rows: Sequence[Row], path: Path) -> None:
         click.echo(f"no picture: {error}", err=True)
 
 
-def _print(rows: Sequence[Row]) -> None:
+def _print(rows: Sequence[Row], verdicts: Sequence[Verdict]) -> None:
     from pacinian_lab.scenes import tables as scene_tables
     from pacinian_lab.server import tables
 
-    verdicts = scene_tables.verdicts(soak_drift.verdicts(rows))
-    print_tables([tables.windows(rows), tables.events(rows), verdicts])
+    print_tables([tables.windows(rows), tables.events(rows), scene_tables.verdicts(verdicts)])

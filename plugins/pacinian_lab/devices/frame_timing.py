@@ -18,7 +18,7 @@ from pacinian.plugins.backend import Frame
 from pacinian.rendering.clock import SystemClock
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.tick_pacing import pace
-from pacinian_lab.solvers.tables import plain_table, short
+from pacinian_lab.solvers.tables import markdown_table, plain_table, short
 from pacinian_lab.solvers.timing import measure, quantile
 
 if TYPE_CHECKING:
@@ -183,8 +183,4 @@ def tables(found: Sequence[Load], rates: Sequence[Held]) -> list[Table]:
 
 def markdown(found: Sequence[Load], rates: Sequence[Held]) -> str:
     """Return Markdown tables."""
-    made: list[str] = []
-    for _, head, lines in _all(found, rates):
-        rows = head, ["---"] * len(head), *lines
-        made.append("\n".join(f"| {' | '.join(row)} |" for row in rows))
-    return "\n\n".join(made)
+    return "\n\n".join(markdown_table(head, lines) for _, head, lines in _all(found, rates))

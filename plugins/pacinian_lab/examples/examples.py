@@ -20,14 +20,13 @@ FREQUENCY = 40_000.0  # [Hz]
 class Example:
     """One example of a peer: K patterns for one array, each with M foci.
 
-    peer, source: the package, and the file of its repository. title: a short description. positions, normals: of N
+    source: the file, in a repository of the peer. title: a short description. positions, normals: of N
     transducers, (N, 3). radius: of a piston [m]; 0 for omnidirectional ones. pressure: of a transducer [Pa m].
     speed: of sound [m/s]. points: foci, (K, M, 3) [m]. amplitude: sound pressure of all foci [Pa]; NaN for as strong
     as possible. quiet: a place to keep quiet, (3,) [m], if any.
     """
 
     name: str
-    peer: str
     source: str
     title: str
     positions: Floats
@@ -76,7 +75,7 @@ def _from_autd3() -> list[Example]:
     }  # fmt: skip
     return [
         Example(
-            name, "autd3", f"autd3-rs/examples/src/tests/{file}", title,
+            name, f"autd3-rs/examples/src/tests/{file}", title,
             r, np.tile([0.0, 0.0, 1.0], (len(r), 1)), points, 4.386, 340.0, amplitude=amplitude,
         )
         for name, (file, title, points, amplitude) in made.items()
@@ -99,7 +98,7 @@ def _from_acoustools() -> list[Example]:
         ),
     }  # fmt: skip
     return [
-        Example(name, "acoustools", file, title, r, n, points, 3.4, 343.0, radius=0.0045)
+        Example(name, file, title, r, n, points, 3.4, 343.0, radius=0.0045)
         for name, (file, title, points) in made.items()
     ]
 
@@ -109,7 +108,7 @@ def _from_levitate() -> Example:
     x, y = 0.01 * (np.arange(21) - 10.0), 0.01 * (np.arange(12) - 5.5)
     r = np.stack(np.meshgrid(x, y, [0.0]), axis=-1).reshape(-1, 3)
     return Example(
-        "beside a trap", "levitate", "levitate/docs/examples/Field superposition.ipynb",
+        "beside a trap", "levitate/docs/examples/Field superposition.ipynb",
         "a focus, quiet at a trap", r, np.tile([0.0, 0.0, 1.0], (len(r), 1)),
         np.array([[[0.04, 0.0, 0.09]]]), 6.0, 343.23714360505863,
         quiet=np.array([-0.02, 0.0, 0.06]),

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from pacinian_lab.examples.score import score
-from pacinian_lab.solvers.tables import plain_table, short
+from pacinian_lab.solvers.tables import markdown_table, plain_table, short
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,11 +30,12 @@ def tabulate(rows: Sequence[Row], examples: Sequence[Example]) -> list[Table]:
 
 def write_markdown(rows: Sequence[Row], examples: Sequence[Example]) -> str:
     """Return one table of all examples in Markdown."""
-    lines = [["example", "made by", *HEAD[1:]], ["---"] * (1 + len(HEAD))]
-    for made in examples:
-        for k, cells in enumerate(_cells(rows, made)):
-            lines.append(["" if k else made.title, *cells])
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    lines = [
+        ["" if k else made.title, *cells]
+        for made in examples
+        for k, cells in enumerate(_cells(rows, made))
+    ]
+    return markdown_table(["example", "made by", *HEAD[1:]], lines)
 
 
 def _cells(rows: Sequence[Row], example: Example) -> list[list[str]]:

@@ -22,12 +22,11 @@ STEP = 1e-4  # [m] between samples of a profile
 
 @dataclass(frozen=True, eq=False)
 class Focus:
-    """All transducers of `side` x `side` units at full drive, in phase on the axis at `distance` [m].
+    """All transducers at full drive, in phase on the axis at `distance` [m].
 
     aperture: the boards' extent in x and y [m]. gains: (N,).
     """
 
-    side: int
     distance: float
     array: pc.Array
     aperture: tuple[float, float]
@@ -71,7 +70,7 @@ def focus(side: int, distance: float) -> Focus:
     solution = pc.solve(
         array, [[0.0, 0.0, distance]], [1.0], solver="single-focus", scale="max", medium=MEDIUM
     )
-    return Focus(side, distance, array, (side * UNIT[0], side * UNIT[1]), solution.gains)
+    return Focus(distance, array, (side * UNIT[0], side * UNIT[1]), solution.gains)
 
 
 def widths(spot: Focus) -> list[Width]:

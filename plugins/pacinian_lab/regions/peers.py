@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.transducer import Transducer
+from pacinian.closeable import Closeable
 from pacinian_lab.regions.methods import OURS, SPACINGS, MethodResult
-from pacinian_lab.solvers.problems import AIR, PRESSURE, WAVENUMBER
+from pacinian_lab.solvers.problems import AIR, PRESSURE, make_message
 from pacinian_lab.solvers.worker_process import read_gains
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ SOLVERS = ("gspat", "greedy")
 LIMIT = 120.0  # [s] longest wait for a solve
 
 
-class Peers:
+class Peers(Closeable):
     """autd3's `gspat` and `greedy` with foci 8.5 and 4.25 mm apart.
 
     worker: `Worker.of("autd3", ...)`; `close` ends it. side: AUTD units along each side of the array. The foci lie
@@ -56,13 +57,7 @@ class Peers:
         wanted = samples.radiation_pressure > 0.0
         q = samples.positions[wanted]
         t = sound_pressure(pressure * samples.radiation_pressure[wanted], AIR)
-        problem = {
-            "positions": self.array.positions.tolist(),
-            "frames": [q.tolist()],
-            "targets": t.tolist(),
-            "wavenumber": WAVENUMBER,
-            "pressure": PRESSURE,
-        }
+        problem = make_message(self.array.positions, q[None], t)
         message = {"solver": solver, "mode": "cold", "seconds": 0.0, "problem": problem}
         reply = self.worker.ask(message, LIMIT)
         return MethodResult(read_gains(reply, (len(self.array),)), len(q))

@@ -53,9 +53,9 @@ class Row(NamedTuple):
 def measure(
     array: Array,
     name: str,
-    solvers: Sequence[str] = (),
-    strengths: Sequence[float] = STRENGTHS,
-    peers: Peers | None = None,
+    solvers: Sequence[str],
+    strengths: Sequence[float],
+    peers: Peers | None,
 ) -> Iterator[Row]:
     """Make a shape at each strength: by regions, by other `solvers` on the same samples, by foci, by peers.
 

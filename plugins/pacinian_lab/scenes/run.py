@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pacinian.types import Gains
 
 RATE = 1000.0  # [Hz] of the device, and of the ticks if the loop can hold it
-SLOWER = (1, 2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
+SLOWER = (2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
 # the rate counts as held up to this share of late ticks above the dummy loop's
 MAX_LATE_SHARE = 0.005
 SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
@@ -192,7 +192,7 @@ def measure(array: Array, name: str, seconds: float) -> Row:
     Raises KeyboardInterrupt, and the error of a failed tick.
     """
     row = Run(array, SCENES[name], seconds).row(name)
-    for frames in SLOWER[1:]:
+    for frames in SLOWER:
         if row.rate:
             break
         slower = Run(array, SCENES[name], seconds, RATE / frames)

@@ -62,7 +62,7 @@ class Peer:
         except BaseException:
             self._close_sockets()
             raise
-        self.key, self.lease = welcome.session, welcome.lease
+        self.key = welcome.session
 
     def request(self, kind: type[Request], **fields: Any) -> Any:
         """Send a request on the control socket and return the reply. Raises Refused, ServerError."""

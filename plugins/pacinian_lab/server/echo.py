@@ -10,13 +10,11 @@ import zmq
 from msgspec import Struct
 from zmq.auth.thread import ThreadAuthenticator
 
+from pacinian.serving.ipc.auth import DOMAIN, USER
 from pacinian_lab.server import worker_process
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-DOMAIN = "pacinian"
-USER = "pacinian"
 
 
 class Echo(Struct, frozen=True):

@@ -50,7 +50,7 @@ class Row(Struct, frozen=True):
     calibration: float
 
 
-def measure(side: int, seconds: float, rounds: int = 1) -> Iterator[Row]:
+def measure(side: int, seconds: float, rounds: int) -> Iterator[Row]:
     """Yield a row for each state of `rounds` servers of `side` x `side` units, from windows of `seconds` [s].
 
     Raises ServerError.

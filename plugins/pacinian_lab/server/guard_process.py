@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import child_process
 from pacinian.serving.ipc.messages import (
@@ -39,7 +40,7 @@ time.sleep(3600)
 """
 
 
-class GuardProcess:
+class GuardProcess(Closeable):
     """A context manager. orphan: `process` is the parent of the guard, so that the parent can be killed."""
 
     def __init__(self, settings: Settings, *, orphan: bool = False) -> None:
@@ -60,10 +61,8 @@ class GuardProcess:
         else:
             self.process = child_process.start("guard", config)
 
-    def __enter__(self) -> GuardProcess:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """End the process, and remove what it shares."""
         child_process.end(self.process)
         for memory in self._memory.values():
             memory.close()

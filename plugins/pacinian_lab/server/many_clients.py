@@ -46,9 +46,8 @@ class Place(Struct, frozen=True, tag=True):
 
 
 class Done(Struct, frozen=True):
-    """asked: messages that were due. sent: taken by a socket. full: found no room. notices: and errors, by code."""
+    """Messages. sent: taken by a socket. full: found no room. notices: and errors, by code."""
 
-    asked: int = 0
     sent: int = 0
     full: int = 0
     notices: dict[str, int] = {}
@@ -89,7 +88,7 @@ class Members:
                 )
                 sent, full = sent + done, full + (not done)
             time.sleep(WAKE)
-        return Done(asked, sent, full, self._collect_counts())
+        return Done(sent, full, self._collect_counts())
 
     def place(self, place: Place) -> Done:
         """Put all objects where the observer expects them, and wait for each reply."""
@@ -102,7 +101,7 @@ class Members:
             except ServerError as error:
                 refused[getattr(error, "code", "no answer")] += 1
         sent = len(self.own) - refused.total()
-        return Done(len(self.own), sent, 0, Counter(self._collect_counts()) + refused)
+        return Done(sent, 0, Counter(self._collect_counts()) + refused)
 
     def _renew(self, now: float) -> None:
         if now > self._renewed + RENEW:

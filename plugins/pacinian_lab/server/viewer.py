@@ -70,10 +70,10 @@ class Row(Struct, frozen=True):
     browser: float
 
 
-def measure(side: int, seconds: float, rounds: int, browser: str = "") -> Iterator[Row]:
+def measure(side: int, seconds: float, rounds: int, browser: str) -> Iterator[Row]:
     """Yield windows of `seconds` [s], `rounds` of each kind in turn, in front of `side` x `side` units.
 
-    browser: a Chromium that also opens the page. Raises ServerError.
+    browser: a Chromium that also opens the page, if any. Raises ServerError.
     """
     settings = Settings(array=Units(side, side), log=Log(level="warning"))
     with tempfile.TemporaryDirectory(prefix="pacinian-") as name:

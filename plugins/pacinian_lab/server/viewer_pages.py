@@ -16,6 +16,7 @@ from urllib.request import urlopen
 import msgpack
 import psutil
 
+from pacinian.closeable import Closeable
 from pacinian.errors import MissingExtra, ServerError
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ class Reader:
         self._thread.join()
 
 
-class Chromium:
+class Chromium(Closeable):
     """The page in a real headless browser, 1280 x 800. A context manager. Raises ServerError."""
 
     def __init__(self, program: str, url: str) -> None:
@@ -152,10 +153,8 @@ class Chromium:
         self._program.kill()
         self._program.wait()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """End the browser, and remove its profile."""
         self._stack.close()
 
 

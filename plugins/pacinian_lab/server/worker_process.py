@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import msgspec
 
 from pacinian.closeable import Closeable
-from pacinian.errors import PacinianError
+from pacinian_lab.solvers.worker_process import WorkerError
 
 if TYPE_CHECKING:
     from typing import IO
@@ -22,10 +22,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MAX_WAIT = 60.0  # [s] longest wait for an answer
-
-
-class WorkerError(PacinianError):
-    """A process of the benchmark crashed or hung."""
 
 
 class WorkerProcess(Closeable):

@@ -73,13 +73,18 @@ class Problem:
 
     def message(self) -> dict[str, Any]:
         """Return the problem as a message for a worker."""
-        return {
-            "positions": self.positions.tolist(),
-            "frames": self.frames.tolist(),
-            "targets": self.targets.tolist(),
-            "wavenumber": WAVENUMBER,
-            "pressure": PRESSURE,
-        }
+        return make_message(self.positions, self.frames, self.targets)
+
+
+def make_message(positions: Floats, frames: Floats, targets: Floats) -> dict[str, Any]:
+    """Return a problem as a message for a worker. frames: the points in consecutive solves [m], (K, M, 3)."""
+    return {
+        "positions": positions.tolist(),
+        "frames": frames.tolist(),
+        "targets": targets.tolist(),
+        "wavenumber": WAVENUMBER,
+        "pressure": PRESSURE,
+    }
 
 
 def problems(

@@ -106,14 +106,11 @@ def measure(
     problems: Iterable[Problem],
     seconds: float,
     limit: float,
-    on_row: Callable[[Row], object] = lambda row: None,
 ) -> Iterator[Row]:
     """Run every entry on every problem for about `seconds` [s] each, giving up after `limit` [s]."""
     for problem in problems:
         for entry in entries:
-            row = run_one(entry, problem, seconds, limit)
-            on_row(row)
-            yield row
+            yield run_one(entry, problem, seconds, limit)
 
 
 def run_one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:

@@ -162,6 +162,12 @@ def short(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-") if value else "0"
 
 
+def markdown_table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    rows = head, ["---"] * len(head), *lines
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
 def plain_table(title: str, head: list[str], rows: list[list[str]]) -> Table:
     """Return a table that takes its texts literally, so that a unit in brackets is not markup."""
     line = Text(title, no_wrap=True, overflow="ignore")

@@ -20,22 +20,14 @@ if TYPE_CHECKING:
 
     from pacinian_lab.study.worker import Row
 
-SHOWN_CHARTS = (
-    "width_across_x",
-    "width_along",
-    "efficiency",
-    "side_lobe",
-    "contrast",
-    "yield",
-)
-# What a chart tells, and whether more of its measure is better.
+# The measures of the charts, and what each chart tells.
 MESSAGES = {
-    "width_across_x": ("detail: smaller is finer", False),
-    "width_along": ("depth: smaller is finer", False),
-    "efficiency": ("energy in the pattern: more is better", True),
-    "side_lobe": ("loudest stray lobe: less is better", False),
-    "contrast": ("contrast: more is better", True),
-    "yield": ("pressure per watt: more is better", True),
+    "width_across_x": "detail: smaller is finer",
+    "width_along": "depth: smaller is finer",
+    "efficiency": "energy in the pattern: more is better",
+    "side_lobe": "loudest stray lobe: less is better",
+    "contrast": "contrast: more is better",
+    "yield": "pressure per watt: more is better",
 }
 AGAINST = ("aperture", "spacing", "transducers")
 ACROSS = 3  # panels per row
@@ -52,11 +44,10 @@ def measures(rows: Sequence[Row], path: Path) -> None:
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
     names.reverse()
     tall = 0.9 + 0.11 * len(names) * max(2, len(planes)) ** 0.5
-    down = -(-len(SHOWN_CHARTS) // ACROSS)
+    down = -(-len(MESSAGES) // ACROSS)
     page = figure(2.2 + 2.4 * ACROSS, 0.6 + 1.1 * tall * down)
     grid = page.subplots(down, ACROSS, sharey=True, squeeze=False)
-    for panel, measure in zip(grid.ravel(), SHOWN_CHARTS, strict=True):
-        message, more = MESSAGES[measure]
+    for panel, (measure, message) in zip(grid.ravel(), MESSAGES.items(), strict=True):
         panel.set_title(message, fontsize=SMALL)
         middles = {
             y: median(found)
@@ -64,7 +55,8 @@ def measures(rows: Sequence[Row], path: Path) -> None:
             if (found := values(at.get((name, planes[0]), ()), measure))
         }
         if middles:
-            y = (max if more else min)(middles, key=lambda y: middles[y])
+            best = max if MEASURES[measure].better == "high" else min
+            y = best(middles, key=lambda y: middles[y])
             panel.set_title(f"{message}\nbest: {names[y]}", fontsize=SMALL)
             panel.plot(
                 middles[y], _height(y, 0, len(planes)), "o", ms=10, mfc="none", mec="0.2", mew=1.0
@@ -94,7 +86,7 @@ def _height(y: int, k: int, planes: int) -> float:
 
 def trends(rows: Sequence[Row], path: Path) -> None:
     """Draw measures against layout dimensions: a mark for the median of each layout in each plane."""
-    at, shown = _group_rows(rows), SHOWN_CHARTS[:4]
+    at, shown = _group_rows(rows), list(MESSAGES)[:4]
     planes = list(dict.fromkeys(plane for _, plane in at))
     kinds = list(dict.fromkeys(found[0]["layout.type"] for found in at.values()))
     page = figure(2.0 + 2.2 * len(AGAINST), 0.6 + 1.5 * len(shown))

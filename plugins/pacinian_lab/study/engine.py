@@ -146,11 +146,13 @@ def _rows(future: Future[list[Row]], plan: Plan, tasks: Sequence[Task]) -> list[
 def _alike(client: Client, address: str) -> None:
     """Refuse workers with another version of Pacinian, because their results would differ."""
     ours = importlib.metadata.version("pacinian")
-    versions = cast(
-        "dict[str, object]", client.run(importlib.metadata.version, "pacinian", on_error="return")
-    )
+    versions = cast("dict[str, object]", client.run(_version, on_error="return"))
     for worker, found in versions.items():
         if found != ours:
             raise ServerError(
                 f"worker {worker} of {address} must have Pacinian {ours}: it reports {found!r}"
             )
+
+
+def _version() -> str:
+    return importlib.metadata.version("pacinian")

@@ -66,7 +66,7 @@ def make_plan(study: Study | str | Path) -> Plan:
     return Plan(read(study), str(study))
 
 
-def todo(plan: Plan, folder: Folder, *, retry: bool = False) -> list[Sequence[Task]]:
+def todo(plan: Plan, folder: Folder, *, retry: bool) -> list[Sequence[Task]]:
     """Return the batches of unfinished tasks; with `retry`, also of failed ones."""
     done = {key for key, row in folder.rows().items() if row["failure"] is None or not retry}
     return plan.batches(task.key for task in plan.tasks if task.key not in done)

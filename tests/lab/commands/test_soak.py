@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
-from pacinian_lab.commands import bench_server as bench_bus
+from pacinian_lab.commands import bench_bus
 from pacinian_lab.commands import soak as command
 from pacinian_lab.server import latency, load, soak
 

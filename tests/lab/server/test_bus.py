@@ -28,7 +28,8 @@ from pacinian_lab.server.many_clients import Done
 from pacinian_lab.server.quantiles import Quantiles
 from pacinian_lab.server.soak import Row as Window
 from pacinian_lab.server.soak_game import Heard
-from pacinian_lab.server.worker_process import WorkerError, WorkerProcess
+from pacinian_lab.server.worker_process import WorkerProcess
+from pacinian_lab.solvers.worker_process import WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,7 +14,6 @@ import pacinian as pc
 from pacinian_lab.study import arrangements, layouts
 from pacinian_lab.study.layouts import Autd, Device, Hexagonal, Lattice, Rings, Scattered, Sunflower
 
-RNG = np.random.default_rng(0)
 lengths = st.floats(0.02, 0.3)
 
 

@@ -147,7 +147,7 @@ class Row:
         return list(dict.fromkeys([*self.failed, *(t.note for t in self.times if t.note)]))
 
 
-def measure(faults: Iterable[Fault] = FAULTS, repeats: int = 5, busy: int = 0) -> Iterator[Row]:
+def measure(faults: Iterable[Fault], repeats: int, busy: int = 0) -> Iterator[Row]:
     """Yield a row for each fault, repeated `repeats` times. Replaces a server that a fault has broken.
 
     busy: number of processes that load the CPU meanwhile.

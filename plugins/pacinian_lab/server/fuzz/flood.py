@@ -34,7 +34,7 @@ BATCH = 200  # messages between two valid ones, which show that the server has r
 
 
 class Flood:
-    """Sends until the run is over. sent: counts by mutation; codes: counts of the answers."""
+    """Sends until the run is over. sent: counts by mutation. failed: messages that could not be sent."""
 
     def __init__(self, file: Path, seed: int) -> None:
         self.file, self.random = file, Random(seed)

@@ -54,9 +54,9 @@ class Found:
 
 
 def run(
-    messages: int = 1_000_000,
-    seconds: float = 300.0,
-    seed: int = 1,
+    messages: int,
+    seconds: float,
+    seed: int,
     tell: Callable[[int], object] = lambda done: None,
 ) -> Found:
     """Send `messages` messages within about `seconds` [s]. Returns the results."""

@@ -1,7 +1,8 @@
-"""What several commands do alike with their results: print tables, make a folder."""
+"""What several commands share: the option --units, printing of tables, the folder of results."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import click
@@ -11,6 +12,21 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rich.table import Table
+
+
+def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
+    """Return the side length [units] of a square of `units` units."""
+    root = math.isqrt(max(units, 0))
+    if root * root != units or not units:
+        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}")
+    return root
+
+
+units = click.option(
+    "--units", "side", callback=side, type=int, default=9, show_default=True,
+    help="AUTD units, a square number.",
+)  # fmt: skip
+"""Option of commands that measure a square array; passes its side length [units]."""
 
 
 def print_tables(tables: Iterable[Table]) -> None:

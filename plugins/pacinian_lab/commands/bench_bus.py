@@ -3,34 +3,18 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.output import print_tables
+from pacinian_lab.commands.shared import print_tables, units
 
 if TYPE_CHECKING:
     from pacinian_lab.server.latency_sender import Times
     from pacinian_lab.server.load import Final, Row
 
 What = Literal["latency", "load", "all"]
-
-
-def side(context: click.Context, parameter: click.Parameter, units: int) -> int:
-    """Return the side length [units] of a square of `units` units."""
-    root = math.isqrt(max(units, 0))
-    if root * root != units or not units:
-        raise click.BadParameter(f"must be 1, 4, 9, ..., not {units}")
-    return root
-
-
-units = click.option(
-    "--units", "side", callback=side, type=int, default=9, show_default=True,
-    help="AUTD units, a square number.",
-)  # fmt: skip
-"""Option of commands that measure a square array; passes its side length [units]."""
 
 
 @click.command()
