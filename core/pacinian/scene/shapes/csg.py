@@ -82,9 +82,13 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
         """The parts, each with 1 if the shell of the part faces outward, or -1 if it faces inward."""
         raise NotImplementedError
 
-    @cached_property
+    @property
     def area(self) -> float:
         """Surface area [m^2], estimated from samples. Raises ArgumentError."""
+        return self._area
+
+    @cached_property
+    def _area(self) -> float:
         for part, _ in self.sides:
             check_closed(part)
         return csg_shell.measure_shell(self, self.sides)

@@ -69,9 +69,13 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
         for half in self.extent:
             check_length("extent", half)
 
-    @cached_property
+    @property
     def area(self) -> float:
         """Surface area [m^2], estimated on a grid."""
+        return self._area
+
+    @cached_property
+    def _area(self) -> float:
         return measure_solid(self)
 
     @property
