@@ -56,15 +56,15 @@ def test_a_package_lists_files_that_it_has(file: Path) -> None:
     for line in text.splitlines()[1:]:
         for column in re.split(r" {2,}", line):
             for name in column.split(", "):
-                if re.fullmatch(r"[a-z_0-9*]+(\.py|\.md|/)", name):
+                if re.fullmatch(r"[a-z_0-9*]+(\.py|\.hpp|\.md|/)", name):
                     assert any(file.parent.glob(name)), f"there is no {name}"
 
 
 @pytest.mark.parametrize("file", PACKAGES, ids=lambda file: str(file.parent.relative_to(ROOT)))
 def test_a_list_of_files_is_whole(file: Path) -> None:
     text = ast.get_docstring(ast.parse(file.read_text("utf-8"))) or ""
-    listed = re.findall(r"[a-z_0-9*]+\.py\b", text)
+    listed = re.findall(r"[a-z_0-9*]+\.(?:py|hpp)\b", text)
     if len(listed) > 1:
-        for path in file.parent.glob("*.py"):
+        for path in (*file.parent.glob("*.py"), *file.parent.glob("*.hpp")):
             known = path.name in {"__init__.py", "__main__.py"}
             assert known or any(path.match(name) for name in listed), path.name

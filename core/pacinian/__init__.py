@@ -1,6 +1,18 @@
 """Mid-air haptic rendering: a scene goes in, gains for an ultrasound transducer array come out.
 
 `__init__.pyi`, beside this file, lists the public names. Each is imported when it is first used.
+
+session.py          `Session`, `solve`: what is reused from one solve to the next
+array_api.py        the field and batches of solves for PyTorch, CuPy, JAX
+gallery.py          the built-in scenes of `pacinian bench scenes`
+demo_scene.py       the scene of `pacinian demo`
+skip_reasons.py     reasons for work that is left out, as reports name them
+errors.py           every error that Pacinian raises
+checks.py           checks of arguments
+types.py            array types
+toml_json_files.py  TOML and JSON files
+neighbours.py       nearest points; neighbours.hpp: its k-d tree
+closeable.py        the base of what a `with` statement closes
 """
 
 from typing import Any

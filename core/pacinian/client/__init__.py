@@ -1,9 +1,9 @@
 """The client: the side of the wire for games and scripts.
 
 client.py                 `pacinian.Client`, the user's API: put, move, hands, arm, renew, stop, select
-reconnecting_client.py    arguments of a client and their defaults; reconnects after a lost session, without the scene
+reconnecting_client.py    arguments of a client and their defaults; connects, and reconnects after a lost session
 server_session.py         one session, from hello to bye: sequence numbers, replies, renewal at a quarter of the lease
-link.py                   the ZeroMQ socket: heartbeats, time limits, why a connection ended (CURVE, version)
+link.py                   the ZeroMQ socket: heartbeats, limits of the time to connect, why a connection ended
 messages.py               arguments of the API as wire messages, in batches that fit a message
 outbox.py                 commands that wait for room; newer ones replace older ones
 state_subscription.py     reads the newest state, skips older ones

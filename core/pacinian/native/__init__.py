@@ -1,7 +1,9 @@
 """Compiled C++ kernels, in the best variant that this processor can run.
 
 Each group of kernels is a module: `from pacinian.native import acoustics`. The sources lie beside the Python code that
-calls them (`acoustics/kernels.hpp`), and their signatures in stubs in this package. The environment variable
+calls them (`acoustics/kernels.hpp`), and their signatures in stubs in this package. Here are `views.hpp` (arrays as
+kernels see them), `math.hpp`, `processor.hpp` (what this processor can do), and the modules `module.cpp` and
+`non_finite.cpp` (kernels that may meet NaN). The environment variable
 `PACINIAN_VARIANT` selects a lower variant, so that tests can run every variant, and different machines can produce
 bit-identical results.
 """

@@ -18,6 +18,7 @@ Solve
     background_solve.py       the thread that solves beside the ticks
     sample_budget_controller.py   how many samples there may be when time is short
     reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
+    reachability.hpp          power at a place, looked up by cells: called by reachability.py
     cycle.py                  regions whose mean over several frames meets the target; number of these frames
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
     The solver returns a `Solution`. A `CachedSolution` keeps it. A `Solved` holds those of all frames of a cycle, or of
@@ -26,11 +27,14 @@ From gains to levels
     playback.py               one frame in each tick from what has been solved; calls those below
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
     steering.py               how a field is steered: factors on the gains, and where the object is between solves
+    steering.hpp              these factors: called by steering.py
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
+    smoothing.hpp             aligns and fades rows: called by smoothing.py
     envelope_gains.py         applies envelopes to gains; fades from the envelopes of one solution to those of the next
     envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains
     row_times.py              how many rows a frame has, and when each sounds
     quantiser.py              levels of the device: rounding, dither, inverse of its amplitude table
+    quantiser.hpp             rounds gains: called by quantiser.py
 What is reported
     report.py                 counts, tick times and their stages, errors, faults
     deviation_log.py          what was left out or changed, by object and reason, over time

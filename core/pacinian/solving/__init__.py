@@ -33,4 +33,11 @@ Evidence
     felt_regions.py       force, rms, holes and spill between and beside the samples
     surface_force.py      force on a surface, along its normals
     error_lower_bound.py  a lower bound of the error for any phases
+Kernels
+    kernels.hpp           Gram matrix, Gerchberg-Saxton steps on it, limits
+    matvec.hpp            products with B and B^H
+    changes.hpp           which rows of B have changed
+    regions.hpp           the wave of a region: constants and phases; called by region_phases.py
+    region_groups.hpp     samples that share one free phase
+    non_finite.hpp        kernels that detect numbers that are not finite; phases of groups
 """

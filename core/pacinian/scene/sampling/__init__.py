@@ -4,8 +4,8 @@ sampler.py                    `Sampler`: one tick, from scene to samples; merges
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
     merge_samples.hpp         merges close samples of different objects: called by sampler.py
-    contact.py                `find_contact`: skin inside a surface or volume, and its forces by the material's law
-    posed_skin.hpp            skin near an object, forces: called by posed_skin.py and distance_cache.py
+    contact.py                `find_contact`: skin inside a surface or volume, and its forces
+    posed_skin.hpp            skin near an object; pressure by depth, for surfaces and volumes: called by posed_skin.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
     sample_sources.py         objects near hands; objects without one; points, paths, particles that touch one; keys
