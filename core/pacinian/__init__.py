@@ -2,6 +2,9 @@
 
 `__init__.pyi`, beside this file, lists the public names. Each is imported when it is first used.
 
+The packages: acoustics, solving, scene, rendering (the loop), serving (the server), wire and client (its protocol), viewing
+(the live viewer), devices, plugins (their interfaces), batch, plot, notebook, testing, cli, native (kernels).
+
 session.py          `Session`, `solve`: what is reused from one solve to the next
 array_api.py        the field and batches of solves for PyTorch, CuPy, JAX
 gallery.py          the built-in scenes of `pacinian bench scenes`
@@ -10,7 +13,7 @@ skip_reasons.py     reasons for work that is left out, as reports name them
 errors.py           every error that Pacinian raises
 checks.py           checks of arguments
 types.py            array types
-toml_json_files.py  TOML and JSON files
+toml_json_files.py  reads TOML and JSON files; errors name the key, and suggest the right one; JSON Schemas
 neighbours.py       nearest points; neighbours.hpp: its k-d tree
 closeable.py        the base of what a `with` statement closes
 """

@@ -1,6 +1,7 @@
 """Notebook display: HTML cards of objects, and progress bars.
 
-cards.py   `_repr_html_` of the classes, in one form        bars.py   `progress`, also in terminals
+cards.py   `_repr_html_` of the classes, in one form
+bars.py    `progress`, also in terminals
 """
 
 from __future__ import annotations

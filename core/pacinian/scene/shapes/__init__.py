@@ -1,4 +1,4 @@
-"""Primitive shapes, and the samples of a shape's surface.
+"""Shapes: primitives, meshes, combinations, voxels, functions; their distances, samples and textures.
 
 box_disc_rectangle.py  `Box`, `Disc`, `Rectangle`
 sphere_capsule.py      `Sphere`, `Capsule`
@@ -10,8 +10,8 @@ function_solid.py      `SDF`: solid from a signed-distance function; samples of 
 csg.py                 `Placed`, `Union`, `Intersection`, `Difference` of solids
 csg_shell.py           samples and area of the shell of such a combination
 mesh.py                `Mesh`: triangle mesh, open or closed; its samples
-triangles.py           vertices and faces from a file (OBJ, STL, PLY, ...), limits, normals
-mesh_repair.py         merges equal vertices, drops unused ones, turns faces outward
+triangles.py           vertices and faces from a file (OBJ, STL, PLY, ...), limits, normals, areas, whether they close
+mesh_repair.py         merges equal vertices, drops unused ones and faces of two vertices, turns faces outward
 mesh_distance.py       signed distance to a mesh, sign by pseudo-normals
 mesh_bounds.py         rough distances to a mesh from a grid of cells, for points far away
 triangle_tree.py       tree of boxes: nearest triangle

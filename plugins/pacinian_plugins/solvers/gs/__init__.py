@@ -1,7 +1,7 @@
 """Gerchberg-Saxton between points and transducers, plain (`gs`) and weighted (`weighted-gs`).
 
 solver.py        both solvers: options, defaults
-alternation.py   one run of steps, until it converges
+alternation.py   one run: starts from the last phases, takes steps, ends (`weighted-gs`: once it converges)
 alternation.hpp  these steps: called by alternation.py
 """
 
