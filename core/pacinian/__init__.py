@@ -2,8 +2,8 @@
 
 `__init__.pyi`, beside this file, lists the public names. Each is imported when it is first used.
 
-The packages: acoustics, solving, scene, rendering (the loop), serving (the server), wire and client (its protocol), viewing
-(the live viewer), devices, plugins (their interfaces), batch, plot, notebook, testing, cli, native (kernels).
+The packages: acoustics, solving, scene, rendering (the loop), serving (the server), wire and client (its protocol),
+viewing (the live viewer), devices, plugins (their interfaces), batch, plot, notebook, testing, cli, native (kernels).
 
 session.py          `Session`, `solve`: what is reused from one solve to the next
 array_api.py        the field and batches of solves for PyTorch, CuPy, JAX
