@@ -55,8 +55,7 @@ def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
         click.echo("drawing the picture ...", err=True)
     session, samples = renderer.session, renderer.samples
     points = np.empty((0, 3)) if samples is None else samples.positions
-    frames = renderer.cycle_gains
-    gains = frames if len(frames) else renderer.emitted_gains  # silence, before the first
+    gains = renderer.cycle_gains if len(points) else renderer.emitted_gains  # one of silence
     try:
         page = plot.slices(session.array, gains, points, session.medium, title)
         plot.save(page, path)

@@ -10,10 +10,10 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PointOnTransducer
-from pacinian.scene.objects import Particles, Path, Volume
+from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_counts import label_object
+from pacinian.scene.sampling.sample_sources import lacks_surface
 from pacinian.scene.sampling.sampler import OFF
-from pacinian.scene.shapes.function_solid import SDF
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,7 +39,7 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
         if not item.pressure > 0.0 or item.envelope == OFF:
             continue
         label = repr(label_object(item, i))
-        if isinstance(item, Volume) and isinstance(item.shape, SDF) and not item.shape.area > 0.0:
+        if lacks_surface(item):
             empty.append(label)
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > 0.0 and away > item.bounding_radius:
@@ -62,8 +62,8 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
         )
     if empty:
         yield (
-            f"without a surface: {_name(empty)}. The function of an `SDF` must give distances in metres "
-            "that are 0 somewhere within its `extent`"
+            f"without a surface: {_name(empty)}. An `SDF` must be 0 somewhere within its `extent`, in "
+            "metres; an intersection needs parts that overlap, and a difference something that is left"
         )
     for i, period, resolved in sampler.find_fine_textures(scene):
         yield (

@@ -140,6 +140,18 @@ def test_a_solid_without_a_surface_is_named(found: Any, hands: tuple[pc.Hand, ..
             assert renderer.report.deviations.totals["blob"]["no surface found"].total == 1
 
 
+def test_an_intersection_of_solids_that_do_not_meet_is_named() -> None:
+    far = pc.Placed(pc.Sphere(0.01), pc.Pose((0.05, 0.0, 0.0)))
+    item = pc.Volume(
+        shape=pc.Intersection((pc.Sphere(0.01), far)),
+        pose=pc.Pose((0.0, 0.0, 0.15)),
+        radiation_pressure=0.01,
+        name="nothing",
+    )
+    (text,) = warn(item)
+    assert text.startswith("without a surface: 'nothing'")
+
+
 def test_a_solid_with_a_surface_is_not_named() -> None:
     solid = pc.SDF(lambda points: np.linalg.norm(points, axis=1) - 0.01, (0.012, 0.012, 0.012))
     item = pc.Volume(shape=solid, pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=0.01)

@@ -15,7 +15,6 @@ from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
     FAINT,
-    NO_SURFACE,
     OUTSIDE,
     OVER_BUDGET,
     label_object,
@@ -42,12 +41,12 @@ class Allowance(NamedTuple):
     shares: tuple[float, ...]
     divided_from: int
 
-    def limit(self, budget: int, level: int) -> int:
+    def find_limit(self, budget: int, level: int) -> int:
         """Return the largest number of samples of a frame at a level."""
         return max(1, round(self.shares[min(level, len(self.shares) - 1)] * budget))
 
 
-PLAIN = Allowance((1.0,), 1)
+PLAIN = Allowance((1.0,), 1)  # points, and several objects in free air
 # Touched skin takes time: to find, and to find the highest pressure on it. So a contact becomes coarser first; a wide
 # one may then have more samples, because the pressure between samples that are farther apart is not even (decision 79).
 ON_SKIN = Allowance((0.8, 1.2), 1)
@@ -100,11 +99,11 @@ def allot_budget(
     for priority, group in itertools.groupby(sources, key=lambda s: s[0].item.priority):
         members = list(group)
         if strict:
-            _check_estimate(members, allowance.limit(budget, 0) - used, bands)
+            _check_estimate(members, allowance.find_limit(budget, 0) - used, bands)
         level = 0 if strict else levels.get(priority, 0)
         made, level = _fit_level(members, budget, used, level, cut, bands, allowance, fixed=strict)
         levels[priority] = level
-        left = max(0, allowance.limit(budget, level) - used)
+        left = max(0, allowance.find_limit(budget, level) - used)
         divided = strict or level >= allowance.divided_from
         for (source, spacing), one in zip(members, made, strict=True):
             samples = one.samples
@@ -119,8 +118,6 @@ def allot_budget(
             counts.note(COARSENED, source.index, asked - one.asked)
             counts.note(FAINT, source.index, one.faint)
             counts.note(OUTSIDE, source.index, one.outside)
-            if isinstance(source, WholeObject) and not (len(samples) or one.outside):
-                counts.note_object(NO_SURFACE, source.index)
             counts.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
             left, used = left - min(count, left), used + min(count, left)
             parts.append(kept)
@@ -193,7 +190,7 @@ def _fit_level(
 
     def most(level: int) -> int:
         """Return the largest number of samples at `level`."""
-        return max(0, allowance.limit(budget, level) - used)
+        return max(0, allowance.find_limit(budget, level) - used)
 
     def every(level: int) -> list[LevelSamples]:
         return [

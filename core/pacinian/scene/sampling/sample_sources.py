@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.acoustics.pose import Pose
 from pacinian.native import scene as kernels
 from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
-from pacinian.scene.objects import Body
+from pacinian.scene.objects import Body, Volume
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.samples import ISOLATED, Samples
 from pacinian.scene.shapes.sphere_capsule import Sphere
@@ -184,6 +184,11 @@ def _apart(item: Object, spacing: float) -> float:
 def forms_region(item: HapticObject) -> bool:
     """Return whether an object's samples form a region: one surface, all of which sounds at once."""
     return isinstance(item, Body) and not is_sequential(item)
+
+
+def lacks_surface(item: HapticObject) -> bool:
+    """Whether an object is a volume whose shape has no surface, such as an intersection of solids that do not meet."""
+    return isinstance(item, Volume) and not item.shape.area > 0.0
 
 
 def number_region(item: HapticObject, name: int) -> int:

@@ -37,6 +37,7 @@ from pacinian.scene.sampling.sample_counts import (
     HAND_FADING,
     HAND_LOST,
     MERGED,
+    NO_SURFACE,
     OUTSIDE,
     OVER_BUDGET,
     PRESSURE_LIMITED,
@@ -51,6 +52,7 @@ from pacinian.scene.sampling.sample_sources import (
     cull,
     forms_region,
     is_sequential,
+    lacks_surface,
 )
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
 from pacinian.scene.sampling.spacing import (
@@ -239,6 +241,8 @@ class Sampler:
         for source, _ in sources:
             if self._find_unresolved(source.item, source.place) > 0.0:
                 counts.note_object(TOO_FINE, source.index)
+            if isinstance(source, WholeObject) and lacks_surface(source.item):
+                counts.note_object(NO_SURFACE, source.index)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
@@ -250,7 +254,7 @@ class Sampler:
         alone = solid and self.steers and not skin and not self.strict and len(sources) == 1
         alone = alone and sources[0][0].item.technique.still
         allowance = ALONE if alone else ON_SKIN if solid and skin else PLAIN
-        self.frame_budget = allowance.limit(budget, len(allowance.shares))
+        self.frame_budget = allowance.find_limit(budget, len(allowance.shares) - 1)
         parts = allot_budget(
             sources,
             budget,
@@ -270,7 +274,7 @@ class Sampler:
             resolved = min(
                 self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
             )
-            left = allowance.limit(budget, 0) - len(parts[0])
+            left = allowance.find_limit(budget, 0) - len(parts[0])
             parts = [add_surround(parts[0], touching, centre, resolved, left)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 

@@ -757,9 +757,14 @@ def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
     def bad(*_: object) -> None:
         raise OSError("no memory")
 
-    monkeypatch.setattr(server.loop, "_publish", bad)
-    server.clock.advance(0.1)
-    server.loop.run_between()
+    before = server.report.beat
+    with monkeypatch.context() as broken:
+        broken.setattr(server.loop, "_publish", bad)
+        server.clock.advance(0.1)
+        server.loop.run_between()
+    after = server.report
+    assert after.beat > before
+    assert after.state["solver"], "it reports again"
 
 
 def test_texts_are_told_in_part_whatever_is_in_them(make: Callable[..., Server]) -> None:
