@@ -35,7 +35,7 @@ from .acoustics.uncertainty import predict_sound_pressure as predict_sound_press
 from .batch.solve_many import Solutions as Solutions
 from .batch.solve_many import solve_many as solve_many
 from .client.client import Client as Client
-from .client.emergency import emergency_stop as emergency_stop
+from .client.emergency_stop import emergency_stop as emergency_stop
 from .devices.board import Board as Board
 from .devices.description import DeviceDescription as DeviceDescription
 from .devices.description import Wiring as Wiring
@@ -115,9 +115,9 @@ from .scene.shapes.curves import Circle as Circle
 from .scene.shapes.curves import Line as Line
 from .scene.shapes.curves import Lissajous as Lissajous
 from .scene.shapes.curves import Polyline as Polyline
-from .scene.shapes.function_solid import SDF as SDF
 from .scene.shapes.height_map import HeightMap as HeightMap
 from .scene.shapes.mesh import Mesh as Mesh
+from .scene.shapes.sdf import SDF as SDF
 from .scene.shapes.texture import Texture as Texture
 from .scene.shapes.texture import grating as grating
 from .scene.shapes.voxels import Voxels as Voxels

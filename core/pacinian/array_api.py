@@ -14,7 +14,7 @@ import numpy as np
 
 from pacinian.acoustics.directivity import omni
 from pacinian.acoustics.propagation import TOUCHING_DISTANCE, check_medium
-from pacinian.checks import MAX_LENGTH, check_integer, check_number
+from pacinian.argument_checks import MAX_LENGTH, check_integer, check_number
 from pacinian.errors import ArgumentError, MissingExtra, PointOnTransducer
 
 if TYPE_CHECKING:

@@ -13,7 +13,13 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.checks import MAX_LENGTH, check_kind, check_near, check_numbers, refuse_masked
+from pacinian.argument_checks import (
+    MAX_LENGTH,
+    check_kind,
+    check_near,
+    check_numbers,
+    refuse_masked,
+)
 from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorten
 from pacinian.native import solving as kernels
 from pacinian.plugins import registry

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 
 from pacinian.wire import control, replies
 from pacinian.wire.connection_file import Connection
-from pacinian.wire.emergency import NONCE_BYTES, sign, verify
+from pacinian.wire.stop_datagram import NONCE_BYTES, sign, verify
 
 from ..core.client.fake_server import Fake, usual
 from ..core.client.stopped_processes import server_apart, stand_still

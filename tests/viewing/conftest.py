@@ -10,7 +10,7 @@ import zmq
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.client.reconnecting_client import ReconnectingClient
 from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log, Safety, Settings

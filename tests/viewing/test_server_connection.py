@@ -15,7 +15,7 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.testing import ManualClock
 from pacinian.viewing import server_connection, states
 from pacinian.viewing.hub import Hub

@@ -6,7 +6,7 @@ import functools
 import math
 from dataclasses import dataclass, field
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError
 
 GAS = 8.314462618  # [J/(mol K)]

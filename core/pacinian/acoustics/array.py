@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.pose import Pose, vector
 from pacinian.acoustics.transducer import IDEAL, T4010A1, Transducer
-from pacinian.checks import (
+from pacinian.argument_checks import (
     check_angle,
     check_integer,
     check_kind,

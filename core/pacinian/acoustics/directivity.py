@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_integer, check_length, check_number, check_numbers
+from pacinian.argument_checks import check_integer, check_length, check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ import numpy as np
 from pacinian.acoustics.directivity import omni
 from pacinian.acoustics.pressure import SKIN, radiation_pressure
 from pacinian.acoustics.propagation import field
-from pacinian.checks import check_near, check_number, check_numbers
+from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.types import Complexes, Floats
 

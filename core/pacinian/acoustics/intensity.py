@@ -16,7 +16,7 @@ from pacinian.acoustics.gradients import compute_slope
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.checks import check_kind, check_numbers
+from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

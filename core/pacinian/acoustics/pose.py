@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_angle, check_numbers
+from pacinian.argument_checks import check_angle, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.checks import check_kind, check_number
+from pacinian.argument_checks import check_kind, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.directivity import omni
-from pacinian.checks import MAX_LENGTH, check_numbers
+from pacinian.argument_checks import MAX_LENGTH, check_numbers
 from pacinian.errors import ArgumentError, PointOnTransducer
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import KernelData, check_medium
-from pacinian.checks import check_numbers
+from pacinian.argument_checks import check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import MAX_LENGTH, check_length, check_numbers
+from pacinian.argument_checks import MAX_LENGTH, check_length, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pacinian.acoustics.directivity import omni, t4010a1
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -27,7 +27,13 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.pressure import SKIN, radiation_pressure
 from pacinian.acoustics.propagation import field, matrix
-from pacinian.checks import check_integer, check_kind, check_near, check_number, check_numbers
+from pacinian.argument_checks import (
+    check_integer,
+    check_kind,
+    check_near,
+    check_number,
+    check_numbers,
+)
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
+from pacinian.argument_checks import check_integer, check_kind, check_near, check_numbers
 from pacinian.batch.processes import pack_task, waiting
 from pacinian.batch.task import Task
-from pacinian.checks import check_integer, check_kind, check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Solver

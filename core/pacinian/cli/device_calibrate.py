@@ -82,7 +82,7 @@ def calibrate(
     import numpy as np
 
     from pacinian.acoustics.air import Air
-    from pacinian.checks import check_number
+    from pacinian.argument_checks import check_number
     from pacinian.cli.doctor import print_findings
     from pacinian.devices.calibration import Measurement, write_calibration
     from pacinian.devices.scan import read_scan, undo_calibration

@@ -31,7 +31,7 @@ def stop(connection: str | None, timeout: float, as_json: bool) -> None:
 
     Exit code 0 only if the server has confirmed the stop. Otherwise switch the array off.
     """
-    from pacinian.client.emergency import emergency_stop
+    from pacinian.client.emergency_stop import emergency_stop
 
     try:
         emergency_stop(connection, timeout=timeout)

@@ -8,6 +8,6 @@ messages.py               arguments of the API as wire messages, in batches that
 outbox.py                 commands that wait for room; newer ones replace older ones
 state_subscription.py     reads the newest state, skips older ones
 server_clock.py           offset of the server's clock, round-trip times
-emergency.py              `emergency_stop`: needs no session; datagram, or control socket
+emergency_stop.py         `emergency_stop`: needs no session; datagram, or control socket
 connection_keys.py        the given connection or its file, with CURVE keys
 """

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.client import messages
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.client.reconnecting_client import ReconnectingClient
 from pacinian.errors import ConnectionLost, ServerError, WireError
 from pacinian.wire import commands, control, replies

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import check_kind, check_numbers
+from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.errors import ArgumentError, WireError
 from pacinian.scene.hands.hand import RADII, Hand
 from pacinian.scene.motion import STILL, Motion

@@ -10,7 +10,7 @@ import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.server_session import ServerSession
 from pacinian.closeable import Closeable

@@ -1,7 +1,7 @@
 """Real devices: descriptions, calibration and USB access.
 
-description.py      `DeviceDescription`: description file of a device, its boards, levels, wiring; makes the `Array`
-board.py            one board: channel order, dead channels, gain, phase and their standard errors
+description.py      `DeviceDescription`: its file: boards, levels; makes `Array` and wiring, without dead channels
+board.py            one board: channel order, which channels are dead, gain, phase and their standard errors
 layouts.py          positions of transducers on a board: grid, list of places, AUTD unit (as in acoustics/array.py)
 calibration.py      calibration files (CSV): strength and phase of every channel; read, write, apply to boards
 scan.py             microphone scan files: CSV, NPZ, HDF5; units of columns; several channels driven at once

@@ -11,7 +11,7 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.array import MIN_STRENGTH
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.uncertainty import MAX_GAIN, MAX_PHASE
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.devices.layouts import AutdUnit, Grid, Places
 from pacinian.errors import ArgumentError
 

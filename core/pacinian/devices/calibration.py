@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.toml_json_files import read_bytes

@@ -14,7 +14,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import DIRECTIVITIES, DirectivityTable
 from pacinian.acoustics.transducer import Transducer
 from pacinian.acoustics.uncertainty import MAX_PRESSURE, Uncertainty
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.devices.board import Board
 from pacinian.devices.calibration import apply_calibration
 from pacinian.errors import ArgumentError, SceneFileError

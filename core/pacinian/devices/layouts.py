@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from pacinian.acoustics.array import autd
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import check_integer, check_length, check_numbers
+from pacinian.argument_checks import check_integer, check_length, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

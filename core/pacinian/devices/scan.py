@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.checks import check_integer, check_number, check_numbers
+from pacinian.argument_checks import check_integer, check_number, check_numbers
 from pacinian.devices.scan_fit import MAX_POSITIONS
 from pacinian.errors import ArgumentError, MissingExtra, SceneFileError
 from pacinian.toml_json_files import MAX_BYTES, decode_document

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.air import Air
-from pacinian.checks import check_near, check_number, check_numbers
+from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.devices.scan_robust_fit import (
     MAX_SPEED,
     MIN_NOISE,

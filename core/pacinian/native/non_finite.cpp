@@ -3,7 +3,7 @@
 #include "pacinian/rendering/quantiser.hpp"
 #include "pacinian/rendering/reachability.hpp"
 #include "pacinian/rendering/smoothing.hpp"
-#include "pacinian/rendering/steering.hpp"
+#include "pacinian/rendering/field_steering.hpp"
 #include "pacinian/scene/non_finite.hpp"
 #include "pacinian/solving/non_finite.hpp"
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError
 from pacinian.plot.emissions import Emission, Run, collect_emission
 from pacinian.plot.fields import fit_column

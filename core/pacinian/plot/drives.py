@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 import numpy as np
 
 from pacinian.acoustics.array import Array
-from pacinian.checks import check_kind
+from pacinian.argument_checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.plot.page import panels
 from pacinian.plot.style import COLUMN, CYCLIC, MAP, bar, dress

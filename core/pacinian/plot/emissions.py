@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import check_kind, check_number
+from pacinian.argument_checks import check_kind, check_number
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.rendering.recording import Recording
 from pacinian.rendering.renderer import Renderer

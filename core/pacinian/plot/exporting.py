@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.pressure import sound_pressure_level
 from pacinian.acoustics.propagation import check_medium
-from pacinian.checks import check_kind, check_number
+from pacinian.argument_checks import check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import check_medium
-from pacinian.checks import check_kind, check_numbers
+from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
 from pacinian.plot.planes import cut, draw, mark, middle_of
 from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values

@@ -6,7 +6,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot.style import COLUMN
 

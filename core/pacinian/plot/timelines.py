@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 
-from pacinian.checks import check_kind
+from pacinian.argument_checks import check_kind
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plot.feeds import read_feed
 from pacinian.plot.page import panels

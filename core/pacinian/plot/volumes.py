@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
-from pacinian.checks import check_length, check_near, check_numbers
+from pacinian.argument_checks import check_length, check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.planes import HALF_WIDTH, MARGIN, middle_of
 from pacinian.plot.quantities import compute_field

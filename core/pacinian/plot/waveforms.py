@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import check_near, check_numbers
+from pacinian.argument_checks import check_near, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.plot.emissions import Emission, Run, collect_emission
 from pacinian.plot.page import panels

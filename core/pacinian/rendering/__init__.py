@@ -13,21 +13,19 @@ Solve
     sample_solver.py          solves for samples; reuses solutions while nothing moves
     steered_solver.py         one object that moves in free air: when to solve for it again, when to steer its field
     cached_solution.py        a solution as it is kept, and whether it needs another solve
-    solved.py                 what to play for some samples, and how it passes from the solve to the ticks that play it
+    solution_sequence.py      what the ticks play: solutions of a cycle or a modulation; how a solve hands it to them
     background_schedule.py    solve in the ticks or beside them; how often; over how many ticks a change is spread
     background_solve.py       the thread that solves beside the ticks
     sample_budget_controller.py   how many samples there may be when time is short
     reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
     reachability.hpp          power at a place, looked up by cells: called by reachability.py
-    cycle.py                  regions whose mean over several frames meets the target; number of these frames
+    frame_cycle.py            a region rendered by several frames in turn, whose mean meets the target; their number
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
-    The solver returns a `Solution`. A `CachedSolution` keeps it. A `Solved` holds those of all frames of a cycle, or of
-    all steps of a modulation. A `SolveResult` passes a `Solved` from the job that solved to the tick that plays it.
 From gains to levels
     playback.py               one frame in each tick from what has been solved; calls those below
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
-    steering.py               how a field is steered: factors on the gains, and where the object is between solves
-    steering.hpp              these factors: called by steering.py
+    field_steering.py         how a field is steered: factors on the gains, and where the object is between solves
+    field_steering.hpp        these factors: called by field_steering.py
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate
     smoothing.hpp             aligns and fades rows: called by smoothing.py
     envelope_gains.py         applies envelopes to gains; fades from the envelopes of one solution to those of the next
@@ -52,4 +50,7 @@ Recordings
     replay.py                 plays a recording on a backend
     rerender.py               renders a recording again, and compares
     library_versions.py       versions and variants on which frames depend
+
+The solver returns a `Solution`, and a `CachedSolution` keeps it. A `SolutionSequence` holds those of all frames of a
+cycle, or of all steps of a modulation. A `SolveResult` passes it from the job that solved to the tick that plays it.
 """

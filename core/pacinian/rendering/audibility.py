@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import check_number, check_numbers
+from pacinian.argument_checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

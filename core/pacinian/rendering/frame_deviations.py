@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian.rendering.deviation_log import Reasons
-    from pacinian.rendering.solved import Solved, SolveResult
+    from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
     from pacinian.scene.sampling.samples import Samples
 
 
@@ -52,9 +52,9 @@ class FrameDeviations:
 def _describe(before: SolveResult, played: SolveResult, between: bool, held_back: bool) -> Reasons:
     """Return the description of `FrameDeviations.describe`."""
     counts, short, reasons = played.sample_counts, set[CachedSolution](), set[str]()
-    if between and before.solved.samples is not played.solved.samples:
+    if between and before.solutions.samples is not played.solutions.samples:
         reasons.add(INTERPOLATED)
-    for one in set(played.solved.rows):
+    for one in set(played.solutions.rows):
         if one.ran_out_of_time:
             reasons.add(OUT_OF_TIME)
         if one.averaged:
@@ -65,30 +65,30 @@ def _describe(before: SolveResult, played: SolveResult, between: bool, held_back
             short.add(one)
     if held_back:
         reasons.add(SLEW_LIMITED)
-    if played.solved.hurried:
+    if played.solutions.hurried:
         reasons.add(FEWER_FRAMES)
     if counts.clean and not reasons and not short:
         return NOTHING
     made: Reasons = counts.deviations
     for label, count in _count(short, lambda one: one.weakened).items():
         made = mark(made, [label], WEAKENED, count)
-    for label, count in _count_missed(played.solved, short).items():
+    for label, count in _count_missed(played.solutions, short).items():
         made = mark(made, [label], MISSED_TARGET, count)
     for reason in sorted(reasons):
         made = mark(made, sorted(before.labels | played.labels), reason)
     return made
 
 
-def _count_missed(solved: Solved, short: Iterable[CachedSolution]) -> Counter[str]:
+def _count_missed(solutions: SolutionSequence, short: Iterable[CachedSolution]) -> Counter[str]:
     """Return the number of samples by object that get clearly less than their target.
 
     In a cycle, a frame that was solved later may have made up for what an earlier one missed.
     """
-    samples = solved.samples
-    if not solved.cycle:
+    samples = solutions.samples
+    if not solutions.cycle:
         return _count(short, lambda one: one.missed)
     before = [one for one in short if one.whole is not samples]  # frames of earlier samples
-    items = samples.objects[list(solved.missed)].tolist()
+    items = samples.objects[list(solutions.missed)].tolist()
     return _count(before, lambda one: one.missed) | Counter(
         label_object(samples.items[i], i) for i in items
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.felt_regions import FeltSums
 
 TICKS_PER_LOOK = 64  # number of ticks between measurements of the emitted field
@@ -28,24 +28,24 @@ class MeasurementSchedule:
         self._passed = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
         self._measured: tuple[CachedSolution, ...] = ()
 
-    def pass_ticks(self, played: Solved, count: int) -> None:
+    def pass_ticks(self, played: SolutionSequence, count: int) -> None:
         """Count ticks that play this result, including those that the loop left out because it rested."""
         if len(played.samples):
             self._passed += count
         else:
             self._passed = TICKS_PER_LOOK - FIRST_LOOK
 
-    def begin(self, solved: Solved) -> bool:
+    def begin(self, solutions: SolutionSequence) -> bool:
         """Return whether to measure this now, and count it if so.
 
         Regions are measured again and again, at other places each time; points only if they have a new solution.
         """
-        if self._passed < TICKS_PER_LOOK or not solved.complete:
+        if self._passed < TICKS_PER_LOOK or not solutions.complete:
             return False
-        samples, targets = solved.played_samples, solved.targets
+        samples, targets = solutions.played_samples, solutions.targets
         if not samples or targets is None:
             return False
-        if targets.regions is None and solved.rows == self._measured:
+        if targets.regions is None and solutions.rows == self._measured:
             return False
-        self._passed, self._measured = 0, solved.rows
+        self._passed, self._measured = 0, solutions.rows
         return True

@@ -19,7 +19,7 @@ from pacinian.rendering.smoothing import GainSmoother
 if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.smoothing import Smoothing
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.problem import Limits
     from pacinian.types import Floats, Gains, Singles
 
@@ -98,7 +98,7 @@ class Modulator:
             for smoother, span in followers or [(self.smoother, self._span)]
         )
 
-    def rows(self, play: Solved, t: float, ticks: int = 1) -> Gains:
+    def rows(self, play: SolutionSequence, t: float, ticks: int = 1) -> Gains:
         """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
 
         play: the solutions; silence before the first. ticks: number of ticks between solutions, over which a change is
@@ -149,7 +149,7 @@ class Modulator:
         a = np.vstack([a, mean_amplitude(one, a)])
         np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
 
-    def _follow(self, solved: list[CachedSolution], play: Solved, ticks: int) -> None:
+    def _follow(self, solved: list[CachedSolution], play: SolutionSequence, ticks: int) -> None:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
@@ -176,7 +176,7 @@ class Modulator:
         self,
         carriers: Gains,
         solved: list[CachedSolution],
-        play: Solved,
+        play: SolutionSequence,
         ticks: int,
         settings: Smoothing,
     ) -> None:

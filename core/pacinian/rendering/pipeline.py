@@ -15,8 +15,8 @@ import numpy as np
 
 from pacinian.rendering.background_schedule import MAX_TICKS, SOLVE_TICKS, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
-from pacinian.rendering.cycle import Cycle, split_frames
 from pacinian.rendering.emitted_measurement import Probe
+from pacinian.rendering.frame_cycle import Cycle, split_frames
 from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
 from pacinian.rendering.playback import Playback
@@ -24,7 +24,7 @@ from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, limits_join
-from pacinian.rendering.solved import Solved, SolveResult
+from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.steered_solver import PATIENCE
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
@@ -109,7 +109,10 @@ class Pipeline:
 
     def _begin(self) -> None:
         empty = SolveResult(
-            Scene(), SampleCounts(), Solved(no_samples(), self.limits), self.session.solver
+            Scene(),
+            SampleCounts(),
+            SolutionSequence(no_samples(), self.limits),
+            self.session.solver,
         )
         self.played = self._before = empty
         """The result that the last frame plays."""
@@ -204,9 +207,9 @@ class Pipeline:
             self._solve_beside(scene, limits, solver, t, ticks)
         else:
             self._solve_now(scene, limits, solver, t)
-        self._measuring.pass_ticks(self.played.solved, ticks)
+        self._measuring.pass_ticks(self.played.solutions, ticks)
         self.lag = t - self.played.time
-        play, inputs = self.played.solved, (self.played.solved.samples, limits, solver)
+        play, inputs = self.played.solutions, (self.played.solutions.samples, limits, solver)
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
         same = self.playback.follow(play, inputs, t, spread)
         self._repeated = same and not self._fresh
@@ -224,8 +227,8 @@ class Pipeline:
     def _may_wait(self, limits: Limits, solver: Solver) -> bool:
         """Return whether the solve for this tick may run beside it, because an older result is still right to play."""
         last = self.played
-        same = last.solved.limits is limits and last.solver is solver
-        return self.schedule.beside and same and not last.solved.brief
+        same = last.solutions.limits is limits and last.solver is solver
+        return self.schedule.beside and same and not last.solutions.brief
 
     def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
         """Sample and solve in this tick. Measure beside it, if that may be late."""
@@ -260,7 +263,7 @@ class Pipeline:
                 self.stages.report.skipped[UNDER_WAY] += 1
                 return
             result = self._take_job()
-            if result is not None and result.solved.brief:
+            if result is not None and result.solutions.brief:
                 self._solve_now(scene, limits, solver, t)
                 return
         # measure in the pause between two solves, so that no solution waits for the measurement
@@ -299,7 +302,7 @@ class Pipeline:
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
         age = max(MAX_AGE, MAX_TICKS * self.period)
-        if self.played.solved.motion is not None and not (self._seen and self._seen.hands):
+        if self.played.solutions.motion is not None and not (self._seen and self._seen.hands):
             age *= PATIENCE
         old = self.stages.now() - self._started >= age
         return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
@@ -338,31 +341,36 @@ class Pipeline:
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
-            solved = self.solver.solve(samples, t, limits, solver, deadline, near, at)
+            solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
             fresh, pressures = tuple(self.solver.fresh), None
             if beside:  # a steered field makes at its samples what it made where it was solved for
-                same = solved.rows == last.solved.rows and solved.limits is last.solved.limits
+                same = (
+                    solutions.rows == last.solutions.rows
+                    and solutions.limits is last.solutions.limits
+                )
                 pressures = (
                     last.sample_pressures
                     if same
-                    else self._compute_sample_pressures(solved, limits)
+                    else self._compute_sample_pressures(solutions, limits)
                 )
             seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return SolveResult(scene, counts, solved, solver, fresh, pressures, at, seconds)
+            return SolveResult(scene, counts, solutions, solver, fresh, pressures, at, seconds)
 
         return run
 
-    def _compute_sample_pressures(self, solved: Solved, limits: Limits) -> Floats | None:
+    def _compute_sample_pressures(
+        self, solutions: SolutionSequence, limits: Limits
+    ) -> Floats | None:
         """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
-        solved = replace(solved, motion=None)
-        samples = solved.played_samples
+        solutions = replace(solutions, motion=None)
+        samples = solutions.played_samples
         for part in self.solver.cycle.parts:
             propagator = part.session.propagator
             whole = samples is not None and np.array_equal(propagator.points, samples.positions)
             if whole and propagator.nulls is None:
-                p = [propagator.apply(g) for g in self.playback.quantise_frames(solved, limits)]
+                p = [propagator.apply(g) for g in self.playback.quantise_frames(solutions, limits)]
                 return np.asarray(np.sqrt((np.abs(p) ** 2).mean(axis=0)))
         return None
 
@@ -387,7 +395,7 @@ class Pipeline:
         self._skipped.clear()
         if outcome.tells_time and not math.isnan(outcome.seconds):
             self.schedule.note_solve(outcome.seconds, self._allowed == self.sampler.budget)
-        self.schedule.rests = outcome.solved is self.played.solved and self.sampler.still
+        self.schedule.rests = outcome.solutions is self.played.solutions and self.sampler.still
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
         self._before, self.played, self._taken = self.played, outcome, outcome
@@ -427,7 +435,7 @@ class Pipeline:
             return
         if not math.isnan(taken.seconds):
             seconds = MAX_LOAD * taken.seconds / SOLVE_TICKS
-        elif not taken.solved.brief:
+        elif not taken.solutions.brief:
             if taken.tells_time:
                 self.schedule.note_tick(seconds)
             return
@@ -461,9 +469,9 @@ class Pipeline:
 
         None if it is too early, or if there is nothing new to measure.
         """
-        if self._taken is None or not self._measuring.begin(self._taken.solved):
+        if self._taken is None or not self._measuring.begin(self._taken.solutions):
             return None
-        play, pressures = self._taken.solved, self._taken.sample_pressures
+        play, pressures = self._taken.solutions, self._taken.sample_pressures
         samples, targets = play.played_samples, play.targets
         assert samples is not None
         assert targets is not None

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.rendering.field_steering import Steering
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.quantiser import Quantiser
 from pacinian.rendering.row_times import compute_row_times
-from pacinian.rendering.steering import Steering
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Capability, Frame
     from pacinian.rendering.smoothing import Smoothing
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.problem import Limits
     from pacinian.types import Floats, Gains
 
@@ -74,7 +74,9 @@ class Playback:
         """Whether the last frame is silent and all later ones will be, unless something changes."""
         return bool(self._made) and self.modulator.steady and not self._frame.amplitude.any()
 
-    def follow(self, play: Solved, inputs: tuple[object, ...], t: float, ticks: int) -> bool:
+    def follow(
+        self, play: SolutionSequence, inputs: tuple[object, ...], t: float, ticks: int
+    ) -> bool:
         """Follow a solution from time t [s] on; return whether its frame is the last one.
 
         inputs: what the frame depends on, apart from time. ticks: over which to spread a change.
@@ -87,7 +89,8 @@ class Playback:
         return replace(self._frame, sequence=sequence, time=time)
 
     def make_frame(
-        self, play: Solved, limits: Limits, inputs: tuple[object, ...], t: float, ticks: int, sequence: int, due: float
+        self, play: SolutionSequence, limits: Limits, inputs: tuple[object, ...], t: float, ticks: int, sequence: int,
+        due: float,
     ) -> Frame:  # fmt: skip
         """Return the frame of the tick that begins at time t [s], with this number, due at `due` [s].
 
@@ -110,7 +113,7 @@ class Playback:
         power = limits.power is not None
         return self._quantiser.quantise_gains(gains, find_ceiling(limits), power)
 
-    def quantise_frames(self, play: Solved, limits: Limits) -> Gains:
+    def quantise_frames(self, play: SolutionSequence, limits: Limits) -> Gains:
         """Return the gains of what is played in turn, steered and rounded by the device, (K, N)."""
         every = dict.fromkeys(play.rows) if play.cycle else play.rows[-1:]
         gains, motion = [one.gains for one in every], play.motion

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import matrix
-from pacinian.checks import MAX_LENGTH
+from pacinian.argument_checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 from pacinian.native import rendering as kernels
 from pacinian.scene.sampling.array_resolution import FULL_PRESSURE_COS2, weigh_incidence

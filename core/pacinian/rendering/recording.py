@@ -18,7 +18,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array_record import from_map, to_map
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error, shorten
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame

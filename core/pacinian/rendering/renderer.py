@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import check_integer, check_kind, check_number
+from pacinian.argument_checks import check_integer, check_kind, check_number
 from pacinian.closeable import Closeable
 from pacinian.errors import ArgumentError, BackendError, PacinianError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.background_solve import start_daemon
 from pacinian.rendering.clock import Clock, SystemClock
-from pacinian.rendering.cycle import MAX_FRAMES
 from pacinian.rendering.deviation_log import HALTED, LATE, MISSED, NOTHING, mark
 from pacinian.rendering.fail_safe_output import FailSafeOutput
+from pacinian.rendering.frame_cycle import MAX_FRAMES
 from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.playback import find_ceiling
 from pacinian.rendering.realtime_section import realtime_section
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.sample_budget_controller import SampleBudgetController
     from pacinian.rendering.sample_solver import SampleSolver
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.problem import Targets
@@ -217,9 +217,9 @@ class Renderer(Closeable):
         return self._pipeline.schedule
 
     @property
-    def played(self) -> Solved:
+    def played(self) -> SolutionSequence:
         """What the last frame plays, with its samples and targets."""
-        return self._pipeline.played.solved
+        return self._pipeline.played.solutions
 
     @property
     def sample_solver(self) -> SampleSolver:
@@ -419,7 +419,7 @@ class Renderer(Closeable):
     def cycle_gains(self) -> Gains:
         """Like `emitted_gains`, for each frame of the cycle, (K, N); people feel the mean of these frames."""
         pipeline = self._pipeline
-        return pipeline.playback.quantise_frames(pipeline.played.solved, pipeline.limits)
+        return pipeline.playback.quantise_frames(pipeline.played.solutions, pipeline.limits)
 
     @property
     def sample_pressures(self) -> Floats:
@@ -431,7 +431,7 @@ class Renderer(Closeable):
         outcome, samples = self._pipeline.played, self.samples
         if outcome.sample_pressures is not None or samples is None:
             return np.empty(0) if outcome.sample_pressures is None else outcome.sample_pressures
-        return self.compute_pressures(samples.positions, outcome.solved.facing)
+        return self.compute_pressures(samples.positions, outcome.solutions.facing)
 
     def compute_pressures(self, points: Floats, facing: SkinFacing | None = None) -> Floats:
         """Return the root mean square of the pressure amplitude at points over the frames of `cycle_gains`: (M,) [Pa].

@@ -13,11 +13,11 @@ from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
+from pacinian.rendering.field_steering import find_factors
 from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
-from pacinian.rendering.solved import Solved
+from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.rendering.steered_solver import SteeredSolver
-from pacinian.rendering.steering import find_factors
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pacinian.plugins.solver import Solver
-    from pacinian.rendering.cycle import Cycle, Part
+    from pacinian.rendering.frame_cycle import Cycle, Part
     from pacinian.rendering.reachability import ReachabilityFilter
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.posed_skin import PosedSkin
@@ -88,7 +88,7 @@ class SampleSolver:
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
         # Samples of a cycle that get clearly less than their target, (M,).
         self._missed = np.zeros(0, np.bool_)
-        self._last: Solved | None = None
+        self._last: SolutionSequence | None = None
         self._steered.reset()
         self.fresh = []
         self.cycle.reset()
@@ -97,7 +97,7 @@ class SampleSolver:
     def solve(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, near: float = 0.0,
         at: float | None = None,
-    ) -> Solved:  # fmt: skip
+    ) -> SolutionSequence:  # fmt: skip
         """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
 
         deadline: from now [s]; may be infinite. near: distance within which samples count as not moved, for at most
@@ -116,7 +116,7 @@ class SampleSolver:
                 lambda samples, factor: self._solve(
                     samples, t, limits, solver, factor * deadline, guarded=True
                 ),
-                lambda solved: self._is_due(solved, t),
+                lambda solutions: self._is_due(solutions, t),
                 self._move_frames,
             )
             if steered is not None:
@@ -146,16 +146,18 @@ class SampleSolver:
             if part.solved is not None:
                 part.solved = replace(part.solved, gains=part.solved.gains * factors)
 
-    def _is_due(self, solved: Solved, t: float) -> bool:
+    def _is_due(self, solutions: SolutionSequence, t: float) -> bool:
         """Return whether another solve at time t [s] may come nearer to the targets."""
         return (
-            self.cycle.due(t) is not None if solved.cycle else not solved.rows[0].needs_no_solve(t)
+            self.cycle.due(t) is not None
+            if solutions.cycle
+            else not solutions.rows[0].needs_no_solve(t)
         )
 
     def _solve(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool = False,
         guarded: bool = False,
-    ) -> Solved:  # fmt: skip
+    ) -> SolutionSequence:  # fmt: skip
         """Return what to play for `samples` at time t [s].
 
         once: see `_solve_cycle_frame`. guarded: whether the caller goes on playing a better solution than that of
@@ -210,9 +212,9 @@ class SampleSolver:
     def _make(
         self, samples: Samples, limits: Limits, rows: tuple[CachedSolution, ...],
         *, each: bool = False, brief: bool = False,
-    ) -> Solved:  # fmt: skip
+    ) -> SolutionSequence:  # fmt: skip
         brief = brief or any(one.averaged for one in rows)
-        return Solved(
+        return SolutionSequence(
             samples,
             limits,
             rows,
@@ -273,7 +275,7 @@ class SampleSolver:
 
     def _solve_cycle_frame(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool
-    ) -> Solved:  # fmt: skip
+    ) -> SolutionSequence:  # fmt: skip
         """Return the frames of a cycle; first solve for one of them, if any needs it.
 
         once: solve each frame only once, because the samples will have moved before a second solve would help.
@@ -299,7 +301,7 @@ class SampleSolver:
             cycle.consider(made)
             self.fresh.append(made)
         _, common, reached = self._common
-        return Solved(
+        return SolutionSequence(
             samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
             common=common, asked=cycle.asked[reached], growth=self._growth, hurried=cycle.hurried,
             missed=tuple(np.flatnonzero(self._missed).tolist()),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import check_integer, check_kind, check_number
+from pacinian.argument_checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

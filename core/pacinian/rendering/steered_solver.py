@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.rendering.steering import MotionTracker
+from pacinian.rendering.field_steering import MotionTracker
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
-    from pacinian.rendering.solved import Solved
+    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
@@ -45,14 +45,14 @@ class SteeredSolver:
         self._anchor: Anchor | None = None  # of the last solve
         # The solution that is steered. A worse one that ran out of time replaces it only if no further solve is due, or
         # if the samples have moved too far.
-        self._played: tuple[Solved, Anchor] | None = None
+        self._played: tuple[SolutionSequence, Anchor] | None = None
         self._late, self._max_shift = False, MAX_SHIFT  # of the last solve
-        self._result: Solved | None = None  # of the last call of `solve`
+        self._result: SolutionSequence | None = None  # of the last call of `solve`
 
     def solve(
-        self, samples: Samples, t: float, solve: Callable[[Samples, float], Solved], is_due: Callable[[Solved], bool],
-        move: Callable[[Floats, Floats], None],
-    ) -> Solved | None:  # fmt: skip
+        self, samples: Samples, t: float, solve: Callable[[Samples, float], SolutionSequence],
+        is_due: Callable[[SolutionSequence], bool], move: Callable[[Floats, Floats], None],
+    ) -> SolutionSequence | None:  # fmt: skip
         """Return what to play for samples whose positions are those at time t [s]; None if they are close to the array.
 
         solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
@@ -77,27 +77,27 @@ class SteeredSolver:
             anchor = self._anchor = Anchor(samples, motion.centre)
         played = self._played
         since = played and tracker.find_motion(samples, *played[1], MAX_LATE_SHIFT)
-        solved = solve(anchor.samples, PATIENCE if since or goes_on else 1.0)
-        late = any(one.ran_out_of_time for one in solved.rows)
-        limited = any(one.solution.saturation >= LIMITED_FROM for one in solved.rows)
-        self._late = late and is_due(solved)
+        solutions = solve(anchor.samples, PATIENCE if since or goes_on else 1.0)
+        late = any(one.ran_out_of_time for one in solutions.rows)
+        limited = any(one.solution.saturation >= LIMITED_FROM for one in solutions.rows)
+        self._late = late and is_due(solutions)
         self._max_shift = MAX_LIMITED_SHIFT if limited else MAX_SHIFT
         if self._late:
             self._max_shift = MAX_LATE_SHIFT
-        if self._late and played and since and _is_worse(solved, played[0]):
-            solved, motion = played[0], since
+        if self._late and played and since and _is_worse(solutions, played[0]):
+            solutions, motion = played[0], since
         else:
-            self._played = solved, anchor
+            self._played = solutions, anchor
         last = self._result
-        if last is not None and last.samples is samples and last.rows == solved.rows:
+        if last is not None and last.samples is samples and last.rows == solutions.rows:
             assert last.motion is not None
             if motion.rests_like(last.motion):
                 return last  # nothing has changed
-        self._result = replace(solved, samples=samples, motion=motion)
+        self._result = replace(solutions, samples=samples, motion=motion)
         return self._result
 
 
-def _is_worse(solved: Solved, played: Solved) -> bool:
+def _is_worse(solutions: SolutionSequence, played: SolutionSequence) -> bool:
     """Return whether the largest error of the frames at their samples has clearly grown."""
-    now, before = (max(one.solution.error for one in each.rows) for each in (solved, played))
+    now, before = (max(one.solution.error for one in each.rows) for each in (solutions, played))
     return now > MAX_ERROR_RATIO * before

@@ -15,7 +15,7 @@ from msgspec.structs import force_setattr, replace
 from pacinian.acoustics.air import ATMOSPHERE, Air
 from pacinian.acoustics.array import autd, lattice
 from pacinian.acoustics.pose import Pose, Vector, vector
-from pacinian.checks import check_integer, check_length, check_number
+from pacinian.argument_checks import check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 

@@ -9,7 +9,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose, Vector
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,

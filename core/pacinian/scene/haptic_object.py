@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_integer, check_kind, check_number
+from pacinian.argument_checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.material import FIRM, Material
 from pacinian.scene.modulation.envelope import STEADY, Envelope, Wave, resolve

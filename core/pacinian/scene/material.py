@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import MAX_LENGTH, check_number
+from pacinian.argument_checks import MAX_LENGTH, check_number
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

@@ -8,7 +8,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose, Vector, rotate, vector
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError
 
 MAX_EXTRAPOLATION = 0.1  # an object stops this long after its last update [s]

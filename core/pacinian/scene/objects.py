@@ -10,13 +10,19 @@ import numpy as np
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose, Vector, vector
-from pacinian.checks import check_kind, check_length, check_near, check_number, check_numbers
+from pacinian.argument_checks import (
+    check_kind,
+    check_length,
+    check_near,
+    check_number,
+    check_numbers,
+)
 from pacinian.errors import ArgumentError
 from pacinian.scene.haptic_object import MIN_AREA, HapticObject
 from pacinian.scene.shapes import LocalSamples
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.function_solid import sample_interior
 from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.sdf import sample_interior
 from pacinian.scene.shapes.shape_types import (
     SHELLS,
     SOLIDS,

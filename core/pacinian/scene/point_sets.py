@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.pose import vector
-from pacinian.checks import MAX_SAMPLES, check_count, check_length, check_number
+from pacinian.argument_checks import MAX_SAMPLES, check_count, check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes import Disc
 from pacinian.scene.shapes.local_samples import EDGE

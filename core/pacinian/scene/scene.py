@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import check_kind
+from pacinian.argument_checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.scene.config_sections import Workspace

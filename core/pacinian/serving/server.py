@@ -40,7 +40,7 @@ from pacinian.wire.connection_file import (
     locate_connection,
     make_folder,
 )
-from pacinian.wire.emergency import StopSocket
+from pacinian.wire.stop_datagram import StopSocket
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

@@ -10,7 +10,7 @@ from msgspec import Meta, Struct
 from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import HEAD_RADIUS, check_number
+from pacinian.argument_checks import HEAD_RADIUS, check_number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,

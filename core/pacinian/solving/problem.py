@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from pacinian.checks import check_kind, check_number, check_numbers, refuse_masked
+from pacinian.argument_checks import check_kind, check_number, check_numbers, refuse_masked
 from pacinian.errors import ArgumentError
 from pacinian.solving.quiet_zone import Zone
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from pacinian.acoustics.propagation import KernelData
-from pacinian.checks import check_near
+from pacinian.argument_checks import check_near
 from pacinian.errors import ArgumentError, PointOnTransducer
 from pacinian.native import solving as kernels
 

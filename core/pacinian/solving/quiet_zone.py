@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import HEAD_RADIUS, check_number, check_numbers
+from pacinian.argument_checks import HEAD_RADIUS, check_number, check_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,7 +16,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import check_medium
-from pacinian.checks import check_kind, check_numbers
+from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases

@@ -11,7 +11,7 @@ from pacinian.acoustics.intensity import normal_pressure
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import field
-from pacinian.checks import check_length
+from pacinian.argument_checks import check_length
 from pacinian.errors import ArgumentError
 from pacinian.notebook import Card, card
 from pacinian.solving.solution_metrics import SolutionMetrics

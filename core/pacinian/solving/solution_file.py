@@ -21,7 +21,7 @@ from msgspec import Struct
 from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.checks import check_near, check_numbers
+from pacinian.argument_checks import check_near, check_numbers
 from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets

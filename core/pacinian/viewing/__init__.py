@@ -9,7 +9,7 @@ server_connection.py     a client of the server in a thread: passes on requests 
 states.py                reads published states and frames, polls scene and properties
 scene_mirror.py          copy of the rendered scene; each object is sent once
 recent_frames.py         the last frames, for the mean of a modulated field
-modulation.py            shares of time of these frames, from envelopes
+time_shares.py           shares of time of these frames, from envelopes
 slices.py                computes the field in planes and boxes and on skin, in a process of low priority
 array_model.py           array and medium of that process
 region_error.py          felt pressure minus target on regions, between samples too

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.viewing.modulation import Modulation, find_mean_strength, share_time
+from pacinian.viewing.time_shares import Modulation, find_mean_strength, share_time
 from pacinian.wire.modulation import Constant
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.client.client import Client
 from pacinian.client.connection_keys import resolve_connection
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.errors import ConnectionLost, PacinianError, Refused, describe_error
 from pacinian.viewing.demonstration import Demonstration
 from pacinian.viewing.messages import (

@@ -15,8 +15,8 @@ convert.py             messages to scene objects and back
 convert_shapes.py      shapes, poses, textures to those of a scene and back; degrees and radians
 convert_modulation.py  envelopes and techniques to those of a scene and back
 connection_file.py     the connection file: where it lies, secret, permissions; `PACINIAN_CONNECTION`
-emergency.py           a stop by a datagram with HMAC, without a connection
-silence_cause.py       why nothing sounds: the causes; sentences for people: serving/control/explain_silence.py
+stop_datagram.py       an emergency stop by a datagram with HMAC, without a connection
+silence_cause.py       the causes of silence, as codes; their sentences: serving/control/explain_silence.py
 state_wording.py       numbers of a state in words, for people: counts, percent, felt regions
 message_docs.py        fields, types, bounds and meanings of messages, from their docstrings
 markdown.py            writes docs/wire.md and docs/wire-messages.md from page.md, messages.md

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from pacinian.checks import HEAD_RADIUS
+from pacinian.argument_checks import HEAD_RADIUS
 from pacinian.wire.binary_arrays import Rows, check_arrays
 from pacinian.wire.modulation import Envelope
 from pacinian.wire.objects import Object

@@ -6,7 +6,7 @@ from typing import Any
 
 from msgspec.msgpack import Decoder
 
-from pacinian.checks import check_kind
+from pacinian.argument_checks import check_kind
 from pacinian.scene import objects as scene
 from pacinian.scene.material import FIRM, Material
 from pacinian.scene.modulation.technique import SIMULTANEOUS

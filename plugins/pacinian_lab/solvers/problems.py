@@ -11,7 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

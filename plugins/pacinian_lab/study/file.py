@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.propagation import Precision
-from pacinian.checks import check_integer, check_length, check_number
+from pacinian.argument_checks import check_integer, check_length, check_number
 from pacinian.devices.description import LevelCounts, TransducerType
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import check_angle, check_integer, check_length, check_number
+from pacinian.argument_checks import check_angle, check_integer, check_length, check_number
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 from pacinian_lab.study import arrangements

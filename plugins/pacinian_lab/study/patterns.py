@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import check_integer, check_length, check_number, check_numbers
+from pacinian.argument_checks import check_integer, check_length, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian_lab.study.sweep import Count, Number, Word, check_single, each
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from msgspec import Struct
 
-from pacinian.checks import MAX_LENGTH, check_angle, check_number
+from pacinian.argument_checks import MAX_LENGTH, check_angle, check_number
 from pacinian_lab.study.sweep import Number, check_single, each
 
 if TYPE_CHECKING:

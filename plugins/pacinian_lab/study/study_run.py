@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pacinian.checks import check_integer
+from pacinian.argument_checks import check_integer
 from pacinian_lab.study.file import Study, read
 from pacinian_lab.study.store import Folder, Table
 from pacinian_lab.study.tasks import Plan

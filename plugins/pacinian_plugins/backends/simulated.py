@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

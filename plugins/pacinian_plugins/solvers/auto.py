@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:

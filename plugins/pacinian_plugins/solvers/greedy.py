@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer
+from pacinian.argument_checks import check_integer
 from pacinian_plugins.native.greedy import choose
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer
+from pacinian.argument_checks import check_integer
 from pacinian.native.solving import gerchberg_saxton, limit_gains, peak
 from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram
 

@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.solving.phases import choose_phases
 
 if TYPE_CHECKING:

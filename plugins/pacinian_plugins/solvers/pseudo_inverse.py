@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram, back_propagate
 from pacinian.solving.least_squares import LeastSquares
 from pacinian.solving.phases import choose_phases

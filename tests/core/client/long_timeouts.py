@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import zmq
 
 from pacinian.client import link, server_session
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.client.reconnecting_client import ReconnectingClient
 
 from ...waiting import PATIENCE

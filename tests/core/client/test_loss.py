@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.client import server_session
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
 from pacinian.wire.connection_file import Connection

@@ -332,7 +332,7 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
                 )
         assert len(renderer.sample_pressures)
         outcome = renderer._pipeline.played
-        assert outcome.solved.cycle or name not in ("palm", "two frames")
+        assert outcome.solutions.cycle or name not in ("palm", "two frames")
         assert (outcome.sample_pressures is None) is (name == "palm")  # its frames are bands
         finer = Simulated(rate=1000.0)
         finer.open(ARRAY)

@@ -15,8 +15,8 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.rendering import sample_solver as module
-from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.envelope_gains import MAX_PAST
+from pacinian.rendering.frame_cycle import Cycle
 from pacinian.rendering.modulator import Modulator
 from pacinian.rendering.sample_solver import SampleSolver
 from pacinian.rendering.smoothing import Smoothing

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.gallery import HAND
-from pacinian.rendering.cycle import Cycle
 from pacinian.rendering.deviation_log import SKIN_LIMITED
 from pacinian.rendering.envelope_groups import EnvelopeGroups
+from pacinian.rendering.frame_cycle import Cycle
 from pacinian.rendering.skin_limit import SkinLimit, spread, sum_up
 from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.sampling.posed_skin import PosedSkin
@@ -394,9 +394,9 @@ def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPa
         for k in range(60):
             renderer.clock.time = k * renderer.period  # type: ignore[attr-defined]
             renderer.tick(k * renderer.period)
-            evaluated.append(all(row.evaluated for row in renderer._pipeline.played.solved.rows))
+            evaluated.append(all(row.evaluated for row in renderer._pipeline.played.solutions.rows))
         assert not renderer.report.faults
-    assert (len(renderer._pipeline.played.solved.rows) > 1) is (cycle > 1)
+    assert (len(renderer._pipeline.played.solutions.rows) > 1) is (cycle > 1)
     assert not all(evaluated[:8])  # while it moves, most are like the last
     assert all(evaluated[-10:])
     assert 2 <= len(looks) < 20
@@ -409,7 +409,7 @@ def test_a_hand_that_comes_back_is_evaluated_at_once(monkeypatch: pytest.MonkeyP
     ball = pc.Volume(
         shape=pc.Sphere(0.02), pose=pc.Pose((*CENTRE[:2], 0.19)), radiation_pressure=3.0
     )
-    made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solved.rows[0]
+    made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solutions.rows[0]
     limit = SkinLimit(pc.Session(ONE, AIR))
     monkeypatch.setattr(limit, "_evaluate_peak", lambda *given: float(looks.append(1) or 1.0))
     skin: Any = object()

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from pacinian.client.connection_keys import resolve_connection
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.errors import ConnectionLost
 from pacinian.serving.ipc.auth import make_key_pair
 from pacinian.serving.settings import Security
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm, Reset, Status
-from pacinian.wire.emergency import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 from pacinian.wire.replies import Ok
+from pacinian.wire.stop_datagram import DATAGRAM_BYTES, StopSocket, request_stop, sign, verify
 
 from ...waiting import PATIENCE, eventually
 from .control.test_supervisor import CHILD, PARENT

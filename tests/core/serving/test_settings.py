@@ -164,7 +164,7 @@ def test_children_are_told_the_same_settings() -> None:
 
 
 def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
-    from pacinian.rendering.cycle import MAX_FRAMES
+    from pacinian.rendering.frame_cycle import MAX_FRAMES
 
     assert Settings().max_cycle_frames == MAX_FRAMES
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.scene.sampling.bands import FADING
+from pacinian.scene.sampling.region_bands import FADING
 from pacinian.scene.sampling.sample_budget import ALONE
 from pacinian.testing import ManualClock
 

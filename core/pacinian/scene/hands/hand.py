@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import check_kind, check_number, check_numbers
+from pacinian.argument_checks import check_kind, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.hands import default_hand
 

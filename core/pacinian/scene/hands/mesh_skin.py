@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import check_count
+from pacinian.argument_checks import check_count
 from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 from pacinian.scene.hands.capsules import Nearest

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_integer
+from pacinian.argument_checks import check_integer
 from pacinian.errors import ArgumentError
 from pacinian.scene.modulation.waves import bounds, frequency, interpolate_table
 

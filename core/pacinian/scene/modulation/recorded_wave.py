@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_number, check_numbers
+from pacinian.argument_checks import check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.scene.modulation.wav import read_wav
 from pacinian.scene.modulation.waves import EDGE, compute_gate, interpolate_table

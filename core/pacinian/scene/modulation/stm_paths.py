@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.native import scene as kernels
 from pacinian.scene.modulation.tangent_plane import compute_weights, fit_plane
-from pacinian.scene.shapes.polyline import MIN_LENGTH, Polyline3D
+from pacinian.scene.shapes.arc_length import MIN_LENGTH, Polyline3D
 
 if TYPE_CHECKING:
     from collections.abc import Callable

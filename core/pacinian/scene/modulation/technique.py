@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_angle, check_length, check_number
+from pacinian.argument_checks import check_angle, check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.modulation.waves import SLIP, frequency
 from pacinian.scene.shapes.curves import Curve

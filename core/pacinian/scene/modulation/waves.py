@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian.types import Floats
 
 MAX_FREQUENCY = 100_000.0  # highest frequency of an envelope [Hz], more than any device can follow

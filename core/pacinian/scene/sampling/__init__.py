@@ -11,9 +11,9 @@ Where
     sample_sources.py         objects near hands; objects without one; points, paths, particles that touch one; keys
     spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
     array_resolution.py       resolution of the array by place; how well it sees skin (incidence)
-    refine.py                 closer samples for small regions
-    surround.py               silent samples beside touched regions, against spill of pressure
-    bands.py                  parts of a large region that sound in turn
+    small_region_spacing.py   closer samples for small regions
+    silent_samples.py         silent samples beside touched regions, against spill of pressure
+    region_bands.py           parts of a large region that sound in turn
 How many, how strong
     sample_budget.py          divides the budget among objects by priority; coarsens spacing
     sample_counts.py          what became of samples: coarsened, over budget, merged, too faint, out of reach

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.resolution import focal_area, resolution
-from pacinian.checks import MAX_LENGTH
+from pacinian.argument_checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 
 if TYPE_CHECKING:

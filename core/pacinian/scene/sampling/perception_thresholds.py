@@ -23,7 +23,7 @@ import functools
 
 import numpy as np
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 
 TABLE = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
 MIN_THRESHOLD = float(TABLE[:, 1].min())  # [Pa]

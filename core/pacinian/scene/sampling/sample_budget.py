@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.errors import ArgumentError
 from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
-from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER
+from pacinian.scene.sampling.region_bands import MIN_DIVIDED_SAMPLES, WIDER
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.checks import MAX_LENGTH, check_integer, check_length, check_number
+from pacinian.argument_checks import MAX_LENGTH, check_integer, check_length, check_number
 from pacinian.native.scene import merge
 from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SAMPLE_SPACING
 from pacinian.scene.modulation.technique import AM
@@ -22,7 +22,6 @@ from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
-from pacinian.scene.sampling.refine import refine
 from pacinian.scene.sampling.sample_budget import (
     ALONE,
     ON_SKIN,
@@ -55,6 +54,8 @@ from pacinian.scene.sampling.sample_sources import (
     lacks_surface,
 )
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
+from pacinian.scene.sampling.silent_samples import add_surround
+from pacinian.scene.sampling.small_region_spacing import refine
 from pacinian.scene.sampling.spacing import (
     CONTACT_SAMPLES,
     FINE_CONTACT_SAMPLES,
@@ -63,7 +64,6 @@ from pacinian.scene.sampling.spacing import (
     compute_spacing,
     space_contacts,
 )
-from pacinian.scene.sampling.surround import add_surround
 from pacinian.skip_reasons import (
     AWAY_FROM_HANDS,
     COARSENED_SAMPLES,

@@ -3,10 +3,10 @@
 box_disc_rectangle.py  `Box`, `Disc`, `Rectangle`
 sphere_capsule.py      `Sphere`, `Capsule`
 curves.py              `Line`, `Circle`, `Lissajous`, `Polyline`: paths, felt or followed by a focus
-polyline.py            arc length along a polyline, and distance to it
+arc_length.py          arc length along a polyline, and distance to it
 height_map.py          `HeightMap`: surface z = h(x, y) from numbers or a picture
 voxels.py              `Voxels`: solid from a grid of values; distance field
-function_solid.py      `SDF`: solid from a signed-distance function; samples of any solid's shell and interior
+sdf.py                 `SDF`: solid from a signed-distance function; samples and normals (gradient) of any solid
 csg.py                 `Placed`, `Union`, `Intersection`, `Difference` of solids
 csg_shell.py           samples and area of the shell of such a combination
 mesh.py                `Mesh`: triangle mesh, open or closed; its samples

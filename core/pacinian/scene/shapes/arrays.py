@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import check_numbers
+from pacinian.argument_checks import check_numbers
 from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:

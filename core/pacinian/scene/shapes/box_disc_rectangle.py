@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import check_count, check_length
+from pacinian.argument_checks import check_count, check_length
 from pacinian.scene.shapes.local_samples import EDGE, LocalSamples, centre, span
 
 if TYPE_CHECKING:

@@ -12,12 +12,12 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Pose
-from pacinian.checks import check_kind
+from pacinian.argument_checks import check_kind
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes import Box, Capsule, Sphere, csg_shell
-from pacinian.scene.shapes.function_solid import SDF
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.mesh import Mesh
+from pacinian.scene.shapes.sdf import SDF
 from pacinian.scene.shapes.voxels import Voxels
 
 if TYPE_CHECKING:

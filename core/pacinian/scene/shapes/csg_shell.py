@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.shapes.function_solid import scale_shell
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
+from pacinian.scene.shapes.sdf import scale_shell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pacinian.scene.shapes.function_solid import Solid
+    from pacinian.scene.shapes.sdf import Solid
     from pacinian.types import Flags, Indices
 
     Sides = Sequence[tuple[Solid, float]]

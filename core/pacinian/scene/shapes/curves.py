@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import (
+from pacinian.argument_checks import (
     MAX_LENGTH,
     check_angle,
     check_count,
@@ -20,8 +20,8 @@ from pacinian.checks import (
     check_numbers,
 )
 from pacinian.errors import ArgumentError
+from pacinian.scene.shapes.arc_length import Polyline3D
 from pacinian.scene.shapes.local_samples import EDGE, LocalSamples
-from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

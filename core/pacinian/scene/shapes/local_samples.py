@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.checks import check_count
+from pacinian.argument_checks import check_count
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector

@@ -13,12 +13,12 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector
-from pacinian.checks import check_count, check_length, check_numbers
+from pacinian.argument_checks import check_count, check_length, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.function_solid import scale_shell, share_area
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.mesh_distance import MeasurableTriangles
 from pacinian.scene.shapes.poisson_disk import MIN_DISTANCE, thin_out
+from pacinian.scene.shapes.sdf import scale_shell, share_area
 from pacinian.scene.shapes.triangle_points import pick_points
 
 if TYPE_CHECKING:

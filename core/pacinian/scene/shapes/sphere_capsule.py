@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_count, check_length
+from pacinian.argument_checks import check_count, check_length
 from pacinian.scene.shapes.local_samples import GOLDEN, LocalSamples
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.checks import check_length, check_number
+from pacinian.argument_checks import check_length, check_number
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.arrays import check_within, decode_array, encode_array
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from pacinian.checks import check_length
+from pacinian.argument_checks import check_length
 from pacinian.errors import ArgumentError
 from pacinian.scene.shapes.mesh_repair import merge_vertices, orient_outward, volume
 

@@ -1,7 +1,7 @@
 """The bus process: it takes clients' commands, stores their objects, and sends the changes to the renderer.
 
 process.py            begins here: receives, and reports
-dispatcher.py         authorises, decodes and carries out each message, and answers it
+dispatcher.py         authorises, decodes and carries out each message; answers it, also if it is malformed
 admission.py          which messages are let in: session, sequence number, age, rate
 coalescing.py         of messages received together, only the newest hands and moves
 shared_scene.py       objects, hands and quiet zones of all clients; limits of their number and size

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.propagation import CHUNK, field
-from pacinian.checks import check_near, check_numbers
+from pacinian.argument_checks import check_near, check_numbers
 from pacinian.errors import ArgumentError, WireError, describe_error
 from pacinian.plugins.backend import Frame
 from pacinian.serving.ipc.messages import HEAD, FrameHead

@@ -1,6 +1,6 @@
 """The control process: connections, sessions, output lease, settings and status. It supervises the other processes.
 
-process.py            begins here: the loop that answers requests, and the emergency stop
+process.py            begins here: the loop that answers requests, also malformed ones; the emergency stop
 sockets.py            requests, replies, published state, refused connections
 sessions.py           clients from hello to goodbye
 output_lease.py       who may sound and until when: arming, takeover, stop

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from pacinian.serving.ipc.auth import Authenticator
     from pacinian.serving.settings import Network
-    from pacinian.wire.emergency import StopSocket
+    from pacinian.wire.stop_datagram import StopSocket
 
 # Largest size of a message from a subscriber [bytes]. Its handshake is the longest.
 MAX_SUBSCRIPTION_BYTES = 4096

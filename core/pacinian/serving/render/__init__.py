@@ -5,7 +5,7 @@ render_loop.py         a tick: changes, settings, frame, report; fewer ticks whi
 scene_replica.py       the copy of the scene: changes, the intensity and the default technique are applied to it
 change_decoding.py     changes from the bus as scene values
 background_loader.py   meshes and sounds that take long to prepare
-quiet_zones.py         where quiet zones are, prepared beside the loop
+zone_placement.py      where quiet zones are, prepared beside the loop
 solver_switcher.py     another solver while the loop runs
 frame_output.py        frames to the guard
 renderer_status.py     what is reported of the loop

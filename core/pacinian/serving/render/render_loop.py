@@ -24,9 +24,9 @@ from pacinian.serving.ipc.shared_memory import RegisterReader
 from pacinian.serving.render import renderer_status
 from pacinian.serving.render.change_decoding import decode_changes
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
-from pacinian.serving.render.quiet_zones import ZonePlacement
 from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.serving.render.touch_report import explain_contact, explain_outside
+from pacinian.serving.render.zone_placement import ZonePlacement
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_modulation import technique_to_scene

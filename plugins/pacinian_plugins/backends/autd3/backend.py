@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.autd3 import levels, open_transport, units
 from pacinian_plugins.backends.autd3.packages import NAME

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.checks import check_number
+from pacinian.argument_checks import check_number
 from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
 from pacinian_plugins.backends.autd3.levels import PERIOD, PHASES
 from pacinian_plugins.backends.autd3.packages import import_package

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_names, check_number
+from pacinian.argument_checks import check_integer, check_names, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.openmpd.board import Board
 from pacinian_plugins.backends.openmpd.link import CHIPS, open_port

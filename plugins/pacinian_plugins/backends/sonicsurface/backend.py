@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.sonicsurface import ports
 from pacinian_plugins.backends.sonicsurface.protocol import BOARD, CLOCKS, PHASES, SELECT, Packer

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import pacinian as pc
-from pacinian.checks import check_names, check_number
+from pacinian.argument_checks import check_names, check_number
 from pacinian_plugins.backends.usb_autd.board import Board
 from pacinian_plugins.backends.usb_autd.link import DEVICES, Link
 from pacinian_plugins.backends.usb_autd.protocol import (

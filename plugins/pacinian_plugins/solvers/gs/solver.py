@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_kind, check_number
+from pacinian.argument_checks import check_integer, check_kind, check_number
 from pacinian_plugins.solvers.gs.alternation import MIN_ABS, Run
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
-from pacinian.checks import check_integer, check_number
+from pacinian.argument_checks import check_integer, check_number
 from pacinian.native import solving as kernels
 from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram, back_propagate
 from pacinian.solving.buffer_pool import acquire, release

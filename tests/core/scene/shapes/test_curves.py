@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.scene.shapes.arc_length import Polyline3D
 from pacinian.scene.shapes.curves import Circle, Curve, Line, Lissajous, Polyline
-from pacinian.scene.shapes.polyline import Polyline3D
 
 if TYPE_CHECKING:
     from pacinian.types import Floats

@@ -13,8 +13,8 @@ from PIL import Image
 from scipy.interpolate import RegularGridInterpolator
 
 import pacinian as pc
-from pacinian.scene.shapes.function_solid import gradient
 from pacinian.scene.shapes.height_map import HeightMap
+from pacinian.scene.shapes.sdf import gradient
 
 if TYPE_CHECKING:
     from pathlib import Path

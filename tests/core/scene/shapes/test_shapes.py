@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 import pacinian as pc
-from pacinian.scene.shapes.function_solid import gradient, sample_interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 
 from ..tools import mesh_of
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.shapes import arrays
-from pacinian.scene.shapes.function_solid import gradient, sample_interior
+from pacinian.scene.shapes.sdf import gradient, sample_interior
 from pacinian.scene.shapes.voxels import Voxels
 
 if TYPE_CHECKING:

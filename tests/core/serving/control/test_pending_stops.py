@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from pacinian.client.emergency import emergency_stop
+from pacinian.client.emergency_stop import emergency_stop
 from pacinian.serving.control.pending_stops import MAX_SILENCING_TIME, PendingStops
 from pacinian.serving.settings import Safety, Settings
 from pacinian.wire.control import Arm, Stop

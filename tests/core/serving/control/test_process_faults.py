@@ -24,9 +24,9 @@ from pacinian.serving.ipc.scheduling import URGENT
 from pacinian.serving.settings import Network
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Arm, Capabilities, Choice, Select, Status, Stop
-from pacinian.wire.emergency import StopSocket
 from pacinian.wire.replies import Error, Ok
 from pacinian.wire.state import State
+from pacinian.wire.stop_datagram import StopSocket
 
 from ....waiting import eventually
 from ..processes import PATIENT

@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.checks import check_length
+from pacinian.argument_checks import check_length
 from pacinian.errors import ArgumentError
 from pacinian.neighbours import find_nearest
 from pacinian.scene.shapes.local_samples import LocalSamples, sample_grid

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pacinian.scene.modulation.envelope import resolve
-from pacinian.viewing.modulation import Modulation, share_time
+from pacinian.viewing.time_shares import Modulation, share_time
 from pacinian.wire import modulation as wire
 from pacinian.wire.convert_modulation import envelope_to_scene, technique_to_scene
 

@@ -1,4 +1,4 @@
-"""What to play for some samples, and what passes from sampling and solving to the ticks that play it."""
+"""What the ticks play for some samples, and the result of a solve, which hands it to them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pacinian.solving.problem import Limits, Targets, number_regions
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
-    from pacinian.rendering.steering import Motion
+    from pacinian.rendering.field_steering import Motion
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolutionSequence:
     """What to play for some samples.
 
     samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are
@@ -83,14 +83,14 @@ class Solved:
 class SolveResult(NamedTuple):
     """The result of sampling and solving for a scene.
 
-    solver: the solver that was used. fresh: the new solutions among those of `solved`. sample_pressures: sound pressure
-    amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known. time:
-    scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
+    solver: the solver that was used. fresh: those of `solutions` that are new. sample_pressures: sound
+    pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
+    time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
     """
 
     scene: Scene
     sample_counts: SampleCounts
-    solved: Solved
+    solutions: SolutionSequence
     solver: Solver
     fresh: tuple[CachedSolution, ...] = ()
     sample_pressures: Floats | None = None
@@ -100,9 +100,9 @@ class SolveResult(NamedTuple):
     @property
     def tells_time(self) -> bool:
         """Whether its duration is representative: something was solved, or there was nothing to solve."""
-        return bool(self.fresh) or not len(self.solved.samples)
+        return bool(self.fresh) or not len(self.solutions.samples)
 
     @property
     def labels(self) -> set[str]:
         """Labels of all objects that it concerns."""
-        return {*self.sample_counts.labels, *label_samples(self.solved.samples)}
+        return {*self.sample_counts.labels, *label_samples(self.solutions.samples)}

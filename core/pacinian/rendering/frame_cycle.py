@@ -17,7 +17,7 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.config_sections import DEFAULT_BUDGET
-from pacinian.scene.sampling.bands import Bands
+from pacinian.scene.sampling.region_bands import Bands
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.session import Session
 

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.acoustics.propagation import field
 from pacinian.gallery import SCENES
-from pacinian.rendering.cycle import TRY_AGAIN_AFTER, split_frames
+from pacinian.rendering.frame_cycle import TRY_AGAIN_AFTER, split_frames
 from pacinian.scene.modulation.waves import Constant
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS

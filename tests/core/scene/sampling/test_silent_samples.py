@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.sample_budget import ON_SKIN
-from pacinian.scene.sampling.surround import INNER, MAX_OF_SMALL, OUTER
+from pacinian.scene.sampling.silent_samples import INNER, MAX_OF_SMALL, OUTER
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pacinian as pc
-from pacinian.serving.render.quiet_zones import MARGIN, ZonePlacement
+from pacinian.serving.render.zone_placement import MARGIN, ZonePlacement
 
 from ....waiting import eventually
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.bands import MIN_DIVIDED_SAMPLES, WIDER, Bands
+from pacinian.scene.sampling.region_bands import MIN_DIVIDED_SAMPLES, WIDER, Bands
 
 from ..tools import random_pose
 

@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.cycle import Cycle
+from pacinian.rendering.field_steering import (
+    MAX_JUMP,
+    MAX_STANDSTILL,
+    Motion,
+    Steering,
+    find_factors,
+)
+from pacinian.rendering.frame_cycle import Cycle
 from pacinian.rendering.steered_solver import (
     LIMITED_FROM,
     MAX_LATE_SHIFT,
@@ -21,7 +28,6 @@ from pacinian.rendering.steered_solver import (
     PATIENCE,
     SteeredSolver,
 )
-from pacinian.rendering.steering import MAX_JUMP, MAX_STANDSTILL, Motion, Steering, find_factors
 from pacinian.testing import ManualClock
 
 from .manual_background import solve_beside
@@ -377,7 +383,7 @@ def test_with_a_hand_another_object_or_limits_for_all_gains_nothing_is_steered()
             solve_beside(renderer, 2)
             for k in range(20):
                 renderer.tick(k * PERIOD)
-            assert renderer._pipeline.played.solved.motion is None
+            assert renderer._pipeline.played.solutions.motion is None
 
 
 @pytest.mark.parametrize("steered", [True, False])
@@ -412,7 +418,7 @@ def test_the_field_stays_with_the_ball_when_it_is_steered_no_more() -> None:
             t = k * PERIOD
             renderer.tick(t)
             clock.time = t + PERIOD
-            steered = renderer._pipeline.played.solved.motion is not None
+            steered = renderer._pipeline.played.solutions.motion is not None
             if 10 < k < 195 or k > 215:
                 assert steered == (k < 200)
             if k > 150:

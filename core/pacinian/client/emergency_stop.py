@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pacinian.client.connection_keys import resolve_connection
 from pacinian.errors import ConnectionLost, Refused
-from pacinian.wire.emergency import request_stop
+from pacinian.wire.stop_datagram import request_stop
 
 if TYPE_CHECKING:
     from pathlib import Path
