@@ -52,6 +52,19 @@ def test_every_solver_keeps_the_whole_ball_quiet(solver: str, pressure: float) -
     assert "zones" not in quiet.violations
 
 
+@pytest.mark.parametrize("pressure", [1e-9, 1e-3, 2.0])
+def test_the_excess_is_that_over_the_limit_however_low(pressure: float) -> None:
+    """Single precision keeps no limit as low as the first two."""
+    ear = pc.Zone(position=EAR.position, pressure=pressure, radius=0.0)
+    session = pc.Session(ARRAY, AIR)
+    gains = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(ear,))).gains
+    rounded = np.exp(1j * np.round(np.angle(gains) * 128 / np.pi) * np.pi / 128) * np.abs(gains)
+    nulls = session.propagator.nulls
+    assert nulls is not None
+    heard = float(np.abs(pc.matrix(ARRAY, np.array([ear.position]), AIR) @ rounded)[0])
+    assert nulls.compute_excess(rounded) == pytest.approx(heard / pressure, rel=0.01)
+
+
 def test_a_head_is_quiet_and_the_foci_are_as_strong() -> None:
     head = pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.12)
     session = pc.Session(NINE, AIR)

@@ -127,7 +127,7 @@ def thin(touched: Longs, force: Floats, level_count: int, node_area: Floats, res
 
 def press_on(nodes: Longs, force: Floats, extent: Floats, least: float, points: Floats, normals: Floats, name: int, P: Floats, area: Floats, positions: Floats, outward: Floats, keys: Longs) -> int:
     """
-    Write the samples on `nodes`, (I,), whose pressure is at least `least` [Pa]; return how many.
+    Write the samples on `nodes`, (I,), that have an area and a pressure of at least `least` [Pa]; return how many.
 
     force, extent: on each node [N], and its area [m^2], (I,). points, normals: of the skin, (K, 3). name: number of the
     object in the samples' keys. P, area, positions, outward (normals), keys: of the samples, with room for I.

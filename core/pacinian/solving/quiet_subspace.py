@@ -44,6 +44,7 @@ MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full d
 # Number of random mixtures of V's rows. They estimate ||V g|| within a factor of 2.
 SKETCH_ROWS = 16
 MAX_PREPARED = 4  # largest number of prepared sets of zones that are kept
+INSIDE = "contain a transducer: make them smaller, or move them away from the array"
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
@@ -52,13 +53,15 @@ class QuietSubspace:
     """The subspace that gains must not contain, so that zones stay quiet.
 
     V: its basis, orthonormal rows, (R, N), complex64. sketch: random mixtures of V's rows, (S, N), so that ||sketch g||
-    is about ||V g||. watched: b(x) / q of the places that are checked, (W, N). loudest: largest ||b(x)|| / q.
+    is about ||V g||. watched: b(x) / q of the places that are checked, (W, N), where q is the limit, or the lowest one
+    that single precision keeps. raised: q over the limit at these places, (W,). loudest: largest ||b(x)|| / q.
     """
 
     zones: tuple[Zone, ...]
     V: Gains
     sketch: Gains
     watched: Gains
+    raised: Floats
     loudest: float
 
     @classmethod
@@ -72,9 +75,10 @@ class QuietSubspace:
         check_near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
         V, loudest = np.zeros((0, N), np.complex64), 0.0
         watched: list[Gains] = []
+        raised: list[Floats] = []
         for zone in zones:
             if zone.holds(array.positions).any():
-                raise ArgumentError("limits.zones", UNUSABLE)
+                raise ArgumentError("limits.zones", INSIDE)
             for k, places in enumerate(zone.places()):
                 rest = _rows(wave, places)
                 strongest = float(_norms(rest).max())
@@ -85,15 +89,20 @@ class QuietSubspace:
                 _leave_out(V, rest)
                 if LIKELY * rms * _norms(rest).max() <= 1.0:
                     watched.append(some)
+                    raised.append(np.full(len(some), limit / zone.pressure))
                     break
                 V = _enlarge_basis(V, rest, 1.0 / (LIKELY * rms))
                 if len(V) > MAX_DIMENSION_SHARE * N or k == MAX_ROUNDS:
                     raise ArgumentError("limits.zones", UNUSABLE)
-        return cls(zones, V, _sketch(V), np.concatenate(watched), loudest)
+        return cls(zones, V, _sketch(V), np.concatenate(watched), np.concatenate(raised), loudest)
 
     def heard(self, g: Complexes) -> float:
-        """Return the highest ratio of sound pressure to limit at the watched places, for gains (N,)."""
+        """Return the highest ratio of sound pressure to q at the watched places, for gains (N,)."""
         return float(np.abs(self.watched @ g.astype(np.complex64)).max())
+
+    def compute_excess(self, g: Complexes) -> float:
+        """Return the highest ratio of sound pressure to limit at the watched places, for gains (N,)."""
+        return float((self.raised * np.abs(self.watched @ g.astype(np.complex64))).max())
 
     def leave_out(self, B: Complexes, points: Floats) -> None:
         """Remove V from the rows of B, (M, N), in place; set the rows of points in a zone to 0."""

@@ -25,7 +25,6 @@ from pacinian.wire.protocol import (
     Lifetime,
     Name,
     Position,
-    Pressure,
     Seconds,
     Sequence,
     Session,
@@ -125,7 +124,7 @@ class Zone(Struct, frozen=True, kw_only=True):
     """A ball that must stay quiet. position: centre. pressure: largest sound pressure. radius: radius of the ball."""
 
     position: Position
-    pressure: Pressure
+    pressure: Annotated[float, Meta(gt=0.0, le=1e6, description="[Pa]")]
     radius: Annotated[float, Meta(ge=0.0, le=1.0, description="[m]; 0 for a point")] = HEAD_RADIUS
 
 

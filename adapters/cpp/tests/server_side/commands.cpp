@@ -251,7 +251,7 @@ bool read(Reader& in, std::uint32_t left, Zone& message) {
       seen |= 1ull << 0, good = in.tuple(message.position,
           [&](double& item) { return in.get(item, {-10.0, 10.0}); });
     else if (key == "pressure")
-      seen |= 1ull << 1, good = in.get(message.pressure, {0.0, 1000000.0});
+      seen |= 1ull << 1, good = in.get(message.pressure, {0.0, 1000000.0, true});
     else if (key == "radius")
       seen |= 1ull << 2, good = in.get(message.radius, {0.0, 1.0});
     else

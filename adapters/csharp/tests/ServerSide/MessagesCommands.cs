@@ -517,7 +517,7 @@ namespace Pacinian.Wire
             switch (key)
             {
                 case 0: return r.Fixed(ref Position, -10.0, 10.0);
-                case 1: return r.Real(ref Pressure, 0.0, 1000000.0);
+                case 1: return r.Real(ref Pressure, 0.0, 1000000.0, true);
                 case 2: return r.Real(ref Radius, 0.0, 1.0);
                 default: return key == Reader.Other && r.Skip();
             }

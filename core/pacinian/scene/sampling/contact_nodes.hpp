@@ -46,6 +46,7 @@ inline Index press_on(View<const i8, 1> nodes, View<const f8, 1> force, View<con
     require(positions.shape[0] >= I && positions.shape[1] == 3 && outward.shape[0] >= I && outward.shape[1] == 3, "press_on: no room");
     Index count = 0;
     for (Index i = 0; i < I; ++i) {
+        if (!(0.0 < extent[i])) continue;  // skin of a collapsed hand
         const f8 pressure = force[i] / extent[i];
         if (!(least <= pressure)) continue;
         const Index k = nodes[i];
@@ -71,7 +72,7 @@ inline void define_nodes(nb::module_& m) {
            "touched", "force", "level_count", "node_area", "rest_area", "area", "points", "capsules", "bone", "slack", "nodes",
            "pressed", "extent");
     kernel(m, "press_on", &press_on,
-           "Write the samples on `nodes`, (I,), whose pressure is at least `least` [Pa]; return how many.\n\n"
+           "Write the samples on `nodes`, (I,), that have an area and a pressure of at least `least` [Pa]; return how many.\n\n"
            "force, extent: on each node [N], and its area [m^2], (I,). points, normals: of the skin, (K, 3). name: number of the\n"
            "object in the samples' keys. P, area, positions, outward (normals), keys: of the samples, with room for I.",
            "nodes", "force", "extent", "least", "points", "normals", "name", "P", "area", "positions", "outward", "keys");

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 MIN_SHARE = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
 MIN_LENGTH = 1e-300
+MIN_AREA = 1e-300
+# A node of the skin takes over force from buried skin until it is pressed this many times as hard as any touched point.
+MAX_CROWDING = 2.0
 
 
 class FineSkin(NamedTuple):
@@ -175,8 +178,8 @@ class PosedSkin:
         """Distribute forces on points among the nodes of the level nearest to `spacing` [m].
 
         touched: indices of the points, (K,). force: on each, (K,) [N]. Returns the nodes that get a force and are not
-        inside other flesh, (M,); their forces [N], which have the same sum; and the skin area that each represents
-        [m^2].
+        inside other flesh, (M,); their forces [N]; and the skin area that each represents [m^2]. The forces have the
+        same sum, unless so much skin is inside other flesh that the rest would be pressed MAX_CROWDING times as hard.
         """
         skin, level = self.skin, self.skin.level(spacing)
         count = skin.counts[level]
@@ -195,4 +198,5 @@ class PosedSkin:
             more, which = np.empty(count), np.empty(count, dtype=np.intp)
             kernels.share_out(uncovered, self.area[uncovered], *skin.share[level], 0.0, more, which)
             area += more[nodes]
-        return nodes, kept, area
+        most = (force / np.maximum(self.area[touched], MIN_AREA)).max(initial=0.0)
+        return nodes, np.minimum(kept, MAX_CROWDING * most * area), area

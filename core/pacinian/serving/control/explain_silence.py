@@ -29,7 +29,9 @@ UNREACHED = "the array cannot reach the touched skin: turn the palm to the array
 NOT_PRESSING = (
     "no object presses: check that their pressure is above 0 and that they lie in the workspace"
 )
+ZONES = "the quiet zones leave no sound where an object presses: move them, or make them smaller"
 PAUSE = "nothing presses at this moment: an envelope is at 0, or the sound has just begun"
+INFEASIBLE = "infeasible"  # name of `Status.infeasible`
 # Reasons in `State.skipped` for which the array cannot press on what a hand touches.
 UNREACHED_REASONS = SAMPLES_HARDLY_REACHED, SAMPLES_TOO_FAR, SAMPLES_ON_TRANSDUCER
 
@@ -86,6 +88,8 @@ def _explain_samples(state: State) -> Silence:
     unreached = any(state.skipped.get(reason) for reason in UNREACHED_REASONS)
     if unreached and not achieved.any():
         return Silence("out of the array's reach", UNREACHED)
+    if state.status == INFEASIBLE:
+        return Silence("not ready", ZONES)
     return Silence("pause", PAUSE)
 
 

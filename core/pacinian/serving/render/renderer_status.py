@@ -81,16 +81,16 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 
 
 def _zones(renderer: Renderer) -> dict[str, Any]:
-    """Return a status if rounding by the device makes quiet zones louder than their limit."""
+    """Return a status if quiet zones are louder than their limit, because of rounding."""
     nulls = renderer.session.propagator.nulls
     if nulls is None:
         return {}
-    loudest = max((nulls.heard(g) for g in renderer.cycle_gains), default=0.0)
+    loudest = max((nulls.compute_excess(g) for g in renderer.cycle_gains), default=0.0)
     if loudest <= 1.0:
         return {}
     above = 20.0 * math.log10(loudest)
     return {
-        "status": f"quiet zones {above:.1f} dB above their limit, by rounding to the device's levels"
+        "status": f"quiet zones {above:.1f} dB above their limit, because levels and numbers are rounded"
     }
 
 

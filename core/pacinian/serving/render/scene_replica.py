@@ -56,8 +56,8 @@ class SceneReplica:
         self.start = 0.0
         """Time 0 of the scene, by the clock of the changes [s]."""
         self.scene = Scene(workspace=workspace)
-        self.zones = zones
-        """The quiet zones."""
+        self.zones: tuple[Zone, ...] | None = zones
+        """The quiet zones; None if the last ones were invalid, so that there must be silence."""
         self.refused: dict[str, str] = {}
         """The last objects that could not be put, and why."""
         self._loader, self._log = loader, RateLimitedLog()
@@ -258,16 +258,22 @@ class SceneReplica:
         if item is None:
             return
         if len(data) > background_loader.MAX_LIGHT_BYTES:
-            self._load(
+            self._load_envelope(
                 change,
                 lambda: background_loader.load_envelope(background_loader.decode_envelope(data)),
             )
             return
         envelope = background_loader.decode_envelope(data)
         if isinstance(envelope, background_loader.SLOW):
-            self._load(change, lambda: background_loader.load_envelope(envelope))
+            self._load_envelope(change, lambda: background_loader.load_envelope(envelope))
         else:
             self._change(item, envelope=envelope)
+
+    def _load_envelope(self, change: messages.SetEnvelope, job: Callable[[], Timed]) -> None:
+        """Load an envelope; if the object that it is for is being loaded, after that."""
+        first = self._loading[change.name][1][0] if change.name in self._loading else None
+        if not isinstance(first, messages.PutObject):  # `_do` keeps the change for later
+            self._load(change, job)
 
     def _change(self, item: Object, **fields: Any) -> None:
         """Set fields of an existing object, without checks."""
@@ -293,4 +299,5 @@ class SceneReplica:
         self._input = Input(change.input, change.sent, change.received)
 
     def _set_quiet(self, change: messages.SetQuiet) -> None:
+        self.zones = None
         self.zones = tuple(Zone(q, pressure=p, radius=r) for q, p, r in change.zones)

@@ -42,17 +42,23 @@ class ZonePlacement:
         """Whether zones are being prepared, so that `keeps` must be called again."""
         return self._next is not None
 
-    def keeps(self, zones: tuple[Zone, ...]) -> bool:
-        """Whether `limits` keeps all these zones quiet. May replace `limits`. Does not wait for a preparation."""
+    def keeps(self, zones: tuple[Zone, ...] | None) -> bool:
+        """Whether `limits` keeps all these zones quiet. May replace `limits`. Does not wait for a preparation.
+
+        Never if `zones` is None, because the zones are not known.
+        """
         self.note = ""
+        if zones is None:
+            self.note = "silent: the quiet zones are not valid: set them again"
+            return False
         if not zones:
             self._next = None
             if self.limits.zones:
                 self.limits = replace(self.limits, zones=())
             return True
         moved, self._seen = zones is not self._seen, zones
-        if moved and self._next is None and self._is_tight(zones):
-            self._next = tuple(self._wider(k, zone) for k, zone in enumerate(zones))
+        if moved and self._next is None and not self._suits(zones):
+            self._next = self._widen(zones)
         if self._next is not None:
             self._look(zones)
         return _room(self.limits.zones, zones) >= 0.0
@@ -71,16 +77,22 @@ class ZonePlacement:
         if made is not None:
             self.limits, self._next, self._seen = replace(self.limits, zones=self._next), None, None
 
-    def _wider(self, k: int, zone: Zone) -> Zone:
-        return zone if k < self._fixed else replace(zone, radius=zone.radius + MARGIN)
+    def _widen(self, zones: tuple[Zone, ...]) -> tuple[Zone, ...]:
+        """Return the zones with a margin for those that may move."""
+        n = self._fixed
+        return (*zones[:n], *(replace(one, radius=one.radius + MARGIN) for one in zones[n:]))
 
-    def _is_tight(self, zones: tuple[Zone, ...]) -> bool:
-        """Whether new zones should be prepared, because half of the margin is used up."""
+    def _suits(self, zones: tuple[Zone, ...]) -> bool:
+        """Whether the prepared zones are made for these: no stricter or larger, and half of the margin is left."""
         kept, n = self.limits.zones, self._fixed
         return (
-            len(kept) != len(zones)
-            or _room(kept[:n], zones[:n]) < 0.0
-            or _room(kept[n:], zones[n:]) < 0.5 * MARGIN
+            len(kept) == len(zones)
+            and all(
+                big.pressure == wide.pressure and big.radius <= wide.radius
+                for big, wide in zip(kept, self._widen(zones), strict=True)
+            )
+            and _room(kept[:n], zones[:n]) >= 0.0
+            and _room(kept[n:], zones[n:]) >= 0.5 * MARGIN
         )
 
 

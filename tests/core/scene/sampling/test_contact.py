@@ -195,6 +195,21 @@ def test_the_force_is_the_integral_of_pressure_over_the_skin(
         assert abs(force - expected) <= 0.2 * rim + 0.03 * expected
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-6, 1e-4, 1e-3, 1e-2])
+def test_a_hand_collapsed_to_a_line_has_finite_samples_of_at_most_twice_the_pressure(
+    noise: float,
+) -> None:
+    joints = np.array(Hand.open("right", pc.Pose((0.0, 0.0, 0.215))).joints)
+    joints[:, :2] = 0.0
+    joints += noise * np.random.default_rng(1).standard_normal(joints.shape)
+    for spacing in (FINEST, 0.0085, 0.02):
+        samples = touched(ball(at=(0.0, 0.0, 0.2)), hands=(Hand(joints),), spacing=spacing)
+        assert len(samples)
+        assert np.isfinite(samples.radiation_pressure).all()
+        assert samples.radiation_pressure.max() <= 2.0 * 10.0 * (1.0 + 1e-9)
+        assert samples.area.min() > 0.0
+
+
 @pytest.mark.parametrize("hand", [Hand.open("left"), bent(3)], ids=["open", "bent"])
 def test_all_of_a_hand_within_a_volume_is_pressed(hand: Hand) -> None:
     sea = pc.Volume(shape=pc.Box((1.0, 1.0, 1.0)), felt="interior", radiation_pressure=2.0)

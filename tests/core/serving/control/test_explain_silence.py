@@ -51,6 +51,7 @@ CASES: list[tuple[Cause, State, str]] = [
     ("nothing in reach", state(hands=HAND, skipped={"objects away from hands": 3}), "touches no"),
     ("out of the array's reach",
      state(hands=HAND, asked=ONE, achieved=ZERO, skipped={"samples hardly reached": 1}), "palm"),
+    ("not ready", state(asked=ONE, achieved=ZERO, status="infeasible"), "quiet zones.*move them"),
     ("pause", state(hands=HAND, asked=ONE, achieved=ONE), "envelope"),
     ("pause", state(asked=ZERO, achieved=ZERO), "envelope"),
 ]  # fmt: skip

@@ -484,7 +484,7 @@ def test_there_is_silence_until_zones_are_prepared_and_where_they_cannot_be_kept
 
     def is_told() -> bool:
         server.tick()
-        return "leave the array nothing" in server.report.state.get("status", "")
+        return "contain a transducer" in server.report.state.get("status", "")
 
     eventually(is_told)
     server.tick(10)

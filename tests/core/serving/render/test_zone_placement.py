@@ -71,12 +71,34 @@ def test_one_that_jumps_is_another_until_which_there_is_silence(
     covered(quieting, FIXED, zone)
 
 
+@pytest.mark.parametrize("strict", [head(radius=0.03), head(pressure=0.5)])
+def test_a_zone_that_becomes_smaller_or_less_quiet_is_prepared_anew_without_a_pause(
+    quieting: ZonePlacement, strict: pc.Zone
+) -> None:
+    """Otherwise, objects in the larger zone would stay silent."""
+    eventually(lambda: quieting.keeps((FIXED, strict)))
+    now = FIXED, head()
+
+    def is_prepared() -> bool:
+        assert quieting.keeps(now)
+        last = quieting.limits.zones[1]
+        return last.pressure == now[1].pressure and last.radius == now[1].radius + MARGIN
+
+    eventually(is_prepared)
+
+
+def test_there_is_silence_while_the_zones_are_not_known(quieting: ZonePlacement) -> None:
+    assert not quieting.keeps(None)
+    assert quieting.note.startswith("silent: ")
+    assert quieting.keeps(())
+
+
 def test_what_cannot_be_kept_is_told_and_then_what_can_be_is_kept(quieting: ZonePlacement) -> None:
     around = pc.Zone((0.0, 0.0, 0.0), pressure=1.0, radius=0.5)
 
     def is_told() -> bool:
         assert not quieting.keeps((FIXED, around))
-        return "leave the array nothing" in quieting.note
+        return "contain a transducer" in quieting.note
 
     eventually(is_told)
     zones = FIXED, head()

@@ -280,7 +280,7 @@ namespace Pacinian.Wire
         /// <summary>Centre. -10 to 10 [m].</summary>
         public Vec3 Position;
 
-        /// <summary>Largest sound pressure. 0 to 1e+06 [Pa].</summary>
+        /// <summary>Largest sound pressure. more than 0, at most 1e+06 [Pa].</summary>
         public double Pressure;
 
         /// <summary>Radius of the ball. 0 to 1 [m]; 0 for a point.</summary>

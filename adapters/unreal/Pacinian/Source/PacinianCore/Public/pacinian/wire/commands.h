@@ -113,7 +113,7 @@ struct Hands : Command {
 struct Zone {
   /// centre; -10 to 10 [m]
   std::array<double, 3> position{};
-  /// largest sound pressure; 0 to 1e+06 [Pa]
+  /// largest sound pressure; more than 0, at most 1e+06 [Pa]
   double pressure = 0.0;
   /// radius of the ball; 0 to 1 [m]; 0 for a point
   double radius = 0.12;
