@@ -25,12 +25,12 @@ def emergency_stop(
     """Silence the array at once, whoever owns the output, until `Client.reset`.
 
     Returns when the server has confirmed it. On the server's machine this needs no connection, so no number of other
-    clients can block it.
+    clients can block it. A connection file that others can read is not refused: a stop is never wrong.
 
     connection, keys: as for `Client`. timeout: for the confirmation [s]. Raises ConnectionLost after the timeout;
     Refused.
     """
-    given, begin = resolve_connection(connection, keys), time.perf_counter()
+    given, begin = resolve_connection(connection, keys, private=False), time.perf_counter()
     # half of the time is left for the other way
     if given.stop and request_stop(given.stop, given.secret, timeout / 2.0):
         return

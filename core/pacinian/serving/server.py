@@ -149,8 +149,9 @@ def _alone(path: Path) -> FileLock:
         make_folder(path.parent)
         check_folder(path.parent)
         lock = FileLock(path.with_name(f"{path.name}.lock"))
-    except OSError as error:
-        raise ServerError(f"{path}: cannot be written: {error.strerror}") from error
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        problem = getattr(error, "strerror", None) or error
+        raise ServerError(f"{path}: cannot be written: {problem}") from error
     except LockHeld as error:
         raise ServerError(
             f"{path} belongs to a running server (process {error.pid or 'unknown'}): end it, or choose "

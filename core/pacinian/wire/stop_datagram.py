@@ -88,13 +88,21 @@ def request_stop(address: str, secret: str, timeout: float) -> bool:
                         return True
             made.setblocking(False)  # the confirmation may have come while this process stood still
             return verify(secret, b"stopped", made.recv(DATAGRAM_BYTES + 1)) == nonce
-        except (AttributeError, OSError, ValueError):  # no such sockets here, or no such server
+        except (
+            AttributeError,
+            OSError,
+            ValueError,
+            OverflowError,
+        ):  # no such sockets here, or no such server
             return False
     return False
 
 
 def _connect(address: str, stack: ExitStack, name: str) -> socket.socket:
-    """Return a connected socket that can receive an answer. Raises AttributeError, OSError, ValueError."""
+    """Return a connected socket that can receive an answer.
+
+    Raises AttributeError, OSError, ValueError, OverflowError.
+    """
     kind, _, at = address.partition(":")
     made = socket.socket(socket.AF_INET if kind == "udp" else socket.AF_UNIX, socket.SOCK_DGRAM)
     stack.callback(made.close)

@@ -137,9 +137,16 @@ def test_a_confirmation_that_came_while_the_sender_stood_still_counts(
         assert request_stop(server.address, "secret", 1.0)
 
 
+@posix
+def test_a_file_that_others_can_read_does_not_prevent_it(server: Any) -> None:
+    server.path.chmod(0o644)
+    emergency_stop(server.path, timeout=PATIENCE)
+    assert server.permit().stopped == 1
+
+
 def test_where_that_way_is_not_there_it_goes_by_a_connection(server: Any) -> None:
     known = server.connection
-    for stop in ("", "unix:/none", "udp:nowhere", "pigeon:post"):
+    for stop in ("", "unix:/none", "udp:nowhere", "udp:99999999", "pigeon:post"):
         given = Connection(
             pid=known.pid, control=known.control, command=known.command, state=known.state,
             token=known.token, stop=stop,

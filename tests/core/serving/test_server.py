@@ -102,6 +102,10 @@ def test_too_few_open_files_are_told_before_anything_starts(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_path_that_no_system_allows_is_refused() -> None:
+    assert "cannot be written" in refused(Settings(connection="a\0b"))
+
+
 @posix
 @pytest.mark.parametrize("mode", [0o644, 0o600])
 def test_while_a_server_runs_its_file_is_not_replaced_whatever_its_mode(

@@ -25,7 +25,7 @@ from pacinian.serving.render import renderer_status
 from pacinian.serving.render.change_decoding import decode_changes
 from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.scene_replica import SceneReplica
-from pacinian.serving.render.touch_report import explain_contact, explain_outside
+from pacinian.serving.render.touch_report import explain_contact, explain_loading, explain_outside
 from pacinian.serving.render.zone_placement import ZonePlacement
 from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
@@ -377,7 +377,9 @@ class RenderLoop:
         """
         if now >= self._explained[0] + EXPLAIN_PERIOD or seen is not self._explained[1]:
             self._explained, shown = (now, seen), self.renderer.rendered_scene
-            if seen:
+            if awaited := self.replica.find_awaited():
+                self._cause = explain_loading(awaited)
+            elif seen:
                 hands = renderer_status.find_hands(self.renderer, now - self.renderer.start)
                 self._cause = explain_contact(hands, shown.objects)
             else:

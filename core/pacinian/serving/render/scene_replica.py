@@ -131,6 +131,10 @@ class SceneReplica:
         """Whether something is being loaded, so that `apply` must be called again."""
         return bool(self._loading)
 
+    def find_awaited(self) -> list[str]:
+        """Return the names of objects that are loaded for the first time, so that nothing is rendered for them yet."""
+        return [name for name in self._loading if name not in self._items]
+
     def input(self, scene: Scene) -> Input:
         """Return the newest hand update in an earlier state of this scene."""
         return self._inputs.get(scene, Input())

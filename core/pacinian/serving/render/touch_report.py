@@ -85,6 +85,18 @@ def explain_contact(hands: Iterable[Hand], objects: Iterable[Object]) -> Silence
     return Silence("out of the array's reach", f'"{name}" is touched, but {UNSEEN}')
 
 
+def explain_loading(names: Iterable[str]) -> Silence | None:
+    """Return the cause if objects of these names are prepared for the first time."""
+    new = [f'"{name}"' for name in names]
+    if not new:
+        return None
+    listed = ", ".join(new[:MAX_NAMED]) + (" and others" if len(new) > MAX_NAMED else "")
+    return Silence(
+        "not ready",
+        f"being prepared: {listed}; meshes, textures and sounds take up to some seconds",
+    )
+
+
 def explain_outside(counts: Mapping[str, ObjectSampleCounts]) -> Silence | None:
     """Return the cause if objects that need no hand lie outside the workspace. counts: of each object, by its label."""
     outside = [f'"{label}"' for label, one in counts.items() if OUTSIDE in one.reasons]

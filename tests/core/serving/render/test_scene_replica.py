@@ -239,6 +239,7 @@ def test_a_mesh_is_felt_once_it_is_loaded_until_then_the_one_before() -> None:
     scene = felt(loader=manual.loader)
     scene.apply([put("a", BALL)])
     scene.apply([put("a", tetrahedron(0.03)), move("a", 0.01), move("a", 0.02)])
+    assert not scene.find_awaited()  # the one before is felt
     (item,) = scene.scene.objects
     assert isinstance(item, pc.Volume)
     assert isinstance(item.shape, pc.Sphere)
@@ -256,7 +257,9 @@ def test_what_came_since_wins_over_what_has_been_loaded(then: AnyChange) -> None
     manual = Manual()
     scene = felt(loader=manual.loader)
     scene.apply([put("a", tetrahedron(0.03))])
+    assert scene.find_awaited() == ["a"]
     scene.apply([then])
+    assert not scene.find_awaited()
     before = names(scene.scene)
     manual.work()
     scene.apply()

@@ -9,6 +9,7 @@ from pacinian.scene.hands.capsules import distance_to_skin, make_capsules
 from pacinian.scene.objects import Object
 from pacinian.serving.render.touch_report import (
     explain_contact,
+    explain_loading,
     explain_outside,
     find_nearest,
     find_touches,
@@ -114,6 +115,14 @@ def test_touches_are_those_of_each_hand_with_each_object() -> None:
         assert touch.pressure == pytest.approx(touch.strength * item.pressure, rel=1e-6)
     assert not find_touches(samples, ())
     assert not find_touches(samples.only(samples.objects < 0), scene.hands)
+
+
+def test_objects_that_are_prepared_are_named() -> None:
+    assert explain_loading([]) is None
+    found = explain_loading("abcd")
+    assert found is not None
+    assert found.cause == "not ready"
+    assert found.text.startswith('being prepared: "a", "b", "c" and others; ')
 
 
 def test_objects_outside_the_workspace_are_named() -> None:
