@@ -14,7 +14,7 @@ pressure.py            equation (1): radiation pressure from sound pressure; at 
 intensity.py           acoustic intensity; radiation pressure along the skin's normal from particle velocity
 skin_facing.py         `SkinFacing`: weights of B for skin that sound meets at an angle, or behind the hand (occlusion)
 skin_facing.hpp        these weights: called by skin_facing.py
-tapered.hpp            tapered capsules of a hand: included by skin_facing.hpp and scene/hands/capsules.hpp
+tapered_capsules.hpp   tapered capsules of a hand: included by skin_facing.hpp and scene/hands/capsules.hpp
 resolution.py          what an array resolves: size of a focus, focal area
 directions.hpp         spread of directions from points to transducers: called by resolution.py
 uncertainty.py         `Uncertainty`: error bands of a predicted pressure or force, by Monte Carlo

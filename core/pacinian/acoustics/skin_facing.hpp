@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pacinian/acoustics/tapered.hpp"
+#include "pacinian/acoustics/tapered_capsules.hpp"
 
 namespace pacinian::acoustics {
 

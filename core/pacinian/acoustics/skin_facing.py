@@ -170,9 +170,9 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
     """Return how deep the paths w + s d, 0 <= s <= 1, go into a capsule, (M, N) [m]; negative outside.
 
     The capsule's axis is t e, 0 <= t <= 1, and its radius is r + t grows. The depth is the maximum over s and t of the
-    radius minus the distance between path and axis. w: (M, 1, 3). d: (M, N, 3). As in `from_axis` of tapered.hpp, with
-    the part of e along the path removed. If the infinite line is deepest outside the path, one end of the path is the
-    deepest point.
+    radius minus the distance between path and axis. w: (M, 1, 3). d: (M, N, 3). As in `from_axis` of
+    tapered_capsules.hpp, with the part of e along the path removed. If the infinite line is deepest outside the path,
+    one end of the path is the deepest point.
     """
     ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e
     dw, we = (d * w).sum(axis=2), w @ e

@@ -12,7 +12,7 @@ stop.py               `pacinian stop`: emergency stop
 render.py             `pacinian render`: renders a scene file, without a server; `--record`
 replay.py             `pacinian replay`: plays a recording of `render` again
 finite_range.py       options that are finite numbers in a range
-run_output.py         progress bar, summary and picture of `demo` and `render`; whether ticks were late
+run_output.py         progress bar and summary of `demo` and `render`, late ticks; saves the picture, which plot/ draws
 keys.py               `pacinian keys`: CURVE keys for connections from other machines
 status.py             `pacinian status`: one state of the server
 watch.py              `pacinian watch`: states, live in a terminal

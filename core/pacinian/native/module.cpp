@@ -10,7 +10,7 @@
 #include "pacinian/scene/sampling/ramps.hpp"
 #include "pacinian/scene/modulation/visit_order.hpp"
 #include "pacinian/scene/shapes/cells.hpp"
-#include "pacinian/solving/changes.hpp"
+#include "pacinian/solving/changed_rows.hpp"
 #include "pacinian/solving/kernels.hpp"
 #include "pacinian/solving/matvec.hpp"
 #include "pacinian/solving/regions.hpp"

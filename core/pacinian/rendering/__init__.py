@@ -18,7 +18,7 @@ Solve
     background_solve.py       the thread that solves beside the ticks
     sample_budget_controller.py   how many samples there may be when time is short
     reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
-    reachability.hpp          power at a place, looked up by cells: called by reachability.py
+    reachability.hpp          sound power that reaches a place, from a grid of cells: called by reachability.py
     frame_cycle.py            a region rendered by several frames in turn, whose mean meets the target; their number
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
 From gains to levels

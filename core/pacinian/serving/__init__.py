@@ -1,4 +1,6 @@
-"""The server: five processes that no client and no plug-in can keep loud. One folder each; none imports another.
+"""The server: control, bus, render, guard and a spare guard, which no client and no plug-in can keep loud.
+
+Each of the four kinds of process has a folder; none imports another.
 
   server.py    starts and ends the server
   settings.py  contents of a configuration file, with all limits and times that it can set

@@ -11,13 +11,13 @@ What goes in
 What solvers share
     warm_start.py         the last solution, carried over to points that moved, came or went
     phases.py             free phases of isolated points
-    region_phases.py      joint phases of the samples of one surface
-    skin_phases.py        joint phases on skin
+    region_phases.py      phases of a region: those of one wave
+    skin_phases.py        relaxes the phases of a region on skin, by Newton steps
     back_propagation.py   gains for many points if the deadline leaves no time for the Gram matrix
     corrections.py        larger amplitudes where regularisation leaves pressure missing
     least_squares.py      gains of least norm for any shape and rank of B
     quiet_subspace.py     gains that leave quiet zones quiet: computed once for each set of zones
-    limit_enforcement.py  limits of gain, power and quiet points, enforced whatever a solver has written
+    limit_enforcement.py  limits of gain, power and quiet points, enforced whatever a solver has written; NaN to silence
     linalg.py             BLAS and LAPACK without the rest of SciPy
     blas.py               one BLAS thread for small problems
     buffer_pool.py        workspaces that repeated solves share
@@ -36,7 +36,7 @@ Evidence
 Kernels
     kernels.hpp           Gram matrix, Gerchberg-Saxton steps on it, limits
     matvec.hpp            products with B and B^H
-    changes.hpp           which rows of B have changed
+    changed_rows.hpp      which rows of B have changed
     regions.hpp           the wave of a region: constants and phases; called by region_phases.py
     region_groups.hpp     samples that share one free phase
     non_finite.hpp        kernels that detect numbers that are not finite; phases of groups

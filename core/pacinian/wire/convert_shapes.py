@@ -13,7 +13,7 @@ from pacinian.errors import WireError
 from pacinian.scene.shapes import box_disc_rectangle, csg, curves, mesh, texture, voxels
 from pacinian.scene.shapes import height_map as maps
 from pacinian.scene.shapes import sphere_capsule as rounds
-from pacinian.scene.shapes.arrays import decode_array
+from pacinian.scene.shapes.array_data import decode_array
 from pacinian.wire import shapes
 from pacinian.wire.binary_arrays import pack, pack_indices, unpack, unpack_indices
 from pacinian.wire.decode_errors import locate_errors

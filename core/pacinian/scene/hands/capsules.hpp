@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pacinian/acoustics/tapered.hpp"
+#include "pacinian/acoustics/tapered_capsules.hpp"
 #include "pacinian/native/math.hpp"
 
 namespace pacinian::scene {

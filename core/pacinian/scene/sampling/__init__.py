@@ -1,6 +1,6 @@
 """Sampling: turn a scene into samples, given what the hands touch, the array resolves and people feel.
 
-sampler.py                    `Sampler`: one tick, from scene to samples; merges those that the array cannot resolve
+sampler.py                    `Sampler`: one tick, from scene to samples; pressure of points from their force; merging
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
     merge_samples.hpp         merges close samples of different objects: called by sampler.py
@@ -10,7 +10,7 @@ Where
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
     sample_sources.py         objects near hands; objects without one; points, paths, particles that touch one; keys
     spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
-    array_resolution.py       resolution of the array by place; how well it sees skin (incidence)
+    array_resolution.py       resolution of the array by place; how much of its sound reaches skin of some orientation
     small_region_spacing.py   closer samples for small regions
     silent_samples.py         silent samples beside touched regions, against spill of pressure
     region_bands.py           parts of a large region that sound in turn

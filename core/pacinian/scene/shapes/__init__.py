@@ -22,7 +22,7 @@ cells.hpp              distances between cells: called by mesh_bounds.py
 poisson_disk.py        thins points out to even spacing
 texture.py             `Texture`, `grating`: data, period, the factor on pressures; why a sweeping finger vibrates
 local_samples.py       `LocalSamples`: samples in a shape's own frame; grids
-arrays.py              arrays in scenes: numbers or a .npy file or picture, kept as bytes
+array_data.py          arrays in scenes: numbers or a .npy file or picture, kept as bytes
 shape_types.py         which shapes a surface or volume may have; distance to any of them
 """
 

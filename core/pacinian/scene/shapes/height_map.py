@@ -13,7 +13,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.argument_checks import check_length
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.arrays import decode_array, encode_array
+from pacinian.scene.shapes.array_data import decode_array, encode_array
 from pacinian.scene.shapes.box_disc_rectangle import Rectangle, distance_beside, distance_outside
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.sdf import scale_shell

@@ -16,7 +16,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.argument_checks import check_length, check_number
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes.arrays import check_within, decode_array, encode_array
+from pacinian.scene.shapes.array_data import check_within, decode_array, encode_array
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats

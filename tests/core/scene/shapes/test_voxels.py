@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.shapes import arrays
+from pacinian.scene.shapes import array_data
 from pacinian.scene.shapes.sdf import gradient, sample_interior
 from pacinian.scene.shapes.voxels import Voxels
 
@@ -235,7 +235,7 @@ def test_too_many_are_refused_before_memory_is(tmp_path: Path, monkeypatch: Any)
     with pytest.raises(pc.ArgumentError, match=r"101,000,000 numbers: keep to 100,000,000"):
         Voxels(values=many, pitch=1e-5)
     np.save(tmp_path / "block.npy", BLOCK)
-    monkeypatch.setattr(arrays, "MAX_NUMBERS", 100)
+    monkeypatch.setattr(array_data, "MAX_NUMBERS", 100)
     with pytest.raises(pc.ArgumentError, match="480 numbers"):
         _ = Voxels(file=str(tmp_path / "block.npy"), pitch=0.01).area
 
