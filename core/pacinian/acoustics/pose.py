@@ -66,6 +66,7 @@ class Pose(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         force_setattr(self, "position", vector("position", self.position))
         if self.rotation is UPRIGHT or (type(self.rotation) is tuple and self.rotation == UPRIGHT):
+            force_setattr(self, "rotation", UPRIGHT)  # not of integers
             return
         q = check_numbers("rotation", self.rotation, (4,))
         size = hypot(*q.tolist())

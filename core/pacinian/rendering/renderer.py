@@ -79,7 +79,7 @@ class Renderer(Closeable):
     Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in a thread beside them. Frames
     then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more
     than four ticks, the samples of the lowest priority are dropped until there is time again. If not adaptive, solves
-    take the time that they need, contacts with skin have twice as many samples, and ticks may be late.
+    take the time that they need, contacts with skin have more samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MU = 5e-3  # regularisation mu, relative to trace(B B^H) / M
 QUIET = 0.02  # weight of the squared errors of points beside regions; other points have 1
 MAX_TRANSDUCERS = 500  # largest number of transducers that represent the array in B B^H
-MAX_SAMPLES = 400  # largest number of samples whose phases are relaxed
+MAX_SAMPLES = 480  # largest number of samples whose phases are relaxed
 # Largest number of steps from the phases of the wave, and from those of the last solution.
 COLD, WARM = 10, 2
 DAMPING = 3e-3  # damping of the steps, relative to a sample's squared amplitude

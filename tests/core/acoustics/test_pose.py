@@ -72,6 +72,13 @@ def test_rotations_follow_one_another_about_the_worlds_axes() -> None:
     assert pose.position == (0.1, 0.2, 0.3)
 
 
+@pytest.mark.parametrize("rotation", [(0, 0, 0, 1), [0, 0, 0, 1], (1, 0, 0, 0)])
+def test_a_rotation_of_integers_is_one_of_floats(rotation: Any) -> None:
+    pose = pc.Pose((0, 0, 1), rotation)
+    assert {type(x) for x in (*pose.position, *pose.rotation)} == {float}
+    assert pose.matrix.dtype == np.float64
+
+
 @given(poses(), vectors)
 def test_translate_shifts_and_does_not_turn(pose: pc.Pose, offset: Any) -> None:
     moved = pose.translate(offset)

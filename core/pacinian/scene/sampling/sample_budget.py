@@ -50,6 +50,8 @@ PLAIN = Allowance((1.0,), 1)  # points, and several objects in free air
 # Touched skin takes time: to find, and to find the highest pressure on it. So a contact becomes coarser first; a wide
 # one may then have more samples, because the pressure between samples that are farther apart is not even (decision 79).
 ON_SKIN = Allowance((0.8, 1.2), 1)
+# The same if solves may take long (decision 80).
+FINE_ON_SKIN = Allowance((1.5,), 1)
 # One object in free air: its field can be steered, so its solves may take longer.
 ALONE = Allowance((1.0, 1.6, 2.0), 2)
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit

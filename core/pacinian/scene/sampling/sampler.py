@@ -24,6 +24,7 @@ from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.sample_budget import (
     ALONE,
+    FINE_ON_SKIN,
     ON_SKIN,
     PLAIN,
     allot_budget,
@@ -54,13 +55,15 @@ from pacinian.scene.sampling.sample_sources import (
     lacks_surface,
 )
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
-from pacinian.scene.sampling.silent_samples import add_surround
+from pacinian.scene.sampling.silent_samples import FINE_SILENT_SHARE, MAX_SILENT_SHARE, add_surround
 from pacinian.scene.sampling.small_region_spacing import refine
 from pacinian.scene.sampling.spacing import (
-    CONTACT_SAMPLES,
-    FINE_CONTACT_SAMPLES,
+    FINE_LEAST,
+    FINE_SHARE,
+    IN_TIME,
     REGION_SPACING,
     SPACING_WITHOUT_ARRAY,
+    ContactDensity,
     compute_spacing,
     space_contacts,
 )
@@ -152,7 +155,7 @@ class Sampler:
         self.steers = False
         """Whether the field of one object in free air may be steered. The render loop sets this."""
         self.fine = True
-        """Whether contacts have twice as many samples, because solves may take long. The render loop sets this."""
+        """Whether contacts have many samples, because solves may take long. The render loop sets this."""
         self.skipped: Counter[str] = Counter()
         """Number of samples, objects and hands left out, by reason."""
         self.skin: Skin | None = None
@@ -253,7 +256,9 @@ class Sampler:
         budget = self.budget if solid else min(self.budget, self.allowed)
         alone = solid and self.steers and not skin and not self.strict and len(sources) == 1
         alone = alone and sources[0][0].item.technique.still
-        allowance = ALONE if alone else ON_SKIN if solid and skin else PLAIN
+        allowance = ALONE if alone else PLAIN
+        if solid and skin:
+            allowance = FINE_ON_SKIN if self.fine else ON_SKIN
         self.frame_budget = allowance.find_limit(budget, len(allowance.shares) - 1)
         parts = allot_budget(
             sources,
@@ -275,7 +280,8 @@ class Sampler:
                 self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
             )
             left = allowance.find_limit(budget, 0) - len(parts[0])
-            parts = [add_surround(parts[0], touching, centre, resolved, left)]
+            share = FINE_SILENT_SHARE if self.fine else MAX_SILENT_SHARE
+            parts = [add_surround(parts[0], touching, centre, resolved, left, share)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
     def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:
@@ -419,8 +425,8 @@ class Sampler:
                 if source is not None:
                     sources.append((source, self._compute_spacing(item, hand.centre)))
         if self.spacing is None:
-            count = FINE_CONTACT_SAMPLES if self.fine else CONTACT_SAMPLES
-            self._wanted = space_contacts(sources, count, self._wanted)
+            density = ContactDensity(FINE_SHARE * self.budget, FINE_LEAST) if self.fine else IN_TIME
+            self._wanted = space_contacts(sources, density, self._wanted)
         sources.sort(key=lambda source: -source[0].item.priority)
         return sources if skin or self.spacing is not None else refine(sources, self.budget)
 

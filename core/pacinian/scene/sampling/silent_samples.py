@@ -21,21 +21,23 @@ if TYPE_CHECKING:
 # Limits of the distance from a silent sample to its region, over the resolution.
 INNER, OUTER = 0.25, 1.2
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
-MAX_SILENT_SHARE = 1.0 / 3.0  # maximum ratio of silent to pressing samples; more have little effect
+# maximum ratio of silent to pressing samples: if solves must be fast, and otherwise
+MAX_SILENT_SHARE, FINE_SILENT_SHARE = 1.0 / 3.0, 0.75
 MAX_OF_SMALL = 48  # maximum number of silent samples where that ratio allows fewer
 
 
 def add_surround(
-    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int
-) -> Samples:
+    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int,
+    share: float = MAX_SILENT_SHARE,
+) -> Samples:  # fmt: skip
     """Add evenly spread silent samples on the skin beside the regions that touch it.
 
-    Their number is at most a third of the pressing samples, or 48 if that is more. centre: of the array, (3,) [m]; skin
+    Their number is at most `share` of the pressing samples, or 48 if that is more. centre: of the array, (3,) [m]; skin
     that faces away from it gets none. resolved: resolution of the array there [m]. most: a further limit of the
     number of silent samples.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, max(MAX_OF_SMALL, int(MAX_SILENT_SHARE * len(of))))
+    most = min(most, max(MAX_OF_SMALL, int(share * len(of))))
     if most <= 0 or not len(of):
         return samples
     q, every = samples.positions[of], [samples]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
 from pacinian.scene.sampling.contact import Contact
@@ -17,13 +17,25 @@ if TYPE_CHECKING:
 SPACING_WITHOUT_ARRAY = 0.0085  # spacing before an array is known [m]
 # Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
 REGION_SPACING = 0.5 / LEVEL_RATIO
-# Limits of the spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
-MIN_CONTACT_SPACING, MAX_CONTACT_SPACING = 0.08, 0.3
-# Intended number of samples of all contacts, if each stood for the square of the spacing; the larger if solves may take
-# long. Points of a skin lie less densely, so that contacts have about half of these.
-CONTACT_SAMPLES, FINE_CONTACT_SAMPLES = 150, 290
+# Largest spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
+MAX_CONTACT_SPACING = 0.3
 # a contact keeps its spacing if the spacing would change by less than this factor
 KEPT_SPACING = 1.3
+
+
+class ContactDensity(NamedTuple):
+    """How densely contacts are sampled.
+
+    number: intended number of samples of all contacts, if each stood for the square of the spacing. Points of a skin
+    lie less densely, so that contacts have about half of these. least: smallest spacing, over the resolution.
+    """
+
+    number: float
+    least: float
+
+
+IN_TIME = ContactDensity(150, 0.08)  # if solves must be fast
+FINE_SHARE, FINE_LEAST = 1.25, 0.06  # otherwise: number of samples over the budget (decision 80)
 
 
 def compute_spacing(
@@ -37,9 +49,9 @@ def compute_spacing(
 
 
 def space_contacts(
-    sources: list[tuple[SampleSource, float]], count: int, last: dict[int, float]
+    sources: list[tuple[SampleSource, float]], density: ContactDensity, last: dict[int, float]
 ) -> dict[int, float]:
-    """Set the spacings of all contacts that are regions, so that together they have about `count` samples.
+    """Set the spacings of all contacts that are regions, so that together they have about `density.number` samples.
 
     sources: each with its spacing [m]; those of contacts are replaced. last: previous spacings, by the name of the
     contact [m]. Returns the new ones.
@@ -50,23 +62,21 @@ def space_contacts(
         for n, (source, spacing) in enumerate(sources)
         if isinstance(source, Contact) and forms_region(source.item)
     ]
-    each = sum(contact.extent for _, contact, _ in dense) / count
+    each = sum(contact.extent for _, contact, _ in dense) / density.number
     for n, contact, resolved in dense:
-        spacing = _choose_spacing(each, resolved, last.get(contact.name))
+        spacing = _choose_spacing(each, resolved, density.least, last.get(contact.name))
         wanted[contact.name] = contact.fine = spacing
         sources[n] = contact, spacing
     return wanted
 
 
-def _choose_spacing(each: float, resolved: float, last: float | None) -> float:
+def _choose_spacing(each: float, resolved: float, least: float, last: float | None) -> float:
     """Return the spacing of a contact's samples [m], but no finer than the array can use.
 
-    each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. last: previous
-    spacing [m], which is kept if the new one is similar.
+    each: area for which one sample should stand [m^2]. resolved: resolution of the array there [m]. least: smallest
+    spacing, over that. last: previous spacing [m], which is kept if the new one is similar.
     """
-    wanted = min(
-        max(math.sqrt(each), MIN_CONTACT_SPACING * resolved), MAX_CONTACT_SPACING * resolved
-    )
+    wanted = min(max(math.sqrt(each), least * resolved), MAX_CONTACT_SPACING * resolved)
     if last is not None and wanted / KEPT_SPACING < last < wanted * KEPT_SPACING:
         return last
     return wanted

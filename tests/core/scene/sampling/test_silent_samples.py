@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.sample_budget import ON_SKIN
+from pacinian.scene.sampling.sample_budget import FINE_ON_SKIN, ON_SKIN
 from pacinian.scene.sampling.silent_samples import INNER, MAX_OF_SMALL, OUTER
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
@@ -27,19 +27,26 @@ def ball(radius: float, depth: float) -> pc.Scene:
     return pc.Scene((item,), hands=(hand,))
 
 
-def sampled(scene: pc.Scene, budget: int = 256, surround: bool = True) -> pc.Samples:
-    """Return the samples of a scene. budget: most samples on skin."""
-    sampler = pc.Sampler(round(budget / ON_SKIN.shares[0]))
+def sampled(
+    scene: pc.Scene, budget: int = 256, surround: bool = True, fine: bool = False
+) -> pc.Samples:
+    """Return the samples of a scene. budget: most samples on skin. fine: whether solves may take long."""
+    sampler = pc.Sampler(round(budget / (FINE_ON_SKIN.shares[-1] if fine else ON_SKIN.shares[0])))
     sampler.prepare(ARRAY, AIR)
-    sampler.surround = surround
+    sampler.surround, sampler.fine = surround, fine
     return sampler.sample(scene, 0.0)
 
 
+@pytest.mark.parametrize("fine", [False, True])
 @pytest.mark.parametrize("scene", [ball(0.01, 0.003), ball(0.03, 0.004), SCENES["crowd"](0.3)])
-def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(scene: pc.Scene) -> None:
-    plain, both = sampled(scene, surround=False), sampled(scene)
+def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(
+    scene: pc.Scene, fine: bool
+) -> None:
+    budget = 480 if fine else 256
+    plain, both = (sampled(scene, budget, surround=around, fine=fine) for around in (False, True))
     silent = both.radiation_pressure == 0.0
-    assert 0.1 * len(plain) < silent.sum() <= max(MAX_OF_SMALL, len(plain) / 3)
+    assert 0.1 * len(plain) < silent.sum()
+    assert silent.sum() <= max(MAX_OF_SMALL, len(plain) if fine else len(plain) / 3)
     assert np.array_equal(both.positions[~silent], plain.positions)
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)
@@ -60,6 +67,8 @@ def test_the_budget_is_kept_and_what_touches_comes_first() -> None:
     some = sampled(scene, len(plain) + 5)
     assert len(plain) < len(some) <= len(plain) + 5
     assert len(sampled(scene, len(plain))) == len(plain)
+    assert len(sampled(scene, 480, fine=True)) > 180
+    assert len(sampled(scene, 180, fine=True)) <= 180
 
 
 def test_without_a_hand_or_a_region_there_is_none() -> None:
