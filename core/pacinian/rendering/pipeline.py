@@ -53,6 +53,9 @@ MAX_AGE = 0.02
 # Largest movement of samples since the last background solve for which no other solve is made: a twentieth of a
 # wavelength [m].
 MAX_CREEP = 4e-4
+# Quiet zones, power limits and exact samples take longer to solve for. If the solver ran out of time and the samples
+# are at rest, the next solve beside the ticks gets so many times as long, up to a limit [relative to the deadline].
+PATIENCE_GROWTH, MAX_PATIENCE = 4.0, 32.0
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 
 
@@ -124,6 +127,7 @@ class Pipeline:
         """
         self._aim = -math.inf  # scene time for which the last job solved [s]
         self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
+        self._patience = 1.0  # factor on the deadline of the next job beside the ticks
         self._measures = False  # whether the job beside the ticks only measures
         self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
@@ -304,6 +308,8 @@ class Pipeline:
         age = max(MAX_AGE, MAX_TICKS * self.period)
         if self.played.solutions.motion is not None and not (self._seen and self._seen.hands):
             age *= PATIENCE
+        if self._seen and self._seen.objects:  # what ends must end soon
+            age *= self._patience
         old = self.stages.now() - self._started >= age
         return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
 
@@ -327,6 +333,8 @@ class Pipeline:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
         time = (MAX_TICKS if beside else 1) * self.period
+        if beside:
+            time *= self._patience
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
         at = self._find_aim(t, beside)
         last, known = self.played, self.sampler.sample_counts
@@ -398,7 +406,18 @@ class Pipeline:
         self.schedule.rests = outcome.solutions is self.played.solutions and self.sampler.still
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
+        self._find_patience(outcome)
         self._before, self.played, self._taken = self.played, outcome, outcome
+
+    def _find_patience(self, outcome: SolveResult) -> None:
+        """Set the factor on the deadline of the next job beside the ticks, after this result."""
+        limits = outcome.solutions.limits
+        rests = outcome.solutions.samples is self.played.solutions.samples
+        slow = rests and (limits_join(limits) or limits.zones)
+        if slow and any(one.ran_out_of_time for one in outcome.fresh):
+            self._patience = min(PATIENCE_GROWTH * self._patience, MAX_PATIENCE)
+        elif outcome.fresh or not slow:
+            self._patience = 1.0
 
     @property
     def _fresh(self) -> tuple[CachedSolution, ...]:

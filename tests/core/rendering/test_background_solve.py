@@ -93,6 +93,52 @@ def test_what_it_says_of_moving_samples_is_that_they_are_interpolated() -> None:
         assert renderer.report.deviations.totals["point"]["interpolated"].ticks >= 28
 
 
+class TakesTime(pc.Solver):
+    """Like `lagrange`, but takes NEEDED [s] of a manual clock, or as long as it may. given: that time of each solve."""
+
+    name = "takes time"
+    keeps = pc.solver("lagrange").keeps
+    NEEDED = 0.1
+
+    def __init__(self, clock: ManualClock) -> None:
+        self.clock, self.given = clock, list[float]()
+
+    def solve(self, *problem: Any) -> Any:
+        budget = problem[4]
+        left = budget.due - budget.clock()
+        self.given.append(left)
+        self.clock.time += min(left, self.NEEDED)
+        result = pc.solver("lagrange").solve(*problem)
+        if left < self.NEEDED:
+            problem[5][:] *= 0.3
+        return result
+
+
+@pytest.mark.parametrize("limits", [pc.Limits(power=50.0), pc.Limits()])
+def test_a_slow_limit_gets_more_time_while_all_is_at_rest(limits: pc.Limits) -> None:
+    """Otherwise, a still scene would stay as the first short solves have left it."""
+    clock = ManualClock()
+    solver, scene = TakesTime(clock), [at(0.0)]
+    renderer, _ = make(lambda t: scene[0], solver=solver, limits=limits, clock=clock)
+    with renderer:
+        renderer.tick(0.0)
+        solve_beside(renderer)
+        solver.given.clear()
+        for k in range(1, 1500):
+            renderer.tick(k * TICK)
+        if limits.power is None:
+            assert max(solver.given) < 0.02
+            return
+        assert max(solver.given) >= solver.NEEDED
+        assert renderer.solution is not None
+        assert renderer.solution.status is pc.Status.ok
+        scene[0] = at(0.01)  # what moves is solved for at once again
+        solver.given.clear()
+        for k in range(1500, 1520):
+            renderer.tick(k * TICK)
+        assert solver.given[0] < 0.02
+
+
 def test_a_moving_focus_passes_evenly_from_one_solution_to_the_next() -> None:
     """The rows that were sent show it: the focus is never lost between two solutions."""
     renderer, device = make(lambda t: at(0.2 * t))
