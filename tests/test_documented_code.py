@@ -60,10 +60,17 @@ def test_its_python_runs(
 
 
 def test_the_example_of_a_game_runs(
-    server: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    server: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
 ) -> None:
+    """It plays for a second, in which its ball rolls there and back once."""
     monkeypatch.setenv(VARIABLE, server)
-    runpy.run_path(str(ROOT / "examples/client.py"))
+    code = (ROOT / "examples/client.py").read_text()
+    assert "RATE, SECONDS = 90.0, 5.0" in code
+    (tmp_path / "client.py").write_text(code.replace("90.0, 5.0", "90.0, 1.0"))
+    runpy.run_path(str(tmp_path / "client.py"))
     assert re.search(r"\d+ samples", capsys.readouterr().out)
 
 

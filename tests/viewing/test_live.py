@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -135,11 +136,15 @@ def test_a_slice_and_a_volume_are_the_field(url: str, server: Running) -> None:
         assert {k: page.newest["slice"][k] for k in PLANE} == PLANE
 
 
-def test_a_page_that_does_not_read_for_a_while_sees_the_present(url: str, server: Running) -> None:
+@pytest.mark.parametrize("missed", [40, pytest.param(200, marks=pytest.mark.deep)])
+def test_a_page_that_does_not_read_for_a_while_sees_the_present(
+    url: str, server: Running, missed: int
+) -> None:
+    """The websocket's client buffers 16 messages, and 200 are more than all buffers on the way hold."""
     with Page(url) as page, Page(url) as other, Game(server.connection):
         page.next("state")
         other.next("state")
-        other.until(lambda: other.counts["state"] > 200)  # more than the websocket buffers
+        other.until(lambda: other.counts["state"] > missed)
         present = other.newest["state"]["time"]
         heard = page.counts["state"]
         page.until(lambda: page.newest["state"]["time"] >= present)
@@ -421,11 +426,14 @@ def test_a_stop_of_any_page_always_works(url: str, server: Running) -> None:
 
 
 def test_two_viewers_and_many_pages(url: str, server: Running) -> None:
+    def sees(page: Page) -> None:
+        page.until(lambda: page.counts["state"] > 10 and "ball" in page.objects)
+
     with viewer(server.connection) as second, Game(server.connection):
         pages = [Page(address) for address in (url, second) for _ in range(8)]
         try:
-            for page in pages:
-                page.until(lambda page=page: page.counts["state"] > 10 and "ball" in page.objects)
+            with ThreadPoolExecutor(len(pages)) as readers:  # all read at the same time
+                list(readers.map(sees, pages))
             last = pages[-1]
             last.until(
                 lambda: [c["name"] for c in last.newest["state"]["clients"]].count("viewer") == 2

@@ -16,11 +16,13 @@ from click.testing import CliRunner
 
 import pacinian as pc
 from pacinian.cli.main import cli
-from pacinian_lab.scenes import growth, savings
+from pacinian_lab.regions import skin
+from pacinian_lab.scenes import audibility, growth, savings
 from pacinian_lab.scenes import run as scenes
+from pacinian_lab.scenes.audibility import CASES, Sound
 from pacinian_lab.scenes.growth import Growth
 from pacinian_lab.scenes.savings import Saving
-from pacinian_lab.solvers import peers
+from pacinian_lab.solvers import peers, plots
 
 FAKE = Path(__file__).parents[1] / "solvers" / "fake.py"
 LIMIT = 200.0  # [s] ends a test that hangs
@@ -94,7 +96,10 @@ def test_missing_peers_are_told_with_the_command_to_run(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands for Python")
-def test_without_json_tables_tell_of_peers_beside_ours_and_of_their_faults(tmp_path: Path) -> None:
+def test_without_json_tables_tell_of_peers_beside_ours_and_of_their_faults(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plots, "draw", lambda cells, folder: [])  # drawn above
     for peer, how in (("autd3", "works"), ("levitate", "crashes"), ("acoustools", "dies at once")):
         python = tmp_path / peer / "bin" / "python"
         python.parent.mkdir(parents=True)
@@ -161,9 +166,14 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         growth, "measure", lambda array, ticks: [Growth(n, 1.0, 1.0, 1.0) for n in (1, 10_000)]
     )
+    silent = (-80.0, -80.0, -80.0)
+    monkeypatch.setattr(
+        audibility, "measure", lambda array: [Sound(what, silent, silent) for what in CASES]
+    )
 
 
-def test_a_scene_is_measured_and_told_as_a_list_of_rows() -> None:
+def test_a_scene_is_measured_and_told_as_a_list_of_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(skin, "_fine", lambda: None)  # of hands, which these scenes do not have
     result = run(
         "scenes", "--scene", "static-focus", "--scene", "empty", "--units", "1",
         "--seconds", "0.05", "--json",
@@ -182,7 +192,16 @@ def test_scenes_without_json_are_tables_with_skips_growth_and_targets(tmp_path: 
     out = tmp_path / "deep" / "scenes.json"
     result = run("scenes", "--out", str(out))
     assert result.exit_code == 0, result.output
-    for word in ("stm-circle", "dummy", "nothing changed", "10000", "missed", "500 Hz held", "met"):
+    for word in (
+        "stm-circle",
+        "dummy",
+        "nothing changed",
+        "10000",
+        *CASES,
+        "missed",
+        "500 Hz held",
+        "met",
+    ):
         assert word in result.stdout
     told = json.loads(out.read_text())
     assert len(told["rows"]) == 9

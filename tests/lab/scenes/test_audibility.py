@@ -1,12 +1,21 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 import pacinian as pc
 from pacinian_lab.scenes import audibility as sounds
 
+if TYPE_CHECKING:
+    import pytest
 
-def test_a_focus_that_stays_is_not_disturbed_and_the_room_is_quieter_with_ramps() -> None:
+
+def test_a_focus_that_stays_is_not_disturbed_and_the_room_is_quieter_with_ramps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A quarter of a second has all five hops, and two blinks."""
+    monkeypatch.setattr(sounds, "TICKS", sounds.WARM + 250)
     found = sounds.measure(pc.autd())
     assert [one.what for one in found] == list(sounds.CASES)
     for one in found:

@@ -13,6 +13,7 @@ import pacinian as pc
 from pacinian import demo_scene, gallery
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
+from pacinian_lab.regions import skin
 from pacinian_lab.scenes import growth, savings
 from pacinian_lab.scenes import report as scene_report
 from pacinian_lab.scenes import run as scenes
@@ -47,8 +48,9 @@ ROW = Row(
 
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Renderers take no time by their clocks: none of their ticks is missed."""
+    """Renderers take no time by their clocks: none of their ticks is missed. No fine skin is made."""
     monkeypatch.setattr(renderer, "SystemClock", ManualClock)
+    monkeypatch.setattr(skin, "_fine", lambda: None)  # of hands, which no scene of a row has here
 
 
 def run(scene: Any, seconds: float = 0.06, array: pc.Array = ONE) -> Run:
@@ -89,7 +91,7 @@ def test_the_dummy_loop_burns_as_much_time_as_the_median_tick() -> None:
 
 def test_the_error_is_that_of_the_session_for_what_the_device_makes() -> None:
     for scene in (pc.Scene((POINT,)), gallery.palm):
-        found = run(scene)
+        found = run(scene, seconds=0.02)
         look = found.looks[-1]
         session, samples = found.renderer.session, look.samples
         facing = None
@@ -106,7 +108,7 @@ def test_the_error_is_that_of_the_session_for_what_the_device_makes() -> None:
 
 def test_a_loop_however_late_is_given_the_scene_of_its_time() -> None:
     """The last update that was made ahead would be too old: its hand would be lost, and all silent."""
-    found = run(gallery.SCENES["palm"])
+    found = run(gallery.SCENES["palm"], seconds=0.005)
     for t in (0.5, 100.0, 3000.0):
         (hand,) = found._at(t).hands
         assert hand.time is not None
@@ -185,9 +187,11 @@ def test_what_goes_wrong_in_a_tick_is_raised() -> None:
         side.tick(0.02)
 
 
-def frames(skip: Skip, ticks: int = 12) -> tuple[list[Any], list[Any], Side, Side]:
+def frames(
+    skip: Skip, ticks: int = 12, array: pc.Array = ARRAY
+) -> tuple[list[Any], list[Any], Side, Side]:
     """What both sides emit, tick by tick."""
-    sides = Side(ARRAY, skip.on), Side(ARRAY, skip.off, skip.sampler(), skip.before)
+    sides = Side(array, skip.on), Side(array, skip.off, skip.sampler(), skip.before)
     out: tuple[list[Any], list[Any]] = ([], [])
     with sides[0].renderer, sides[1].renderer:
         for k in range(ticks):
@@ -204,9 +208,9 @@ SAME = [what for what in SKIPS if "reach" not in what and "faint" not in what]
 
 @pytest.mark.parametrize("what", SAME)
 def test_a_skip_changes_nothing_that_is_felt(what: str) -> None:
-    on, off, _, side = frames(SKIPS[what])
+    on, off, _, side = frames(SKIPS[what], array=ONE)
     q = side.renderer.session.propagator.points
-    p, r = (np.abs([pc.field(ARRAY, g, q, medium=pc.Air()) for g in gains]) for gains in (on, off))
+    p, r = (np.abs([pc.field(ONE, g, q, medium=pc.Air()) for g in gains]) for gains in (on, off))
     np.testing.assert_allclose(p, r, atol=0.02 * r.max())
     assert r.max() > 0.0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 import pacinian as pc
 import pacinian_lab.study as ps
 from pacinian_lab.commands.study import study
+from pacinian_lab.study import charts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,8 +51,10 @@ def test_a_list_shows_the_tasks_and_does_nothing(
 
 
 def test_it_runs_reports_and_goes_on_after_a_change(
-    write: Callable[..., Path], tmp_path: Path
+    write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(charts, "MESSAGES", dict(islice(charts.MESSAGES.items(), charts.ACROSS)))
+    monkeypatch.setattr(charts, "AGAINST", charts.AGAINST[:1])
     path, out = write(TINY), tmp_path / "out"
     result = run(path, "--out", out, "--workers", 0)
     assert result.exit_code == 0, result.output

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -237,6 +238,8 @@ def test_of_many_layouts_the_first_are_drawn_and_the_report_says_so(
 ) -> None:
     monkeypatch.setattr(images, "LAYOUTS", 2)
     monkeypatch.setattr(charts, "LAYOUTS", 2)
+    monkeypatch.setattr(charts, "MESSAGES", dict(islice(charts.MESSAGES.items(), charts.ACROSS)))
+    monkeypatch.setattr(charts, "AGAINST", charts.AGAINST[:1])
     path = write(MANY % "0.3, 0.4, 0.5")
     plan, out = Plan(ps.read(path)), tmp_path / "out"
     drawn: list[int] = []
