@@ -38,6 +38,10 @@ MAX_SOURCES = 256
 # Golden ratio minus 1, whose multiples modulo 1 are evenly scattered.
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # largest number of transducers used to compute the array's radius
+# If the mean of the transducers' normals is shorter than this, parts of the array face in different directions.
+MIN_COMMON_NORMAL = 0.75
+# Transducers face in the same direction if the cosine between their normals is larger than this.
+MIN_COSINE = 0.7
 # mu in the steps that turn a wave away from quiet zones, relative to the mean of diag(G).
 ASIDE = 0.1
 TURNS = 16  # number of steps that turn a wave away from quiet zones
@@ -67,9 +71,11 @@ def joint_phases(
     such as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases, the field is even between points
     that are at most half a wavelength apart.
 
-    array: its radius is a root mean square, with each transducer weighted by its power at m. points: q, of one region,
-    (M, 3) [m]. medium: the air. radiation_pressure: targets of the points, (M,), which serve as weights, so
-    that a point with a small target has little influence when it appears or disappears; equal weights by default.
+    array: if its parts face in different directions, such as two units that face each other, only the largest part
+    that faces in one counts, because the middle of all may lie in the region. Its radius is a root mean square, with
+    each transducer weighted by its power at m. points: q, of one region, (M, 3) [m]. medium: the air.
+    radiation_pressure: targets of the points, (M,), which serve as weights, so that a point with a small target has
+    little influence when it appears or disappears; equal weights by default.
     Raises ArgumentError.
     """
     check_kind("array", array, Array)
@@ -82,7 +88,7 @@ def joint_phases(
     phases = np.empty(len(q))
     if len(q):
         kernels.converge(
-            q, P, _choose_subset(array), array.centre.copy(), k, MIN_CONVERGENCE, 0.0, phases
+            q, P, _choose_subset(array), _find_centre(array), k, MIN_CONVERGENCE, 0.0, phases
         )  # fmt: skip
     return phases
 
@@ -112,7 +118,7 @@ def settle_phases(
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
     some, wave = _choose_subset(array), np.empty(M)
-    source, least = propagator.origin, MIN_CONVERGENCE
+    source, least = _find_centre(array), MIN_CONVERGENCE
     if propagator.facing is not None:
         source, least = _find_source(propagator, regions >= 0), ON_SKIN
     kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
@@ -152,8 +158,31 @@ def _is_relaxed(propagator: Propagator, targets: Targets, tilt: float) -> bool:
 
 @functools.lru_cache(maxsize=16)
 def _choose_subset(array: Array) -> Floats:
-    """Return the positions of at most MAX_SUBSET transducers, spread over the whole array, (V, 3) [m]."""
-    return array.positions[:: -(-len(array) // MAX_SUBSET)].copy()
+    """Return the positions of at most MAX_SUBSET transducers, spread over the array, or its side, (V, 3) [m]."""
+    side = _choose_side(array)
+    return side[:: -(-len(side) // MAX_SUBSET)].copy()
+
+
+@functools.lru_cache(maxsize=16)
+def _choose_side(array: Array) -> Floats:
+    """Return the positions of the transducers from which waves come, (V, 3) [m].
+
+    These are all. If parts of the array face in different directions, they are those of the largest part that faces in
+    one, because the middle of all may lie in a region.
+    """
+    n = array.normals
+    if not len(n) or float(np.linalg.norm(n.mean(axis=0))) >= MIN_COMMON_NORMAL:
+        return array.positions
+    same = n[:: -(-len(n) // MAX_SUBSET)] @ n.T > MIN_COSINE
+    side: Floats = array.positions[same[same.sum(axis=1).argmax()]]
+    return side
+
+
+def _find_centre(array: Array) -> Floats:
+    """Return the middle of the transducers from which waves come, (3,) [m]."""
+    return np.array(
+        array.centre if (side := _choose_side(array)) is array.positions else side.mean(axis=0)
+    )
 
 
 def _find_source(propagator: Propagator, pressing: Flags) -> Floats:

@@ -49,6 +49,37 @@ def test_joint_phases_are_those_of_a_wave_that_converges_beyond():
     assert pc.joint_phases(ARRAY, np.empty((0, 3)), medium=AIR).shape == (0,)
 
 
+def face(axis, angle, *position):
+    """Return a unit that is turned about an axis and moved."""
+    turn = pc.Pose().rotate(axis, angle)
+    return pc.autd().transform(pc.Pose(position, turn.rotation))
+
+
+LEFT = face("y", math.pi / 2, -0.2, 0.0, 0.2)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        pc.autd() + face("x", math.pi, 0.0, 0.0, 0.4),
+        LEFT + face("y", -math.pi / 2, 0.2, 0.0, 0.2),
+        pc.autd() + LEFT,
+        LEFT + face("y", -math.pi / 2, 0.2, 0.0, 0.2)
+        + face("x", -math.pi / 2, 0.0, -0.2, 0.2) + face("x", math.pi / 2, 0.0, 0.2, 0.2),
+    ],
+    ids=["floor and ceiling", "two walls", "floor and wall", "four walls"],
+)  # fmt: skip
+@pytest.mark.parametrize("z", [0.17, 0.2])
+def test_units_that_face_one_another_press_evenly_in_their_middle(array, z):
+    q, rng = patch(z=z, count=7, spacing=0.003), np.random.default_rng(3)
+    t = pc.sound_pressure(np.ones(len(q)), AIR)
+    solution = pc.solve(array, q, t, medium=AIR, regions=np.zeros(len(q), int))
+    places = np.column_stack([rng.uniform(-0.009, 0.009, (500, 2)), np.full(500, z)])
+    felt = pc.radiation_pressure(np.abs(pc.field(array, solution.gains, places, medium=AIR)), AIR)
+    assert felt.mean() == pytest.approx(1.0, abs=0.02)
+    assert np.sqrt(((felt - 1.0) ** 2).mean()) < 0.07
+
+
 def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
     q, array = patch(count=3), pc.autd(3, 3)
     normals = np.tile([math.sqrt(0.75), 0.0, -0.5], (9, 1))  # towards the array's right side
