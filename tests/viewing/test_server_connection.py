@@ -314,7 +314,10 @@ def test_the_page_that_armed_is_told_at_once_why_that_has_ended(fake: Fake, url:
         one.next("state")
         armed(other)
         fake.until(lambda: other.say("alive") or renewed(fake))
-        fake.say(replies.Error(id=0, code="owner", message="game has taken the output"))
+        ended = {control.Renew: lambda m: replace(usual(m), armed=False)}
+        fake.say(
+            replies.Error(id=0, code="owner", message="game has taken the output"), answers=ended
+        )
         refused = other.next("refused")
         assert (refused["action"], refused["message"]) == ("arm", "game has taken the output")
         one.catch_up()

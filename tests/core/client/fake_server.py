@@ -107,12 +107,17 @@ class Fake:
         self._todo.put((what, done))
         assert done.wait(PATIENCE)
 
-    def say(self, reply: Any, socket: int = 0) -> None:
+    def say(self, reply: Any, socket: int = 0, answers: dict[type, Any] | None = None) -> None:
         """Send a reply to the client that last sent on that socket, other than an emergency stop.
 
-        socket: 0 for control, 1 for commands.
+        socket: 0 for control, 1 for commands. answers: to messages that come after the reply is sent.
         """
-        self.do(lambda: self._sockets[socket].send_multipart([self.peers[socket], encode(reply)]))
+
+        def send() -> None:
+            self.answers.update(answers or {})
+            self._sockets[socket].send_multipart([self.peers[socket], encode(reply)])
+
+        self.do(send)
 
     def publish(self, *states: State) -> None:
         self.do(lambda: [self._sockets[2].send_multipart([STATE, encode(s)]) for s in states])
