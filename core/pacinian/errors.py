@@ -44,6 +44,8 @@ def describe_error(error: BaseException) -> str:
         text = str(error)
     except (Exception, SystemExit):
         return kind
+    if not text:
+        return kind
     return shorten(text if isinstance(error, PacinianError) else f"{kind}: {text[:MAX_TEXT]}")
 
 

@@ -84,19 +84,37 @@ def _advice(kind: type[Struct], problem: str, key: str, raw: object) -> str:
         if close := difflib.get_close_matches(word, tags, 1, 0.6):
             return f": did you mean `{close[0]}`?"
         return f": there are {', '.join(tags)}"
-    words = _words(kind, re.split(r"[.\[]", key + ".")[1])
+    values = _list_values(kind, key, raw) if "enum" in problem else []
+    words = values or _words(kind, re.split(r"[.\[]", key + ".")[1])
     if close := difflib.get_close_matches(word, words, 1, 0.6):
         return f": did you mean `{close[0]}`?"
-    known = "see `pacinian schema` for what there is"
-    return f": {known if kind.__name__ == 'SceneFile' else 'there are ' + ', '.join(words)}"
+    if not values and kind.__name__ == "SceneFile":
+        return ": see `pacinian schema` for what there is"
+    return f": there are {', '.join(words)}"
 
 
 def _list_tags(kind: type[Struct], key: str, raw: Any) -> list[str]:
     """Return the types that are allowed at a key such as `$.objects[0].shape.type`; none if it has no types."""
+    return list(_find_tags(_find_node(kind, key.removesuffix(".type"), raw)))
+
+
+def _list_values(kind: type[Struct], key: str, raw: Any) -> list[str]:
+    """Return the words that are allowed at a key; none if it has others than words."""
+    node = _find_node(kind, key, raw)
+    return [
+        word
+        for part in (node, *node.get("anyOf", ()))
+        for word in part.get("enum", ())
+        if isinstance(word, str)
+    ]
+
+
+def _find_node(kind: type[Struct], key: str, raw: Any) -> dict[str, Any]:
+    """Return the part of the schema at a key; an empty one if there is none."""
     schema = _schema(kind)
     node: Any = {"$ref": schema["$ref"]}
     try:
-        for name, index in re.findall(r"\.([\w-]+)|\[(\d+)\]", key.removesuffix(".type")):
+        for name, index in re.findall(r"\.([\w-]+)|\[(\d+)\]", key):
             if index:
                 node, raw = node["items"], raw[int(index)]
                 continue
@@ -104,9 +122,9 @@ def _list_tags(kind: type[Struct], key: str, raw: Any) -> list[str]:
             reference = mapping[raw["type"]] if mapping else node["$ref"]
             node = schema["$defs"][reference.removeprefix("#/$defs/")]["properties"][name]
             raw = raw.get(name)
-        return list(_find_tags(node))
     except (LookupError, TypeError, AttributeError):
-        return []
+        return {}
+    return node if isinstance(node, dict) else {}
 
 
 def _find_tags(node: Any) -> dict[str, str]:

@@ -184,5 +184,10 @@ def test_the_name_of_what_is_raised_is_cut_too() -> None:
     assert len(errors.describe_error(type("N" * 10**6, (Exception,), {})("x"))) == errors.MAX_TEXT
 
 
+@pytest.mark.parametrize("kind", [errors.BackendError, MemoryError, ValueError])
+def test_an_error_without_a_text_is_told_by_its_kind(kind: type[Exception]) -> None:
+    assert errors.describe_error(kind("")) == kind.__name__
+
+
 def test_our_errors_are_told_without_their_kind() -> None:
     assert errors.describe_error(errors.BackendError("it is gone")) == "it is gone"

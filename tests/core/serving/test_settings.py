@@ -63,6 +63,7 @@ def test_the_example_names_every_key() -> None:
         ("[safety]\nleese = 0.2", "$.safety", "did you mean `lease`"),
         ("ratte = 2", "", "did you mean `rate`"),
         ("[log]\ncolour = 1", "$.log", "there are"),
+        ("[log]\nformat = 'xml'", "$.log.format", "there are console, json"),
         ("[safety]\nlease = 11", "$.safety", "`lease` must be 0.05 or more and at most 10"),
         ("[safety]\nlease = nan", "$.safety", "finite"),
         ("[safety]\npressure = 0", "$.safety", "more than 0"),
