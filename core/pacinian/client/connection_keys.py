@@ -15,19 +15,22 @@ MAKE_KEYS = "`pacinian keys` makes one"
 
 
 def resolve_connection(
-    connection: Connection | Path | str | None, keys: Path | str | None, *, private: bool = True
+    connection: Connection | Path | str | None,
+    keys: Path | str | None,
+    *,
+    require_private: bool = True,
 ) -> Connection:
     """Return the given connection, or read it from a file; add the keys from a file or a folder.
 
     keys: NAME.key_secret, or a folder that holds one. The server's public key is in the connection, or beside that
-    file. private: whether to refuse a connection file that others can read or change. Raises ConnectionLost,
+    file. require_private: whether to refuse a connection file that others can read or change. Raises ConnectionLost,
     ArgumentError.
     """
     if isinstance(connection, Connection):
         made = connection
     else:
         try:
-            made = Connection.read(connection or "", private=private)
+            made = Connection.read(connection or "", require_private=require_private)
         except ServerError as error:
             raise ConnectionLost(str(error)) from None
     return made if keys is None else _with_keys(made, Path(keys))

@@ -30,7 +30,7 @@ def emergency_stop(
     connection, keys: as for `Client`. timeout: for the confirmation [s]. Raises ConnectionLost after the timeout;
     Refused.
     """
-    given, begin = resolve_connection(connection, keys, private=False), time.perf_counter()
+    given, begin = resolve_connection(connection, keys, require_private=False), time.perf_counter()
     # half of the time is left for the other way
     if given.stop and request_stop(given.stop, given.secret, timeout / 2.0):
         return

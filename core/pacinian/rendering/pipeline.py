@@ -413,10 +413,10 @@ class Pipeline:
         """Set the factor on the deadline of the next job beside the ticks, after this result."""
         limits = outcome.solutions.limits
         rests = outcome.solutions.samples is self.played.solutions.samples
-        slow = rests and (limits_join(limits) or limits.zones)
-        if slow and any(one.ran_out_of_time for one in outcome.fresh):
+        waits = rests and (limits_join(limits) or limits.zones)
+        if waits and any(one.ran_out_of_time for one in outcome.fresh):
             self._patience = min(PATIENCE_GROWTH * self._patience, MAX_PATIENCE)
-        elif outcome.fresh or not slow:
+        elif outcome.fresh or not waits:
             self._patience = 1.0
 
     @property

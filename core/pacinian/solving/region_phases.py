@@ -40,8 +40,9 @@ GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # largest number of transducers used to compute the array's radius
 # If the mean of the transducers' normals is shorter than this, parts of the array face in different directions.
 MIN_COMMON_NORMAL = 0.75
-# Transducers face in the same direction if the cosine between their normals is larger than this.
-MIN_COSINE = 0.7
+# Transducers face in the same direction if the cosine between their normals is larger than the first of these, and in
+# another one if it is at most the second. If some are in between, the array is curved.
+SAME_COSINE, OTHER_COSINE = 0.7, 0.3
 # mu in the steps that turn a wave away from quiet zones, relative to the mean of diag(G).
 ASIDE = 0.1
 TURNS = 16  # number of steps that turn a wave away from quiet zones
@@ -71,7 +72,7 @@ def joint_phases(
     such as the shell of a ball, needs d' >= 64 s, up to d'/d = 4. With these phases, the field is even between points
     that are at most half a wavelength apart.
 
-    array: if its parts face in different directions, such as two units that face each other, only the largest part
+    array: if separate parts face in different directions, such as two units that face each other, only the largest one
     that faces in one counts, because the middle of all may lie in the region. Its radius is a root mean square, with
     each transducer weighted by its power at m. points: q, of one region, (M, 3) [m]. medium: the air.
     radiation_pressure: targets of the points, (M,), which serve as weights, so that a point with a small target has
@@ -118,8 +119,9 @@ def settle_phases(
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
     some, wave = _choose_subset(array), np.empty(M)
-    source, least = _find_centre(array), MIN_CONVERGENCE
-    if propagator.facing is not None:
+    if propagator.facing is None:
+        source, least = _find_centre(array), MIN_CONVERGENCE
+    else:
         source, least = _find_source(propagator, regions >= 0), ON_SKIN
     kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
     if propagator.nulls is not None:
@@ -167,22 +169,22 @@ def _choose_subset(array: Array) -> Floats:
 def _choose_side(array: Array) -> Floats:
     """Return the positions of the transducers from which waves come, (V, 3) [m].
 
-    These are all. If parts of the array face in different directions, they are those of the largest part that faces in
-    one, because the middle of all may lie in a region.
+    If separate parts of the array face in different directions, these are those of the largest part that faces in one,
+    because the middle of all may lie in a region. Of a curved array, these are all.
     """
     n = array.normals
     if not len(n) or float(np.linalg.norm(n.mean(axis=0))) >= MIN_COMMON_NORMAL:
         return array.positions
-    same = n[:: -(-len(n) // MAX_SUBSET)] @ n.T > MIN_COSINE
-    side: Floats = array.positions[same[same.sum(axis=1).argmax()]]
-    return side
+    cosines = n[:: -(-len(n) // MAX_SUBSET)] @ n.T
+    own = cosines[(cosines > SAME_COSINE).sum(axis=1).argmax()]
+    curved = ((own > OTHER_COSINE) & (own <= SAME_COSINE)).any()
+    return array.positions if curved else np.asarray(array.positions[own > SAME_COSINE])
 
 
+@functools.lru_cache(maxsize=16)
 def _find_centre(array: Array) -> Floats:
     """Return the middle of the transducers from which waves come, (3,) [m]."""
-    return np.array(
-        array.centre if (side := _choose_side(array)) is array.positions else side.mean(axis=0)
-    )
+    return np.asarray(_choose_side(array).mean(axis=0))
 
 
 def _find_source(propagator: Propagator, pressing: Flags) -> Floats:

@@ -73,13 +73,13 @@ class Connection(Struct, frozen=True, kw_only=True):
                 path.unlink()
 
     @classmethod
-    def read(cls, path: str | Path = "", *, private: bool = True) -> Connection:
+    def read(cls, path: str | Path = "", *, require_private: bool = True) -> Connection:
         """Read the file of a running server. Raises ServerError, which names the remedy.
 
-        private: whether to refuse a file that others can read or change.
+        require_private: whether to refuse a file that others can read or change.
         """
         path = locate_connection(path)
-        made = _read_connection(path, private)
+        made = _read_connection(path, require_private)
         if made.pid and not _runs(made.pid):
             raise ServerError(
                 f"{path}: the server that wrote it (process {made.pid}) has gone; {START_SERVER}"
@@ -143,12 +143,12 @@ def check_folder(folder: Path) -> None:
             raise ServerError(f"{part} can be changed by a group of users, {advice}")
 
 
-def _read_connection(path: Path, private: bool = True) -> Connection:
+def _read_connection(path: Path, require_private: bool = True) -> Connection:
     try:
         status, text = _read_file(path)
     except FileNotFoundError:
         raise ServerError(f"{path}: no connection file; {START_SERVER}") from None
-    if private and os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+    if require_private and os.name == "posix" and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise ServerError(
             f"{path}: others can read or change it, so its keys are not secret: run `chmod 600 {path}`. "
             "If others may have read it, then start the server again, which makes new keys"

@@ -80,6 +80,17 @@ def test_units_that_face_one_another_press_evenly_in_their_middle(array, z):
     assert np.sqrt(((felt - 1.0) ** 2).mean()) < 0.07
 
 
+@pytest.mark.parametrize("half", [50.0, 70.0, 85.0, 110.0])
+def test_of_a_bowl_however_deep_all_transducers_count(half):
+    i = np.arange(600)
+    z, angle = 1.0 - (i + 0.5) / 600 * (1.0 - math.cos(math.radians(half))), 2.4 * i
+    across = np.sqrt(1.0 - z * z)
+    away = np.column_stack([across * np.cos(angle), across * np.sin(angle), -z])
+    array, q = pc.Array(0.2 * away, normals=-away), patch(z=0.03)
+    waves = [pc.joint_phases(one, q, AIR) for one in (array, pc.Array(0.2 * away))]
+    assert waves[0] == pytest.approx(waves[1])  # the latter face in one direction
+
+
 def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
     q, array = patch(count=3), pc.autd(3, 3)
     normals = np.tile([math.sqrt(0.75), 0.0, -0.5], (9, 1))  # towards the array's right side
