@@ -37,18 +37,20 @@ class Log(Closeable):
             if file.seek(0, os.SEEK_END) < size:
                 file.truncate(size)
             self._map = mmap.mmap(file.fileno(), size)
+        # written whole; struct would clear the bytes first
+        self._count = memoryview(self._map)[:HEAD].cast("q")
 
     @property
     def count(self) -> int:
         """Number of events so far."""
-        return int(_COUNT.unpack_from(self._map)[0])
+        return int(self._count[0])
 
     def write(self, sounds: bool, at: float | None = None) -> None:
         """Log one event, now or at a time [s]."""
         count = self.count
         place = HEAD + count % MAX_EVENTS * EVENT.itemsize
         _EVENT.pack_into(self._map, place, time.perf_counter() if at is None else at, sounds)
-        _COUNT.pack_into(self._map, 0, count + 1)
+        self._count[0] = count + 1
 
     def read(self, after: int = 0) -> NDArray[np.void]:
         """Return the events from number `after` on, as far as they are kept: fields `time` [s], `sounds`."""
@@ -62,6 +64,7 @@ class Log(Closeable):
 
     def close(self) -> None:
         """Unmap the file."""
+        self._count.release()
         self._map.close()
 
 
@@ -69,7 +72,7 @@ def _places(first: int, count: int) -> Iterable[int]:
     return (HEAD + n % MAX_EVENTS * EVENT.itemsize for n in range(first, count))
 
 
-_COUNT, _EVENT = struct.Struct("<q"), struct.Struct("<dq")
+_EVENT = struct.Struct("<dq")
 
 
 class Probe(pc.Backend):

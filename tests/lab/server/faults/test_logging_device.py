@@ -66,6 +66,25 @@ def test_the_log_outlives_its_process(tmp_path: Path) -> None:
         assert log.read()["sounds"].tolist() == [1]
 
 
+def test_who_reads_while_another_process_writes_sees_each_count_whole(tmp_path: Path) -> None:
+    """A count of which only some bytes were written would be less than one before."""
+    code = (
+        "import sys; from pathlib import Path\n"
+        "from pacinian_lab.server.faults.logging_device import Log\n"
+        "log = Log(Path(sys.argv[1]))\n"
+        "for _ in range(200_000): log.write(True)"
+    )
+    path = tmp_path / "log"
+    with Log(path) as log, subprocess.Popen([sys.executable, "-c", code, str(path)]) as writer:
+        last = 0
+        while writer.poll() is None:
+            for _ in range(1000):
+                count = log.count
+                assert count >= last
+                last = count
+        assert log.count == 200_000
+
+
 def test_unplugged_it_refuses_and_is_silent(probe: Probe, tmp_path: Path) -> None:
     probe.send(frame(5))
     (tmp_path / UNPLUGGED).touch()
