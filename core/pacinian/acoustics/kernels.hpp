@@ -19,7 +19,7 @@ namespace pacinian::acoustics {
 
 constexpr Index TILE = 256;
 constexpr f4 NEAREST = 1e-30f;   // smallest r^2, so that 1 / r is finite on a transducer [m^2]
-constexpr f4 TOUCHING = 1e-12f;  // squared distance within which a point is on a transducer [m^2]
+constexpr f4 TOUCHING = 1e-12f;  // square of TOUCHING_DISTANCE in propagation.py [m^2]
 
 struct Tile {
     alignas(64) f4 real[TILE], imag[TILE], inverse[TILE];

@@ -41,7 +41,7 @@ class Client(ReconnectingClient):
 
     connection: a connection, or the path of its file; by default, the file that the server writes. name: shown to
     people. scene: clients that give the same name share a scene. lease: maximum time between two calls of `renew` while
-    armed [s]; at most, and by default, the server's. timeout: for a reply [s]. keys: this client's CURVE keys, a file
+    armed [s]; default and maximum: the server's. timeout: for a reply [s]. keys: this client's CURVE keys, a file
     or a folder. reconnect: whether the call after one that raised ConnectionLost connects again, unless it is `renew`,
     `hold` or `watch`. clock: a steady clock [s].
 
@@ -116,9 +116,9 @@ class Client(ReconnectingClient):
     def hands(self, *hands: Hand, ttl: float = 1.0, wait: bool = True) -> None:
         """Set all hands that this client tracks. From then on, objects are rendered only where hands touch them.
 
-        Without arguments, nothing is rendered, but the objects stay in the scene. Lost hands, which have no joints,
-        have the same effect. The hands' `time` is by this client's clock; the default is now. Hands that are not lost
-        must have joints.
+        Without arguments, nothing is rendered, but the objects stay in the scene. A lost hand, which has no joints,
+        stays for 50 ms and then fades; all other hands must have joints. The hands' `time` is by this client's clock;
+        the default is now.
         """
         frames, times = messages.make_hands(hands), [h.time for h in hands if h.time is not None]
         now = self._clock()

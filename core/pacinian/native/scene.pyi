@@ -79,19 +79,19 @@ def box(bounds: Floats, out: Floats) -> None:
     Write the lower and the upper corner of the box around spheres, (C, 4), to `out`, (6,) [m].
     """
 
-def press(d: Floats, which: Longs, reach: float, stiffness: float, most: float, points: Floats, normals: Floats, area: Floats, bone: Longs, slack: Floats, capsules: Floats, some: Floats, hardly: float, well: float, inside: Longs, force: Floats) -> int:
+def press(d: Floats, which: Longs, reach: float, stiffness: float, max_pressure: float, points: Floats, normals: Floats, area: Floats, bone: Longs, slack: Floats, capsules: Floats, viewpoints: Floats, blocked: float, full: float, inside: Longs, force: Floats) -> int:
     """
     Write which points of a skin are pressed, and with how much; return how many.
 
-    d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.
+    d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], max_pressure [Pa]: of a material.
     points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper
-    than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3); none for any. hardly,
-    well: as in `array_resolution.weigh_incidence`. inside: indices into `which`, (I,). force: of each [N], (I,).
+    than the slack, there is no skin; none for a mesh. viewpoints: positions of transducers, (V, 3); none: all skin is pressed.
+    blocked, full: mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).
     """
 
 def stale(which: Longs, local: Floats, places: Floats, known: Floats, beyond: float, deep: float, d: Floats, ask: Longs) -> int:
     """
-    Write distances of points as far as those known of where they were suffice; return how many are left to ask.
+    Reuse the known distances of points that have moved little; list the others, and return how many these are.
 
     A distance changes by no more than the point has moved. which: points, (I,). local: where they are, (I, 3). places,
     known: of all points, where each distance was asked, far away if never, and what it was, (K, 3), (K,). d: (I,), if

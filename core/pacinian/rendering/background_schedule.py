@@ -24,10 +24,10 @@ SHORT_SHARE = 0.5
 MIN_FITTING, MAX_FITTING = 256, 4096
 # Number of short solves that a long one cancels. It does not cancel all, because the machine may have caused it.
 PENALTY = 8
-# Number of ticks that a solve in the background may take before the scene loses samples.
-SOLVE_TICKS = 4
-# Largest number of ticks that a solve in the background is expected to take.
-MAX_TICKS = 3 * SOLVE_TICKS
+# Time that a solve in the background may take before the scene loses samples [s].
+GOOD_SOLVE_TIME = 0.004
+# Longest time that a solve in the background is expected to take [s], and in ticks, if these are long.
+MAX_SOLVE_TIME, MIN_MAX_TICKS = 0.012, 3
 # Shortest time from the beginning of a solve in the background to that of the next [s].
 MIN_INTERVAL = 0.008
 # Time after which a solve begins even if the scene has not changed; also the longest time over which a change is
@@ -68,6 +68,11 @@ class BackgroundSchedule:
 
     def __post_init__(self) -> None:
         self._since = self._count_ticks(MAX_INTERVAL)
+
+    @property
+    def max_ticks(self) -> int:
+        """Largest number of ticks that a solve in the background is expected to take."""
+        return max(MIN_MAX_TICKS, self._count_ticks(MAX_SOLVE_TIME))
 
     def _count_ticks(self, seconds: float) -> int:
         """Return the number of ticks in a time [s], at least 1."""
@@ -113,7 +118,7 @@ class BackgroundSchedule:
         """Take account of a background solve that took `seconds` [s]. whole: whether no sample was dropped."""
         fits = whole and seconds < SHORT_SHARE * self.period
         self._seconds.append(seconds)
-        self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), MAX_TICKS)
+        self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), self.max_ticks)
         self._fits = self._fits + 1 if fits else max(0, self._fits - PENALTY)
         if self._fits >= self._wait:
             self.beside, self.ticks, self.interval = False, 1, 1

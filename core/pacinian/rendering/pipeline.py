@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.rendering.background_schedule import MAX_TICKS, SOLVE_TICKS, BackgroundSchedule
+from pacinian.rendering.background_schedule import GOOD_SOLVE_TIME, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.frame_cycle import Cycle, split_frames
@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.types import Floats
 
-# Deadline of a solve, relative to the time that it may take: one tick, or MAX_TICKS ticks in the background.
+# Deadline of a solve, relative to the time that it may take: one tick, or `max_ticks` ticks in the background.
 DEADLINE_SHARE = 0.7
-# The loop waits for a background solve that has run for this long [s], or for MAX_TICKS ticks if that is longer.
+# The loop waits for a background solve that has run for this long [s], or for `max_ticks` ticks if that is longer.
 MAX_AGE = 0.02
 # Largest movement of samples since the last background solve for which no other solve is made: a twentieth of a
 # wavelength [m].
@@ -305,7 +305,7 @@ class Pipeline:
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        age = max(MAX_AGE, MAX_TICKS * self.period)
+        age = max(MAX_AGE, self.schedule.max_ticks * self.period)
         if self.played.solutions.motion is not None and not (self._seen and self._seen.hands):
             age *= PATIENCE
         if self._seen and self._seen.objects:  # what ends must end soon
@@ -332,7 +332,7 @@ class Pipeline:
         if self.budget_controller is not None:
             self.sampler.allowed = self._allowed
         self._set_sampler(limits, solver)
-        time = (MAX_TICKS if beside else 1) * self.period
+        time = (self.schedule.max_ticks if beside else 1) * self.period
         if beside:
             time *= self._patience
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
@@ -453,7 +453,7 @@ class Pipeline:
         if self.budget_controller is None or taken is None:
             return
         if not math.isnan(taken.seconds):
-            seconds = MAX_LOAD * taken.seconds / SOLVE_TICKS
+            seconds = MAX_LOAD * taken.seconds * self.period / max(GOOD_SOLVE_TIME, self.period)
         elif not taken.solutions.brief:
             if taken.tells_time:
                 self.schedule.note_tick(seconds)

@@ -78,8 +78,8 @@ class Renderer(Closeable):
 
     Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in a thread beside them. Frames
     then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more
-    than four ticks, the samples of the lowest priority are dropped until there is time again. If not adaptive, solves
-    take the time that they need, contacts with skin have more samples, and ticks may be late.
+    than 4 ms (or a longer tick), the samples of the lowest priority are dropped until there is time again. If not
+    adaptive, solves take the time that they need, contacts with skin have more samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -376,7 +376,7 @@ class Renderer(Closeable):
         if (outcome := self._outcome) is not None:
             late, deviations = outcome.late, outcome.deviations
         else:
-            late = end > due + self.period
+            late = self._is_late(end, due)
             labels = sorted(self._labels)
             deviations = self._mark_time(mark(NOTHING, labels, HALTED), labels, late)
         self.report.tick(end - begin, late, due - self.start, deviations)
@@ -485,10 +485,14 @@ class Renderer(Closeable):
     def _judge(self, due: float) -> TickOutcome:
         """Return the outcome of the tick whose frame has just been sent: lateness, sample counts and deviations."""
         pipeline, sent = self._pipeline, self.clock.now()
-        late, deviations = sent > due + self.period, pipeline.deviations
+        late, deviations = self._is_late(sent, due), pipeline.deviations
         if late or self._missed:
             deviations = self._mark_time(deviations, sorted(pipeline.labels), late)
         return TickOutcome(sent, late, pipeline.sample_counts, deviations)
+
+    def _is_late(self, end: float, due: float) -> bool:
+        """Return whether a tick that was due at `due` and ended at `end` [s] ended after the next one was due."""
+        return end > due + self.period
 
     def _mark_time(self, deviations: Reasons, labels: list[str], late: bool) -> Reasons:
         """Return the deviations of a tick, and that it is late or that ticks before it were missed."""

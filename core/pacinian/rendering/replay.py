@@ -37,7 +37,8 @@ def replay(
 
     The device is also silent where the renderer was silent: after a fault, and between two runs.
     Raises RecordingError if the number of transducers or the device's levels differ from those of the recording, and
-    any exception of the backend. strict: raise RecordingError if the array differs in any way, and names it.
+    any exception of the backend. strict: raise RecordingError if the array differs in any way; the error names the
+    difference.
     """
     clock = clock or SystemClock()
     can, had = backend.capability, recording.capability

@@ -138,7 +138,7 @@ def check_folder(folder: Path) -> None:
         sticky = status.st_mode & stat.S_ISVTX
         if status.st_mode & stat.S_IWOTH and not sticky:
             raise ServerError(f"{part} can be changed by every user, {advice}")
-        own = os.getgid(), 0  # a user's first group is mostly his own
+        own = os.getgid(), 0  # a user's first group is usually their own
         if status.st_mode & stat.S_IWGRP and not sticky and status.st_gid not in own:
             raise ServerError(f"{part} can be changed by a group of users, {advice}")
 

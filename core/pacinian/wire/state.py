@@ -182,7 +182,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
         rows |= {
             "owner": f"{self.owner}, {_describe_scene(self.scene)}" if self.owner else "nobody",
             "solver, backend": f"{self.solver or 'none'}, {self.backend or 'none'}",
-            "technique, strength": f"{self.technique or 'of each object'}, {self.intensity:.0%}",
+            "technique, intensity": f"{self.technique or 'of each object'}, {self.intensity:.0%}",
             "rendered": f"{count(samples, 'sample')} of {count(len(self.objects), 'object')}, {count(hands, 'hand')}",
         }
         if samples:

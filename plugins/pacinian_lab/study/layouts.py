@@ -15,7 +15,7 @@ from pacinian.argument_checks import check_angle, check_integer, check_length, c
 from pacinian.devices.description import DeviceDescription
 from pacinian.errors import ArgumentError
 from pacinian_lab.study import arrangements
-from pacinian_lab.study.sweep import Count, Number, Word, check_single, each
+from pacinian_lab.study.sweep import Count, Number, Word, check_each, check_single
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,10 +46,10 @@ class Layout(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_
     pose: Pose = Pose()
 
     def __post_init__(self) -> None:
-        each("bowl", self.bowl, _length_or_none)
-        each("fold", self.fold, _fold)
-        each("facing", self.facing, _length_or_none)
-        each("hinge", self.hinge, _axis)
+        check_each("bowl", self.bowl, _length_or_none)
+        check_each("fold", self.fold, _fold)
+        check_each("facing", self.facing, _length_or_none)
+        check_each("hinge", self.hinge, _axis)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         """Return the positions of the transducers in the plane [m], (N, 2); rng: of the study, for this layout."""
@@ -85,7 +85,7 @@ class Autd(Layout, frozen=True, tag="autd"):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, value in (("columns", self.columns), ("rows", self.rows)):
-            each(name, value, _some)
+            check_each(name, value, _some)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return pc.autd(check_single(self.columns), check_single(self.rows)).positions[:, :2]
@@ -99,8 +99,8 @@ class Spread(Layout, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("width", self.width, check_length)
-        each("height", self.height, _length_or_none)
+        check_each("width", self.width, check_length)
+        check_each("height", self.height, _length_or_none)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -115,7 +115,7 @@ class Lattice(Spread, frozen=True, tag="lattice"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("pitch", self.pitch, _pitch)
+        check_each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return pc.lattice(*self.size, check_single(self.pitch)).positions[:, :2]
@@ -128,7 +128,7 @@ class Hexagonal(Spread, frozen=True, tag="hexagonal"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("pitch", self.pitch, _pitch)
+        check_each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.hexagonal(*self.size, check_single(self.pitch))
@@ -145,9 +145,9 @@ class Scattered(Spread, frozen=True, kw_only=True, tag="random"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("count", self.count, _some)
-        each("apart", self.apart, _length_or_none)
-        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
+        check_each("count", self.count, _some)
+        check_each("apart", self.apart, _length_or_none)
+        check_each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.scatter_points(
@@ -163,8 +163,8 @@ class Sunflower(Layout, frozen=True, kw_only=True, tag="sunflower"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("count", self.count, _some)
-        each("diameter", self.diameter, check_length)
+        check_each("count", self.count, _some)
+        check_each("diameter", self.diameter, check_length)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.sunflower(check_single(self.count), check_single(self.diameter))
@@ -178,8 +178,8 @@ class Rings(Layout, frozen=True, kw_only=True, tag="rings"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        each("diameter", self.diameter, check_length)
-        each("pitch", self.pitch, _pitch)
+        check_each("diameter", self.diameter, check_length)
+        check_each("pitch", self.pitch, _pitch)
 
     def _places(self, rng: np.random.Generator) -> Floats:
         return arrangements.rings(check_single(self.diameter), check_single(self.pitch))

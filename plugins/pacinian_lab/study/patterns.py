@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from pacinian.argument_checks import check_integer, check_length, check_number, check_numbers
 from pacinian.errors import ArgumentError
-from pacinian_lab.study.sweep import Count, Number, Word, check_single, each
+from pacinian_lab.study.sweep import Count, Number, Word, check_each, check_single
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -65,8 +65,8 @@ class Circle(Pattern, frozen=True, tag="circle"):
     count: Count
 
     def __post_init__(self) -> None:
-        each("radius", self.radius, check_length)
-        each("count", self.count, _some)
+        check_each("radius", self.radius, check_length)
+        check_each("count", self.count, _some)
 
     def _make(self, rng: np.random.Generator) -> PatternPoints:
         angle = 2.0 * math.pi / check_single(self.count) * np.arange(check_single(self.count))
@@ -82,9 +82,9 @@ class PointGrid(Pattern, frozen=True, tag="grid"):
     pitch: Number
 
     def __post_init__(self) -> None:
-        each("columns", self.columns, _some)
-        each("rows", self.rows, _some)
-        each("pitch", self.pitch, check_length)
+        check_each("columns", self.columns, _some)
+        check_each("rows", self.rows, _some)
+        check_each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> PatternPoints:
         counts = check_single(self.columns), check_single(self.rows)
@@ -101,9 +101,11 @@ class Letters(Pattern, frozen=True, tag="letters"):
     dots: Count = 8
 
     def __post_init__(self) -> None:
-        each("text", self.text, _check_printable)
-        each("height", self.height, check_length)
-        each("dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64))
+        check_each("text", self.text, _check_printable)
+        check_each("height", self.height, check_length)
+        check_each(
+            "dots", self.dots, lambda n, v: check_number(n, check_integer(n, v, low=5), high=64)
+        )
 
     def _make(self, rng: np.random.Generator) -> PatternPoints:
         dots = _dots(check_single(self.text), check_single(self.dots))
@@ -124,10 +126,10 @@ class RandomPoints(Pattern, frozen=True, tag="random"):
     seed: Count = 0
 
     def __post_init__(self) -> None:
-        each("count", self.count, _some)
-        each("side", self.side, check_length)
-        each("low", self.low, lambda n, v: check_number(n, v, low=0.0, high=1.0, above=True))
-        each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
+        check_each("count", self.count, _some)
+        check_each("side", self.side, check_length)
+        check_each("low", self.low, lambda n, v: check_number(n, v, low=0.0, high=1.0, above=True))
+        check_each("seed", self.seed, lambda n, v: check_integer(n, v, low=0))
 
     def _make(self, rng: np.random.Generator) -> PatternPoints:
         half, count = check_single(self.side) / 2.0, check_single(self.count)
@@ -146,9 +148,9 @@ class Shape(Pattern, frozen=True, tag="shape"):
     pitch: Number = 0.01
 
     def __post_init__(self) -> None:
-        each("form", self.form, _form)
-        each("side", self.side, check_length)
-        each("pitch", self.pitch, check_length)
+        check_each("form", self.form, _form)
+        check_each("side", self.side, check_length)
+        check_each("pitch", self.pitch, check_length)
 
     def _make(self, rng: np.random.Generator) -> PatternPoints:
         side = check_single(self.side)

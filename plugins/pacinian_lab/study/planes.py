@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 
 from pacinian.argument_checks import MAX_LENGTH, check_angle, check_number
-from pacinian_lab.study.sweep import Number, check_single, each
+from pacinian_lab.study.sweep import Number, check_each, check_single
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -36,13 +36,13 @@ class Plane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "z"):
-            each(
+            check_each(
                 name,
                 getattr(self, name),
                 lambda n, v: check_number(n, v, low=-MAX_LENGTH, high=MAX_LENGTH),
             )
         for name in ("tilt", "azimuth"):
-            each(name, getattr(self, name), check_angle)
+            check_each(name, getattr(self, name), check_angle)
 
     @property
     def origin(self) -> Floats:

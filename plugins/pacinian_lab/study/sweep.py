@@ -43,7 +43,7 @@ def check_single(value: T | tuple[T, ...]) -> T:
     return value
 
 
-def each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]) -> None:
+def check_each(name: str, values: T | tuple[T, ...], check: Callable[[str, T], object]) -> None:
     """Check a value, or all swept values. Raises ArgumentError."""
     if not isinstance(values, tuple):
         check(name, values)

@@ -14,10 +14,11 @@ from pacinian.rendering.background_schedule import (
     LONG_SHARE,
     MAX_FITTING,
     MAX_INTERVAL,
-    MAX_TICKS,
+    MAX_SOLVE_TIME,
     MIN_FITTING,
     MIN_INTERVAL,
     MIN_LONG_TICKS,
+    MIN_MAX_TICKS,
     REST_INTERVAL,
     SHORT_SHARE,
     SOLVES_SEEN,
@@ -92,12 +93,20 @@ def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
 @bounded
 @given(st.lists(st.floats(0.0, 0.02), min_size=1, max_size=50))
 def test_a_solve_is_expected_to_take_as_many_ticks_as_the_last_ones(seconds: Any) -> None:
-    """The median of the last solves counts, so that a single delay does not; it is limited to MAX_TICKS."""
+    """The median of the last solves counts, so that a single delay does not; it is limited to `max_ticks`."""
     schedule = beside()
     for n, each in enumerate(seconds, 1):
         schedule.note_solve(each)
         expected = math.ceil(float(np.median(seconds[max(0, n - SOLVES_SEEN) : n])) / PERIOD)
-        assert schedule.ticks == min(max(1, expected), MAX_TICKS)
+        assert schedule.ticks == min(max(1, expected), schedule.max_ticks)
+
+
+@bounded
+@given(st.floats(1.0, 10_000.0))
+def test_a_solve_may_take_the_same_time_at_every_rate_unless_ticks_are_long(rate: float) -> None:
+    """Otherwise a loop of fewer ticks, which is to save work, would solve for longer."""
+    longest = BackgroundSchedule(1.0 / rate).max_ticks / rate
+    assert longest == pytest.approx(max(MAX_SOLVE_TIME, MIN_MAX_TICKS / rate), abs=0.5 / rate)
 
 
 def list_solves(every: int, ticks: int, taken: int = 1) -> tuple[BackgroundSchedule, list[int]]:

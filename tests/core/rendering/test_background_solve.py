@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.gallery import SCENES
-from pacinian.rendering.background_schedule import MAX_TICKS, REST_INTERVAL, BackgroundSchedule
+from pacinian.rendering.background_schedule import REST_INTERVAL, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
@@ -497,7 +497,7 @@ def test_a_deadline_is_longer_beside_the_ticks() -> None:
         solve_beside(renderer)
         renderer.tick(2 * TICK)
         renderer.tick(3 * TICK)
-    assert seen[-1] == pytest.approx(MAX_TICKS * inside)
+    assert seen[-1] == pytest.approx(renderer.schedule.max_ticks * inside)
 
 
 def test_a_real_thread_solves_while_ticks_go_on_and_ends_with_the_renderer() -> None:

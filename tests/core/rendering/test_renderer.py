@@ -18,7 +18,7 @@ import pacinian as pc
 from pacinian.errors import MAX_TEXT
 from pacinian.gallery import SCENES
 from pacinian.rendering import renderer as module
-from pacinian.rendering.background_schedule import MIN_FITTING, SOLVE_TICKS, BackgroundSchedule
+from pacinian.rendering.background_schedule import GOOD_SOLVE_TIME, MIN_FITTING, BackgroundSchedule
 from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.modulation.technique import LM, STM, Simultaneous
 from pacinian.scene.shapes.curves import Circle
@@ -692,8 +692,8 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
             renderer.tick()
         few = len(renderer.samples)
         assert (few < whole) is adaptive
-        beside = SOLVE_TICKS if technique.still else 1  # ticks that a solve may take
-        assert not adaptive or (few >= 16 and few * cost * solves <= beside * renderer.period)
+        most = GOOD_SOLVE_TIME if technique.still else renderer.period  # that a solve may take [s]
+        assert not adaptive or (few >= 16 and few * cost * solves <= most)
         # includes solves beside the ticks, which this test runs in them
         late = renderer.report.late_ticks
         assert adaptive is (late < 60) or (adaptive and technique.still)

@@ -11,10 +11,11 @@ import pytest
 from click.testing import CliRunner
 
 from pacinian.cli.wire import wire
+from pacinian.serving.settings import Safety
 from pacinian.wire import commands, control, objects, protocol, replies, state
 from pacinian.wire.asyncapi import CHANNELS, make_asyncapi
 from pacinian.wire.codec import encode
-from pacinian.wire.markdown import make_guide, make_reference
+from pacinian.wire.markdown import LEASE, make_guide, make_reference
 from pacinian.wire.message_docs import describe_fields, summarise
 from pacinian.wire.silence_cause import CAUSES
 from pacinian_lab.vectors.examples import make_examples
@@ -39,6 +40,10 @@ def test_what_is_published_is_what_the_commands_print() -> None:
     schema = CliRunner().invoke(wire, ["--schema"]).output
     assert (ROOT / "docs" / "wire.asyncapi.json").read_text(encoding="utf-8") == schema
     assert json.loads(schema) == json.loads(json.dumps(DOCUMENT))
+
+
+def test_the_lease_on_the_page_is_the_default_of_the_server() -> None:
+    assert Safety().lease == LEASE  # the wire must not import the server
 
 
 def test_every_message_and_field_says_what_it_is() -> None:

@@ -72,7 +72,8 @@ export class SlicePlane {
     this.change();
   }
 
-  take(over: Over): void {
+  /** Choose what the shown value is taken over. */
+  takeOver(over: Over): void {
     this.over = over;
     this.change();
   }

@@ -62,7 +62,7 @@ export class FieldPanel {
     select("over").addEventListener("change", () => {
       const over = OVERS.find((each) => each === select("over").value) ?? "mean";
       this.surfaceBox.over = over;
-      slicePlane.take(over);
+      slicePlane.takeOver(over);
       this.surfaceBox.ask();
     });
     const [at, exactly] = [input("slice-at"), input("slice-mm")];

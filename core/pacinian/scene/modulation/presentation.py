@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 MAX_CACHED = 128  # largest number of cached motions of sets of samples
 WORLD = np.eye(3)
 
-Motion = Callable[[int], "Samples"]
+SamplesAtStep = Callable[[int], "Samples"]
 """Returns the samples that sound at a step."""
 
-_cache: dict[tuple[int, int, bytes], tuple[Samples, Technique, Motion]] = {}
+_cache: dict[tuple[int, int, bytes], tuple[Samples, Technique, SamplesAtStep]] = {}
 
 
 def present(technique: Technique, samples: Samples, t: float, frame: Floats = WORLD) -> Samples:
@@ -51,7 +51,7 @@ def present(technique: Technique, samples: Samples, t: float, frame: Floats = WO
     return cached[2](step)
 
 
-def _move_focus(technique: STM, samples: Samples, frame: Floats) -> Motion:
+def _move_focus(technique: STM, samples: Samples, frame: Floats) -> SamplesAtStep:
     if technique.along == "samples":
         route = stm_paths.visit_one_by_one(samples)
     elif technique.along == "outline":
@@ -62,6 +62,6 @@ def _move_focus(technique: STM, samples: Samples, frame: Floats) -> Motion:
     return lambda i: route(i, n)
 
 
-def _swing(technique: LM, samples: Samples, frame: Floats) -> Motion:
+def _swing(technique: LM, samples: Samples, frame: Floats) -> SamplesAtStep:
     d = technique.amplitude * find_tangents(samples.normals, technique.angle, frame)
     return lambda i: replace(samples, positions=samples.positions + i / SWING * d)

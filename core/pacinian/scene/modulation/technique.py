@@ -69,9 +69,9 @@ class STM(_Technique, frozen=True, tag="stm"):
     pressures.
 
     dwell: time at each place [s]. The path is divided into a whole number of `places`, at most 10,000, so that the time
-    at each is nearest to this. By default there are 720 places, so that the focus moves with each frame of a device. If
-    there are more samples than places, or than frames in a period, some are left out. The key of the focus is always
-    -1 minus the object's index. Raises ArgumentError.
+    at each is nearest to this. By default there are 720 places, which are enough for the focus to move in every frame
+    of a device. If there are more samples than places, or than frames in a period, some are left out. Raises
+    ArgumentError.
     """
 
     still: ClassVar[bool] = False

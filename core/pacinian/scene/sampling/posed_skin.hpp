@@ -54,14 +54,14 @@ inline void box(View<const f8, 2> bounds, View<f8, 1> out) {
     }
 }
 
-// Return the mean cos^2 of the angle of incidence from the places `some`, (V, 3). Stops early once it reaches `enough`.
-inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> some, f8 enough) {
-    const Index V = some.shape[0];
+// Return the mean cos^2 of the angle of incidence from places of the array, (V, 3). Stops early once it reaches `enough`.
+inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> viewpoints, f8 enough) {
+    const Index V = viewpoints.shape[0];
     f8 total = 0.0;
     for (Index v = 0; v < V && total < enough * V; ++v) {
         f8 along = 0.0, away = 0.0;
         for (int k = 0; k < 3; ++k) {
-            const f8 d = some(v, k) - point[k];
+            const f8 d = viewpoints(v, k) - point[k];
             along += normal[k] * d;
             away += d * d;
         }
@@ -72,21 +72,22 @@ inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> some, f8 eno
 
 // Find the pressed points among `which`, and the force on each. The pressure at a depth is the same law as
 // `Material.pressure` in scene/material.py, which points, paths and particles use: change both.
-inline Index press(View<const f8, 1> d, View<const i8, 1> which, f8 reach, f8 stiffness, f8 most, View<const f8, 2> points,
+inline Index press(View<const f8, 1> d, View<const i8, 1> which, f8 reach, f8 stiffness, f8 max_pressure, View<const f8, 2> points,
                    View<const f8, 2> normals, View<const f8, 1> area, View<const i8, 1> bone, View<const f8, 1> slack,
-                   View<const f8, 2> capsules, View<const f8, 2> some, f8 hardly, f8 well, View<i8, 1> inside, View<f8, 1> force) {
+                   View<const f8, 2> capsules, View<const f8, 2> viewpoints, f8 blocked, f8 full, View<i8, 1> inside, View<f8, 1> force) {
     const Index I = which.size(), K = points.shape[0];
     require(d.size() == I && inside.size() >= I && force.size() >= I && area.size() == K, "press: the shapes differ");
     require(points.shape[1] == 3 && normals.shape[0] == K && normals.shape[1] == 3, "press: no skin");
-    require(some.shape[1] == 3 || !some.shape[0], "press: not of space");
+    require(viewpoints.shape[1] == 3 || !viewpoints.shape[0], "press: not of space");
     std::vector<i8> touched(I);
+    std::vector<f8> pressure(I);
     Index count = 0, kept = 0;
     for (Index i = 0; i < I; ++i) {
         const f8 depth = reach - d[i];
         if (depth <= 0.0) continue;
         inside[count] = i;
         touched[count] = which[i];
-        force[count] = std::min(depth * stiffness, most);
+        pressure[count] = std::min(depth * stiffness, max_pressure);
         ++count;
     }
     std::vector<char> deep(count, 0);
@@ -98,14 +99,14 @@ inline Index press(View<const f8, 1> d, View<const i8, 1> which, f8 reach, f8 st
     for (Index n = 0; n < count; ++n) {
         const Index k = touched[n];
         f8 share = deep[n] ? 0.0 : 1.0;
-        if (some.shape[0] && !deep[n]) {
-            f8 x = (seen(points.row(k), normals.row(k), some, well) - hardly) / (well - hardly);
+        if (viewpoints.shape[0] && !deep[n]) {
+            f8 x = (seen(points.row(k), normals.row(k), viewpoints, full) - blocked) / (full - blocked);
             x = std::min(std::max(x, 0.0), 1.0);
             share = x * x * (3.0 - 2.0 * x);
         }
-        if (!(share > 0.0 && force[n] * area[k] > 0.0)) continue;
+        if (!(share > 0.0 && pressure[n] * area[k] > 0.0)) continue;
         inside[kept] = inside[n];
-        force[kept] = share * force[n] * area[k];
+        force[kept] = share * pressure[n] * area[k];
         ++kept;
     }
     return kept;
@@ -209,14 +210,14 @@ inline void define_contact(nb::module_& m) {
     kernel(m, "box", &box, "Write the lower and the upper corner of the box around spheres, (C, 4), to `out`, (6,) [m].", "bounds", "out");
     kernel(m, "press", &press,
            "Write which points of a skin are pressed, and with how much; return how many.\n\n"
-           "d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.\n"
+           "d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], max_pressure [Pa]: of a material.\n"
            "points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper\n"
-           "than the slack, there is no skin; none for a mesh. some: places that must see the skin, (V, 3); none for any. hardly,\n"
-           "well: as in `array_resolution.weigh_incidence`. inside: indices into `which`, (I,). force: of each [N], (I,).",
-           "d", "which", "reach", "stiffness", "most", "points", "normals", "area", "bone", "slack", "capsules", "some", "hardly",
-           "well", "inside", "force");
+           "than the slack, there is no skin; none for a mesh. viewpoints: positions of transducers, (V, 3); none: all skin is pressed.\n"
+           "blocked, full: mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).",
+           "d", "which", "reach", "stiffness", "max_pressure", "points", "normals", "area", "bone", "slack", "capsules",
+           "viewpoints", "blocked", "full", "inside", "force");
     kernel(m, "stale", &stale,
-           "Write distances of points as far as those known of where they were suffice; return how many are left to ask.\n\n"
+           "Reuse the known distances of points that have moved little; list the others, and return how many these are.\n\n"
            "A distance changes by no more than the point has moved. which: points, (I,). local: where they are, (I, 3). places,\n"
            "known: of all points, where each distance was asked, far away if never, and what it was, (K, 3), (K,). d: (I,), if\n"
            "farther outside than `beyond` or deeper inside than `deep` [m] not exactly. ask: the places in `which` of the others.",

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sample_sources import SampleSource
 
 SPACING_WITHOUT_ARRAY = 0.0085  # spacing before an array is known [m]
-# Spacing within a region, over the resolution. From half a wavelength on, the pressure between samples is uneven.
+# Spacing within a region, relative to the resolution. Above it, the pressure between samples is uneven.
 REGION_SPACING = 0.5 / LEVEL_RATIO
-# Largest spacing within a contact, over the resolution. The pressure of a contact falls to 0 at its rim.
+# Largest spacing within a contact, relative to the resolution. The pressure of a contact falls to 0 at its rim.
 MAX_CONTACT_SPACING = 0.3
 # a contact keeps its spacing if the spacing would change by less than this factor
 KEPT_SPACING = 1.3
@@ -26,8 +26,8 @@ KEPT_SPACING = 1.3
 class ContactDensity(NamedTuple):
     """How densely contacts are sampled.
 
-    number: intended number of samples of all contacts, if each stood for the square of the spacing. Points of a skin
-    lie less densely, so that contacts have about half of these. least: smallest spacing, over the resolution.
+    number: intended number of samples of all contacts, if each covered an area of the squared spacing. Points of a skin
+    lie less densely, so that contacts have about half of these. least: smallest spacing, relative to the resolution.
     """
 
     number: float
@@ -35,7 +35,10 @@ class ContactDensity(NamedTuple):
 
 
 IN_TIME = ContactDensity(150, 0.08)  # if solves must be fast
-FINE_SHARE, FINE_LEAST = 1.25, 0.06  # otherwise: number of samples over the budget (decision 80)
+FINE_SHARE, FINE_LEAST = (
+    1.25,
+    0.06,
+)  # otherwise: number of samples relative to the budget (decision 80)
 
 
 def compute_spacing(

@@ -248,7 +248,7 @@ def carry_out(
     if isinstance(command, Put):
         return scene.put(client, command, seen, size)
     if isinstance(command, Envelopes):
-        return scene.wrap(client, command)
+        return scene.set_envelope(client, command)
     if isinstance(command, Move):
         scene.move(command, seen)
     elif isinstance(command, Hands):

@@ -1,4 +1,4 @@
-"""Sound-field queries, processed in slices so that commands do not wait. Pure: callers pass the emitted gains."""
+"""Sound-field queries, processed in chunks so that commands do not wait. Pure: callers pass the emitted gains."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class EmittedGains:
 
 
 class FieldQueries:
-    """Field queries, at most one for each client. They take turns, a slice each."""
+    """Field queries, at most one for each client. They take turns, a chunk each."""
 
     def __init__(self, array: Array, medium: Air) -> None:
         self._array, self._medium = array, medium
-        # Points per slice: few enough to take less than 1 ms, without other threads.
-        self._slice = max(1, CHUNK // len(array) // 2)
+        # Points per chunk: few enough to take less than 1 ms, without other threads.
+        self._chunk = max(1, CHUNK // len(array) // 2)
         self._running: dict[BusSession, Generator[None, None, Reply]] = {}
 
     def __len__(self) -> int:
@@ -91,7 +91,7 @@ class FieldQueries:
         return None
 
     def step(self) -> Answer | None:
-        """Process a slice of the query that waits longest; return the answer if that was the last slice."""
+        """Process a chunk of the query that waits longest; return the answer if that was the last chunk."""
         client = next(iter(self._running), None)
         if client is None:
             return None
@@ -115,8 +115,8 @@ class FieldQueries:
         time: float,
     ) -> Generator[None, None, Reply]:
         pressures = np.zeros(len(points), np.complex64)
-        for begin in range(0, len(points), self._slice):
-            part = slice(begin, begin + self._slice)
+        for begin in range(0, len(points), self._chunk):
+            part = slice(begin, begin + self._chunk)
             try:
                 pressures[part] = field(self._array, gains, points[part], self._medium)
             except ArgumentError as error:

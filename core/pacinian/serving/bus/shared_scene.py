@@ -179,19 +179,19 @@ class SharedScene:
         """Set the poses and velocities of objects, as of `seen` [s]. Raises CommandRejected, WireError."""
         check_poses(command)
         poses, velocities = command.poses, command.velocities
-        for i, stored in self._those(command.names):
+        for i, stored in self._find_stored(command.names):
             pose, velocity = poses[28 * i : 28 * i + 28], velocities[24 * i : 24 * i + 24]
             stored.moved = pose, velocity, seen
             self.pending.new(stored.name, MOVED)
-        self._all_there(command.names)
+        self._require_all(command.names)
 
-    def wrap(self, client: BusSession, command: Envelopes) -> bool:
+    def set_envelope(self, client: BusSession, command: Envelopes) -> bool:
         """Set the envelope of objects.
 
         Returns False if the converter sets it later. Raises CommandRejected, WireError.
         """
         stored_objects, size = (
-            [stored for _, stored in self._those(command.names)],
+            [stored for _, stored in self._find_stored(command.names)],
             count_bulk_bytes(command.envelope),
         )
         heavy, envelope = size > MIN_HEAVY_BYTES, b""
@@ -217,19 +217,19 @@ class SharedScene:
             for stored in stored_objects:
                 stored.wrap(envelope)
                 self._note_envelope(stored.name)
-        self._all_there(command.names)
+        self._require_all(command.names)
         return not heavy
 
     def _note_envelope(self, name: str) -> None:
         self.pending.new(name, WRAPPED)
 
-    def _those(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
+    def _find_stored(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):
             stored = self.objects.get(name)
             if stored is not None:
                 yield i, stored
 
-    def _all_there(self, names: tuple[str, ...]) -> None:
+    def _require_all(self, names: tuple[str, ...]) -> None:
         for i, name in enumerate(names):
             if name not in self.objects:
                 problem = f"there is no object {name!r}; the others are done"

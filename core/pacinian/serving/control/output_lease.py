@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
 # Time in which the output fades out at a soft end [s].
-CLOSING = 0.02
-SILENT, ARMED, CLOSES = 0, 1, 2  # values of `Permit.armed`
+FADE_OUT_TIME = 0.02
+SILENT, ARMED, FADING = 0, 1, 2  # values of `Permit.armed`
 
 
 @dataclass(eq=False, slots=True)
@@ -51,11 +51,11 @@ class OutputLease:
         self.fault = ""
         self.replies: list[tuple[bytes, Reply]] = []
         self._takeover = takeover
-        self.resumes = False
+        self.may_resume = False
         """Whether the lease ran out and the owner's next renewal arms the output again."""
-        self._resume = False  # the owner's last `arm` asked for that
+        self._resume_requested = False  # the owner's last `arm` asked for that
         # Ids of the owner's pending `arm` requests, while another session's sound fades.
-        self._asked: list[int] = []
+        self._pending_arms: list[int] = []
 
     @property
     def armed(self) -> bool:
@@ -67,23 +67,23 @@ class OutputLease:
         if self.permit.armed and now >= self.permit.until:
             expired = self.armed
             self._silence()
-            self.resumes = expired and self._resume
-            if expired and not self._resume:
+            self.may_resume = expired and self._resume_requested
+            if expired and not self._resume_requested:
                 self._tell_owner(
                     "expired",
                     "the lease was not renewed in time: silence",
                     "renew from the game's own tick, and arm again",
                 )
-        if not self.permit.armed and self._asked and self.owner is not None:
+        if not self.permit.armed and self._pending_arms and self.owner is not None:
             if now >= self.owner.until:
                 self._refuse(
                     "expired", "the lease was not renewed while the last owner's sound faded"
                 )
                 return
             self._begin(self.owner)
-            for request in self._asked:
+            for request in self._pending_arms:
                 self.replies.append((self.owner.peer, Ok(id=request)))
-            self._asked = []
+            self._pending_arms = []
 
     def arm(
         self, session: ClientSession, request: int, take: bool, now: float, *, resume: bool = False
@@ -106,20 +106,20 @@ class OutputLease:
             self._refuse("owner", f"{session.name} has taken the output")
             self._tell_owner("owner", f"{session.name} has taken the output")
             self._close(now)
-        self.owner, self._resume, self.resumes = session, resume, False
+        self.owner, self._resume_requested, self.may_resume = session, resume, False
         session.until = max(session.until, now + session.lease)
         if self.armed:
             self.renew(session, now)
             self.replies.append((session.peer, Ok(id=request)))
         else:
-            self._asked.append(request)
+            self._pending_arms.append(request)
             self.pass_time(now)
 
     def renew(self, session: ClientSession, now: float) -> None:
         """Extend the lease of the session to `session.until`, or begin it again if it ran out and `resumes`."""
         if session is self.owner and self.armed:
             self.permit = self.permit._replace(until=session.until)
-        elif session is self.owner and self.resumes and now < session.until:
+        elif session is self.owner and self.may_resume and now < session.until:
             self._begin(session)
 
     def disarm(self, session: ClientSession, now: float) -> bool:
@@ -149,7 +149,7 @@ class OutputLease:
 
     def interrupt(self, code: Code, problem: str, advice: str = "arm again") -> None:
         """Silence at once, until the next `arm`."""
-        if self.armed or self.resumes:
+        if self.armed or self.may_resume:
             self._tell_owner(code, problem, advice)
         self._refuse(code, problem)
         self._silence()
@@ -167,30 +167,30 @@ class OutputLease:
     def _leave(self, now: float) -> None:
         self._refuse("armed", "the session let go of the output first")
         self._close(now)
-        self.owner, self.resumes = None, False
+        self.owner, self.may_resume = None, False
 
     def _close(self, now: float) -> None:
         if self.armed:
             self.permit = self.permit._replace(
-                armed=CLOSES, until=min(self.permit.until, now + CLOSING)
+                armed=FADING, until=min(self.permit.until, now + FADE_OUT_TIME)
             )
 
     def _begin(self, session: ClientSession) -> None:
         epoch = self.permit.epoch + 1
         self.permit = Permit(ARMED, session.until, epoch, scene=session.number)
-        self.resumes = False
+        self.may_resume = False
 
     def _silence(self) -> None:
         """Silence at once. No renewal arms the output again, unless `pass_time` sets `resumes` afterwards."""
         self.permit = self.permit._replace(armed=SILENT, until=0.0)
-        self.resumes = False
+        self.may_resume = False
 
     def _refuse(self, code: Code, problem: str) -> None:
         """Refuse every pending `arm` of the owner."""
-        for request in self._asked:
+        for request in self._pending_arms:
             if self.owner is not None:
                 self._error(self.owner, request, code, problem)
-        self._asked = []
+        self._pending_arms = []
 
     def _tell_owner(self, code: Code, problem: str, advice: str = "") -> None:
         if self.owner is not None:

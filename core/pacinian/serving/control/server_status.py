@@ -156,7 +156,7 @@ class StatusPublisher:
         except (TypeError, ValueError):  # a plug-in's part is not valid
             self._view.unreadable += 1
             made = msgspec.convert({**nothing, **common}, State)
-        found = find_cause(made, resumes=ownership.resumes)
+        found = find_cause(made, resumes=ownership.may_resume)
         cause, why = found or ("", "")
         # not before: an object that could not be put is no cause of a fault
         refused = [

@@ -28,9 +28,8 @@ if TYPE_CHECKING:
 
 # Maximum number of results kept.
 MAX_RESULTS = 16
-# Time limit to open a device [s]. A client waits for 10 s, so it still learns why there is no
-# device.
-OPENING = 8.0
+# Time limit to open a device [s]. Clients wait longer, so they still learn why there is no device.
+OPEN_TIMEOUT = 8.0
 # Number of threads that may hang in abandoned devices; only the end of the process ends them.
 MAX_HANGING = 4
 # Time during which to retry a device that another process has just left, and pause between retries [s].
@@ -86,8 +85,8 @@ class DeviceManager:
     choice: the first device. array: the array that the devices drive. rate: of the loop [Hz]. make, thread, clock: for
     tests.
 
-    A device that has not opened within `OPENING` is abandoned. If its thread opens it later, it is closed and never
-    sounds.
+    A device that has not opened within `OPEN_TIMEOUT` is abandoned. If its thread opens it later, it is closed and
+    never sounds.
     """
 
     def __init__(
@@ -178,9 +177,9 @@ class DeviceManager:
         while not self._opened.empty():
             self._came(*self._opened.get())
         now, opening = self._clock.now(), self._opening
-        if opening is not None and now - opening.since > OPENING:
+        if opening is not None and now - opening.since > OPEN_TIMEOUT:
             self._hanging += 1
-            problem = f"{opening.choice.name}: did not open within {OPENING:g} s; given up"
+            problem = f"{opening.choice.name}: did not open within {OPEN_TIMEOUT:g} s; given up"
             self._take(Opened(opening.orders, opening.choice, problem=problem))
         for order in self._coming.pop(gate.generation, ()):  # it has got its first frame
             self._note_result(order)

@@ -1,6 +1,6 @@
 """Least squares under limits, solved by its Lagrange dual (end of the paper's section 4), for free or given phases.
 
-solver.py             options, defaults; which way below solves a problem
+solver.py             options, defaults; which way below solves a problem; makes the result: bound, note
 problem.py            `Problem`: arguments of a solve; what its gains reach
 gain_limited.py       the gain limit alone: pseudo-inverse, weighted steps, Newton steps, free phases
 regions.py            regions: least squares with all phases given, by conjugate gradients

@@ -56,14 +56,14 @@ GOLDEN = 0.6180339887  # phase increment of the starts [turns]
 MAX_PHASE_ERROR = 0.2
 SOFT = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # regularisations relative to trace(G) / M
 STEPS_EACH = 3  # Newton steps with each
-MAX_LATE_STAGE_WORK = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
+MAX_STAGE_3_4_WORK = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
 # M M N up to which the nearest pressures are sought from two starting points.
 MAX_TWO_START_WORK = 1_000_000
 MAX_UNCHECKED_WORK = 5_000_000  # M M N of the steps between two checks of the clock
-MOST_EQUAL = 80  # steps of `equalise` in the search for the strongest
-SCALE_RESOLUTION = 0.004  # of its share of full drive
-MIN_SCALE = 0.5  # least share of full drive that it tries
-IN_PROPORTION = 5e-4  # relative error up to which proportions count as kept
+MAX_EQUALISE_STEPS = 80  # in the search for the strongest solution
+SHARE_RESOLUTION = 0.004  # of the share of full drive, in that search
+MIN_SHARE = 0.5  # smallest share of full drive that the search tries
+MAX_PROPORTION_ERROR = 5e-4  # relative error up to which proportions count as kept
 MIN_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
 
 
@@ -145,13 +145,13 @@ class PhaseFreeSolve:
         start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
         best: PhaseFreeResult | None = None
         y, h = start, w.h
-        while top > 0.0 and strong - weak > SCALE_RESOLUTION and not (best and self.budget.spent):
-            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SCALE_RESOLUTION)
-            if share < MIN_SCALE:
+        while top > 0.0 and strong - weak > SHARE_RESOLUTION and not (best and self.budget.spent):
+            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SHARE_RESOLUTION)
+            if share < MIN_SHARE:
                 break
             w.p[:], w.y[:] = (share * top) * p, start
             error, _ = self._newton()
-            if error > IN_PROPORTION:
+            if error > MAX_PROPORTION_ERROR:
                 strong = share
                 continue
             weak, best = share, self._make_result(error)._replace(share=share)
@@ -170,7 +170,7 @@ class PhaseFreeSolve:
         Returns the multiple of the targets that is nearest to the pressures made.
         """
         w, size = self.workspace, np.abs(self.workspace.p)
-        top = self._equalise(MOST_EQUAL)
+        top = self._equalise(MAX_EQUALISE_STEPS)
         y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
         looks = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
         found, k = max(looks, default=(0.0, 0))
@@ -178,7 +178,7 @@ class PhaseFreeSolve:
             w.y[:] = y
             return top
         w.y[:] = self._phases(k)
-        return self._equalise(MOST_EQUAL)
+        return self._equalise(MAX_EQUALISE_STEPS)
 
     def _newton(self, steps: int = MAX_STEPS_2, mu: float = 0.0) -> tuple[float, bool]:
         """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
@@ -220,7 +220,7 @@ class PhaseFreeSolve:
         first = second = Candidate.of(error, w)
         if w.free.all():
             # the array cannot resolve the samples
-            if error > MAX_PHASE_ERROR or self._work > MAX_LATE_STAGE_WORK:
+            if error > MAX_PHASE_ERROR or self._work > MAX_STAGE_3_4_WORK:
                 first = self._solve_softened(first)
             if not self.budget.spent:
                 error = self._full_drive()
@@ -233,7 +233,7 @@ class PhaseFreeSolve:
             first, second = self._probe(first), self._probe(second)
         best = first if first.error <= second.error else second
         w.h[:] = best.h
-        error = self._approach(FINAL_SAVING) if self._work <= MAX_LATE_STAGE_WORK else best.error
+        error = self._approach(FINAL_SAVING) if self._work <= MAX_STAGE_3_4_WORK else best.error
         self._set_residual()
         return error
 
@@ -300,9 +300,9 @@ class PhaseFreeSolve:
         w, G, last = self.workspace, self.G, 1.0
         power = float(np.trace(G).real) / len(G)
         diagonal = np.arange(len(G))
-        for share in SOFT:
-            soft = share * power
-            if share == SOFT[0]:
+        for softness in SOFT:
+            soft = softness * power
+            if softness == SOFT[0]:
                 shifted = np.array(G)
                 shifted[diagonal, diagonal] += soft
                 _, y, singular = lapack.zposv(shifted, w.p)
@@ -315,7 +315,7 @@ class PhaseFreeSolve:
             error, _ = self._newton(STEPS_EACH, soft)
             if error < best.error:
                 best = Candidate.of(error, w)
-            elif share != SOFT[0] or self.budget.spent:
+            elif softness != SOFT[0] or self.budget.spent:
                 break
         return best
 

@@ -137,13 +137,13 @@ def solve(problem: Problem, relative: float) -> pc.Result:
             steps += answer.steps
         out[:] = scale * h
         held = int((np.abs(out) > AT_LIMIT * scale).sum())
-    proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
+    bound_scale = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
         iterations=steps,
         limited=held > 0 and limits.gain is not None,
         late=budget.spent,
-        bound=bound * proven,
-        objective=objective * proven,
+        bound=bound * bound_scale,
+        objective=objective * bound_scale,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
         quiet_weight=OUTSIDE_WEIGHT,

@@ -26,12 +26,13 @@ from pacinian_plugins.solvers.lagrange.problem import Problem
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-# `scale="max"` tries targets of other strengths if it ends weaker than this multiple of a focus: in general, and for
-# points of which two have sound in common, as a share of their powers
+# `scale="max"` tries targets of other levels if its solution is weaker than this multiple of a focus: WEAK in general,
+# STRONG if two of at most MAX_CLOSE points share at least COHERENT of their sound power. More points take too long.
 WEAK, STRONG, COHERENT = 0.7, 1.6, 0.5
-MAX_CLOSE = 16  # points for which the second holds; more take too long
-MAX_LEVELS = 8  # number of these targets
-# factor from one to the next: up, before the first that is missed; down, squared; and the least
+MAX_CLOSE = 16
+MAX_LEVELS = 8  # largest number of these levels
+# Factors from one level to the next. The search goes up by LEVEL_STEP until the first level that is missed, then down
+# by the square root of LARGEST_STEP_DOWN at most; it ends when the step is below MIN_STEP.
 LEVEL_STEP, LARGEST_STEP_DOWN, MIN_STEP = 1.25, 16.0, 1.05
 NEARLY_FULL_DRIVE = 0.98  # share of full drive below which the proportions count as hard to make
 
@@ -176,7 +177,7 @@ class Lagrange(pc.Solver):
     ) -> tuple[pc.Result, bool]:
         """Write the gains for the gain limit alone; return the result and whether it is final.
 
-        starts: as the option, if that is not to count.
+        starts: replaces the option of this name.
 
         For `scale="max"`, it is final if the proportions are kept at nearly full drive, or, in a loop, at any drive.
         Otherwise a stronger solution may exist.
@@ -187,34 +188,34 @@ class Lagrange(pc.Solver):
         M, N = len(targets.amplitudes), len(out)
         key = Workspace, M, N
         workspace = acquire(key, lambda: Workspace(M, N))
-        share, unit = self._start(problem, mu, workspace)
+        scale, unit = self._start(problem, mu, workspace)
         single = out.dtype == np.complex64
-        polish = PhaseFreeSolve(
+        solve = PhaseFreeSolve(
             propagator.single, propagator.gram, mu, workspace, budget,
-            unit / max(share, 1.0), out if single else np.empty(N, np.complex64),
+            unit / max(scale, 1.0), out if single else np.empty(N, np.complex64),
             starts=starts,
         )  # fmt: skip
         strongest = problem.strongest and workspace.free.all()
-        end = polish.strongest() if strongest else polish.run()
-        bound, objective = end.bound, end.objective
+        outcome = solve.strongest() if strongest else solve.run()
+        bound, objective = outcome.bound, outcome.objective
         if not single:
-            fine = polish.refine(propagator.B)
-            out[:] = polish.unit * fine.h
+            fine = solve.refine(propagator.B)
+            out[:] = solve.unit * fine.h
             bound, objective = fine.bound, fine.objective
         # no proof for the strongest: bound and objective are for the multiple found, not the targets
-        proven = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
+        bound_scale = (unit / scale) ** 2 if scale >= 1.0 and not strongest else math.nan
         result = pc.Result(
-            iterations=end.steps,
-            limited=end.held > 0 and limits.gain is not None,
-            late=end.late,
-            bound=bound * proven,
-            objective=objective * proven,
-            multipliers=None if strongest else workspace.y * (unit / share),
+            iterations=outcome.steps,
+            limited=outcome.held > 0 and limits.gain is not None,
+            late=outcome.late,
+            bound=bound * bound_scale,
+            objective=objective * bound_scale,
+            multipliers=None if strongest else workspace.y * (unit / scale),
             mu=mu,
-            note=describe_held(end.held, N),
+            note=describe_held(outcome.held, N),
         )
         release(key, workspace, M * N)
-        return result, not strongest or end.share > (NEARLY_FULL_DRIVE if warm is None else 0.0)
+        return result, not strongest or outcome.share > (NEARLY_FULL_DRIVE if warm is None else 0.0)
 
     def _start(self, problem: Problem, mu: float, workspace: Workspace) -> tuple[float, float]:
         """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse.
@@ -226,18 +227,18 @@ class Lagrange(pc.Solver):
         w, phases = workspace, None if warm is None else warm.phases
         if M <= MAX_START and limits.gain is not None:
             first, steps = initial_phases(M, phases)
-            share = start(
+            scale = start(
                 propagator.gram, targets.amplitudes, targets.phases, first, steps, mu, self.mu, limits.gain, w
             )  # fmt: skip
-            return share, limits.gain
+            return scale, limits.gain
         norm = choose_phases_into(propagator, targets, phases, w.p, w.free)
         y = propagator.factor(mu).solve(w.p)
         # without a gain limit, choose a unit so large that no gain reaches it, whatever the phases
         unit = limits.gain or 100.0 * float(np.abs(propagator.adjoint(y)).max()) or 1.0
-        share = scale_for_single(norm / unit, self.mu, mu, N)
-        np.multiply(y, mu * share / unit, out=w.y)
-        w.p[:] *= share / unit
-        return share, unit
+        scale = scale_for_single(norm / unit, self.mu, mu, N)
+        np.multiply(y, mu * scale / unit, out=w.y)
+        w.p[:] *= scale / unit
+        return scale, unit
 
     def _solve_constrained(
         self, problem: Problem, mu: float, phases: Floats | None = None

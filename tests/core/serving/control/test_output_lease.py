@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.control.output_lease import CLOSING
+from pacinian.serving.control.output_lease import FADE_OUT_TIME
 from pacinian.wire.control import Arm, Bye, Disarm, Reset, Stop
 from pacinian.wire.replies import Ok
 
@@ -18,9 +18,9 @@ from ..fake_clients import LEASE, FakeControl, Game, armed, code
 def test_disarm_is_soft_and_then_silent() -> None:
     desk, game = armed()
     assert game.ask(Disarm) == Ok(id=7)
-    assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
+    assert desk.permit[:4] == (2, 100.0 + FADE_OUT_TIME, 1, 0)
     assert desk.sessions.list_sessions().owned == ""
-    assert desk.wait(CLOSING) == []
+    assert desk.wait(FADE_OUT_TIME) == []
     assert desk.permit[:4] == (0, 0.0, 1, 0)
 
 
@@ -37,7 +37,7 @@ def test_arming_again_while_it_fades_waits_and_counts() -> None:
     message = Arm(session=game.welcome.session, id=9)
     assert desk.all(b"game", message) == []
     assert desk.armed == 2
-    assert desk.wait(CLOSING) == [(b"game", Ok(id=9))]
+    assert desk.wait(FADE_OUT_TIME) == [(b"game", Ok(id=9))]
     assert desk.permit[:3] == (1, pytest.approx(100.0 + LEASE), 2)
 
 
@@ -113,8 +113,8 @@ def test_a_hand_over_fades_then_begins_anew_and_tells_the_old_owner() -> None:
     assert desk.sessions.list_sessions().owned == "new"
     assert code(old.ask(Disarm)) == "owner"
     assert not old.renew().owner
-    assert desk.permit.until == 100.0 + CLOSING, "the old one's renewals do not count"
-    assert desk.wait(CLOSING) == [(b"new", Ok(id=5))]
+    assert desk.permit.until == 100.0 + FADE_OUT_TIME, "the old one's renewals do not count"
+    assert desk.wait(FADE_OUT_TIME) == [(b"new", Ok(id=5))]
     assert desk.permit[:4:2] == (1, 2)
 
 
@@ -130,7 +130,7 @@ def test_of_two_that_take_the_last_one_owns() -> None:
         (b"b", 5, "owner"),
         (b"b", 0, "owner"),
     ]
-    assert desk.wait(CLOSING) == [(b"c", Ok(id=5))]
+    assert desk.wait(FADE_OUT_TIME) == [(b"c", Ok(id=5))]
     assert desk.permit.epoch == 2
 
 
@@ -141,7 +141,7 @@ def test_a_takers_renewals_do_not_lengthen_what_fades() -> None:
     desk.all(b"new", Arm(session=new.welcome.session, take=True))
     desk.wait(0.01)
     new.renew()
-    assert desk.permit[:4] == (2, 100.0 + CLOSING, 1, 0)
+    assert desk.permit[:4] == (2, 100.0 + FADE_OUT_TIME, 1, 0)
 
 
 def test_a_taker_whose_lease_ended_meanwhile_gets_nothing() -> None:
@@ -310,7 +310,7 @@ def test_whatever_clients_do_sound_is_bounded_owned_and_resumes_only_as_agreed(
         elif what == "renew" and owner is not None and peer == owner.peer:
             assert resumes != peer, "it goes on, and sounds"
         if after.armed == 2:
-            assert after.until <= desk.clock.time + CLOSING
+            assert after.until <= desk.clock.time + FADE_OUT_TIME
         assert desk.sessions.list_sessions().owned == (owner.scene if owner else "")
 
 
@@ -325,7 +325,7 @@ def test_a_permit_is_for_the_scene_of_its_owner_alone() -> None:
     assert desk.permit.scene == number_of(desk, "old")
     desk.all(b"new", Arm(session=new.welcome.session, id=5, take=True))
     assert desk.permit.scene == number_of(desk, "old"), "that fades"
-    desk.wait(CLOSING)
+    desk.wait(FADE_OUT_TIME)
     assert desk.permit.scene == number_of(desk, "new") != number_of(desk, "old")
 
 

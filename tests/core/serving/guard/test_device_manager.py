@@ -11,7 +11,7 @@ from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.device_manager import (
     MAX_HANGING,
     MAX_RESULTS,
-    OPENING,
+    OPEN_TIMEOUT,
     RETRY_TIME,
     DeviceManager,
 )
@@ -93,7 +93,7 @@ class Bench:
 
     def late(self) -> None:
         """Take too long to open, while the guard continues."""
-        self.clock.advance(1.1 * OPENING)
+        self.clock.advance(1.1 * OPEN_TIMEOUT)
         self.devices.poll()
 
     def run(self) -> None:
@@ -385,11 +385,11 @@ def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_select
     bench.frame()
     bench.devices.follow(selected(1, "b"))
     hangs = bench.waiting.pop(0)  # b hangs while it opens
-    bench.clock.advance(0.9 * OPENING)
+    bench.clock.advance(0.9 * OPEN_TIMEOUT)
     bench.devices.follow(selected(2, "c"))
     bench.devices.poll()
     assert not bench.waiting, "one is opened at a time"
-    bench.clock.advance(0.2 * OPENING)
+    bench.clock.advance(0.2 * OPEN_TIMEOUT)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["backend 1"]
     assert bench.gate.sounding, "as before"
@@ -427,7 +427,7 @@ def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> N
     bench.frame()
     bench.devices.follow(RequestedSettings(reset=1))
     bench.waiting.clear()  # opening hangs
-    bench.clock.advance(1.1 * OPENING)
+    bench.clock.advance(1.1 * OPEN_TIMEOUT)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["reset 1"]
     assert "not open within" in bench.gate.fault
@@ -443,7 +443,7 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
         bench.devices.follow(selected(number, "b"))
         hang += bench.waiting
         bench.waiting.clear()
-        bench.clock.advance(1.1 * OPENING)
+        bench.clock.advance(1.1 * OPEN_TIMEOUT)
         bench.devices.poll()
     assert len(hang) == MAX_HANGING
     assert "hang" in bench.devices.results[f"backend {MAX_HANGING + 2}"]
