@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.scene.sampling.sample_counts import (
+    FACES_AWAY,
     HAND_FADING,
     HAND_LOST,
     LEFT_OUT,
     NO_SURFACE,
+    TOO_FAST,
     TOO_FINE,
 )
 
@@ -33,7 +35,7 @@ FEWER_FRAMES = "in fewer frames"
 BY_TICK = frozenset(
     {
         LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
-        FEWER_FRAMES, TOO_FINE, NO_SURFACE, HAND_LOST, HAND_FADING,
+        FEWER_FRAMES, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""

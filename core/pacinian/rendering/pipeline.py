@@ -24,10 +24,11 @@ from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver, limits_join
+from pacinian.rendering.scene_warnings import is_too_fast
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.steered_solver import PATIENCE
 from pacinian.rendering.warmup import load_envelopes, try_out
-from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts
+from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, TOO_FAST, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.skip_reasons import NOT_DUE, NOTHING_CHANGED, UNDER_WAY
@@ -345,6 +346,7 @@ class Pipeline:
             counts = self.sampler.sample_counts
             if counts is not known and len(counts.samples):
                 self._note_unreachable(counts)
+                self._note_too_fast(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
@@ -429,6 +431,11 @@ class Pipeline:
         return self.played.sample_counts
 
     @property
+    def newest_scene(self) -> Scene:
+        """The scene that the last tick was given; `played` may be of an earlier one."""
+        return self._seen or self.played.scene
+
+    @property
     def labels(self) -> set[str]:
         """Labels of all objects that the last frame concerns, including those that end in it."""
         return self._before.labels | self.played.labels
@@ -482,6 +489,13 @@ class Pipeline:
         for reason, found in (FAR, far), (ON_TRANSDUCER, on):
             if found.any():
                 counts.drop(reason, found)
+
+    def _note_too_fast(self, counts: SampleCounts) -> None:
+        """Note the objects whose vibration the device cannot play."""
+        items, rate = counts.samples.items, self.playback.capability.rate
+        for i in np.unique(counts.samples.objects).tolist():
+            if is_too_fast(items[i], rate):
+                counts.note_object(TOO_FAST, i)
 
     def _find_measuring(self, limits: Limits) -> Callable[[], Measurement] | None:
         """Return a function that measures the result that this tick has taken, at the samples and between them.

@@ -269,9 +269,8 @@ class Renderer(Closeable):
             return
         warnings: list[str] = []
         with suppress(PacinianError):  # of a file; the first tick will raise and report it
-            warnings.extend(
-                find_warnings(first, self.sampler, self.session, find_ceiling(self.limits))
-            )
+            gain, rate = find_ceiling(self.limits), self.backend.capability.rate
+            warnings.extend(find_warnings(first, self.sampler, self.session, gain, rate))
         self._add_warnings(warnings)
 
     def _add_warnings(self, warnings: Iterable[str]) -> None:
@@ -397,6 +396,11 @@ class Renderer(Closeable):
     def rendered_scene(self) -> Scene:
         """Scene of the last frame; older than the newest while solves run beside the ticks. Empty before the first."""
         return self._pipeline.played.scene
+
+    @property
+    def newest_scene(self) -> Scene:
+        """Scene of the last tick, whether or not it has been rendered yet. Empty before the first."""
+        return self._pipeline.newest_scene
 
     @property
     def lag(self) -> float:

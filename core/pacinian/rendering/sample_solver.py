@@ -13,7 +13,7 @@ from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
-from pacinian.rendering.field_steering import find_factors
+from pacinian.rendering.field_steering import ContactFollower, find_factors
 from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.rendering.solution_sequence import SolutionSequence
@@ -70,6 +70,7 @@ class SampleSolver:
     def __post_init__(self) -> None:
         self._skin_limit = SkinLimit(self.session)
         self._steered = SteeredSolver(self.session.array)
+        self._contacts = ContactFollower(self.session.array)
         self.reset()
 
     @property
@@ -90,6 +91,7 @@ class SampleSolver:
         self._missed = np.zeros(0, np.bool_)
         self._last: SolutionSequence | None = None
         self._steered.reset()
+        self._contacts.reset()
         self.fresh = []
         self.cycle.reset()
         self._skin_limit.reset()
@@ -124,7 +126,11 @@ class SampleSolver:
         creeps = near > 0.0 and kept and self._is_near(samples, t, near)
         if creeps:
             samples = self._samples
-        return self._solve(samples, t, limits, solver, deadline, once=creeps)
+        solutions = self._solve(samples, t, limits, solver, deadline, once=creeps)
+        if near > 0.0 and self._may_follow(solutions):
+            return self._contacts.follow(solutions, t if at is None else at)
+        self._contacts.reset()
+        return solutions
 
     def _may_steer(self, samples: Samples, limits: Limits) -> bool:
         """Return whether the field of these samples may move with them: one object in free air, and no hand near it."""
@@ -138,6 +144,14 @@ class SampleSolver:
             and (samples.regions >= 0).all()
             and samples.items[own].technique.still
         )
+
+    def _may_follow(self, solutions: SolutionSequence) -> bool:
+        """Return whether the field of these solutions may move with their samples: contacts with skin, in one frame."""
+        samples, limits = solutions.samples, solutions.limits
+        if samples.capsules is None or limits_join(limits) or limits.zones:
+            return False
+        one = not (solutions.cycle or solutions.each or solutions.brief)
+        return one and bool((samples.radiation_pressure[samples.regions >= 0] > 0.0).any())
 
     def _move_frames(self, centre: Floats, place: Floats) -> None:
         """Steer what the frames of the cycle play from `centre` to `place`, (3,) [m]."""

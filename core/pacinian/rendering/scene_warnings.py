@@ -29,18 +29,23 @@ FAR = 5.0  # distance from the array from which a warning says that positions ar
 MAX_NAMED = 3  # largest number of objects named in one warning
 
 
-def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float) -> Iterator[str]:
+def find_warnings(
+    scene: Scene, sampler: Sampler, session: Session, gain: float, rate: float
+) -> Iterator[str]:
     """Yield a sentence about the objects of a scene that cannot be rendered as they ask, for each reason.
 
-    gain: largest amplitude of a transducer, 0..1. Raises ArgumentError if a texture's file cannot be read.
+    gain: largest amplitude of a transducer, 0..1. rate: of the device [Hz]. Raises ArgumentError if a texture's file
+    cannot be read.
     """
-    outside, weak, empty = list[str](), list[str](), list[str]()
+    outside, weak, empty, fast = list[str](), list[str](), list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
         if not item.pressure > 0.0 or item.envelope == OFF:
             continue
         label = repr(label_object(item, i))
         if lacks_surface(item):
             empty.append(label)
+        if is_too_fast(item, rate):
+            fast.append(f"{label} ({find_highest_frequency(item):.4g} Hz)")
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > 0.0 and away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
@@ -65,12 +70,31 @@ def find_warnings(scene: Scene, sampler: Sampler, session: Session, gain: float)
             f"without a surface: {_name(empty)}. An `SDF` must be 0 somewhere within its `extent`, in "
             "metres; an intersection needs parts that overlap, and a difference something that is left"
         )
+    if fast:
+        yield (
+            f"faster than the device can play: {_name(fast)}. With {rate:.4g} frames a second, a frequency of "
+            f"{rate / 2.0:.4g} Hz or more becomes another one, or none. Use a lower one, or a faster device"
+        )
     for i, period, resolved in sampler.find_fine_textures(scene):
         yield (
             f"the texture of {label_object(scene.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
             f"the array resolves {1e3 * resolved:.1f} mm there: its ridges will blur. Use a longer period, a "
             "wider array, or a place nearer to it"
         )
+
+
+def is_too_fast(item: Object, rate: float) -> bool:
+    """Return whether a device of `rate` [Hz] cannot play the vibration of an object: from half of the rate on."""
+    return find_highest_frequency(item) >= 0.5 * rate
+
+
+def find_highest_frequency(item: Object) -> float:
+    """Return the highest frequency of an object's envelope and technique [Hz]; 0 if it is not known, as of waves."""
+    return max(
+        float(getattr(each, name, 0.0))
+        for each in (item.envelope, item.technique)
+        for name in ("frequency", "high_frequency")
+    )
 
 
 def _name(labels: list[str]) -> str:

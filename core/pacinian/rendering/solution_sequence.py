@@ -56,7 +56,7 @@ class SolutionSequence:
         """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
         last = self.rows[-1].samples if self.rows else None
         played = self.common if self.cycle else last
-        if played is None or self.motion is None:
+        if played is None or self.motion is None or not self.motion.shift.any():
             return played
         return played.changed(positions=played.positions + self.motion.shift)
 

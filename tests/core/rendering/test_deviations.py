@@ -26,6 +26,7 @@ from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
+    FACES_AWAY,
     LEFT_OUT,
     MERGED,
     OUTSIDE,
@@ -363,3 +364,20 @@ def test_spans_that_name_many_objects_are_fewer() -> None:
     more = {f"point {k}": {"late": 1} for k in range(2 * MAX_NAMED)}
     found.add(200, 0.2, more)
     assert [span.tick for span in found.spans] == [200]
+
+
+@pytest.mark.parametrize("side", ["below", "above", "away"])
+def test_an_object_that_touches_only_skin_that_faces_away_is_not_as_asked(side: str) -> None:
+    hand = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.2)))
+    z = {"below": 0.2 - 0.0155 - 0.008, "above": 0.2 + 0.0155 + 0.008, "away": 0.3}[side]
+    ball = pc.Volume(
+        name="ball", shape=pc.Sphere(0.01), pose=pc.Pose((0.0, 0.0, z)), radiation_pressure=1.0
+    )
+    renderer, _, _ = make(pc.Scene((ball,), hands=(hand,)))
+    with renderer:
+        for k in range(5):
+            renderer.tick(1e-3 * k)
+        sounds = bool(renderer.last_frame.amplitude.any())
+    named = FACES_AWAY in renderer.report.deviations.totals.get("ball", {})
+    assert sounds is (side == "below")
+    assert named is (side == "above")

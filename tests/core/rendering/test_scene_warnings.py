@@ -10,7 +10,9 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.scene.sampling.sample_counts import TOO_FAST
 from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
 
 ARRAY = pc.autd()
 AIR = pc.Air()
@@ -37,6 +39,31 @@ def test_an_object_outside_the_workspace_is_named(z: float, radius: float) -> No
     for text in found:
         assert text.startswith("outside the workspace")
         assert f"'ball' ({away:.3g} m outside)" in text
+
+
+@pytest.mark.parametrize("rate", [1000.0, 4000.0])
+@pytest.mark.parametrize(
+    "how",
+    [
+        lambda f: {"envelope": pc.Sine(f)},
+        lambda f: {"envelope": pc.Square(f, duty=0.2)},
+        lambda f: {"envelope": pc.Noise(0.5 * f, f)},
+        lambda f: {"technique": pc.AM(f)},
+        lambda f: {"technique": pc.LM(f, amplitude=0.002)},
+        lambda f: {"technique": pc.STM(f)},
+    ],
+)
+def test_a_vibration_that_the_device_cannot_play_is_named(how: Any, rate: float) -> None:
+    for share in (0.45, 0.5, 1.0):
+        scene = pc.Scene((replace(ball((0.0, 0.0, 0.2), 1e-3), **how(share * rate)),))
+        device, clock = Simulated(rate=rate), ManualClock()
+        with pc.Renderer(ARRAY, scene, medium=AIR, clock=clock, backend=device) as renderer:
+            for k in range(3):
+                renderer.tick(1e-3 * k)
+            fast, report = share >= 0.5, renderer.report
+        assert len(report.warnings) == fast
+        assert all(f"'ball' ({share * rate:.4g} Hz)" in text for text in report.warnings)
+        assert (TOO_FAST in report.deviations.totals.get("ball", {})) is fast
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0, 0.2), (0.0, 0.0, 3.0), (0.5, 0.0, 0.1)])

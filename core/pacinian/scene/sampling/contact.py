@@ -86,6 +86,18 @@ class Contact:
         )  # fmt: skip
 
 
+def is_touched(item: Surface | Volume, pose: Pose, hand: PosedSkin) -> bool:
+    """Return whether any skin of a hand touches `item`, also skin that faces away from the array."""
+    material = item.material
+    which, local = hand.find_near(pose, item.bounding_radius + material.reach, ANYWHERE)
+    if not len(which):
+        return False
+    d = item.distance(local, material.reach, material.compute_full_depth(item.pressure))
+    stiffness = material.compute_stiffness(item.pressure)
+    pressed = hand.find_pressed(which, d, material.reach, stiffness, item.pressure, ANYWHERE)
+    return len(pressed[0]) > 0
+
+
 def find_contact(
     item: Surface | Volume, pose: Pose, index: int, name: int, hand: PosedSkin,
     items: tuple[Object, ...], share: float, least: float, resolving: ArrayResolution | None, distances: DistanceCache,

@@ -27,7 +27,7 @@ class PressureRamps:
     the object, or the current pressure if that is higher. A sample that is no longer a target fades out at its last
     position. With `ramp` 0, the pressures follow at once. The samples of a region change when the region moves over
     the skin or is sampled more finely. The new samples then start from the pressure that was there, and the old ones
-    end.
+    end. When the first hand comes or the last one leaves, all old samples end at once.
     """
 
     def __init__(self, ramp: float) -> None:
@@ -55,6 +55,10 @@ class PressureRamps:
             self._asked = self._last = asked
             return asked
         self._asked = asked
+        if (asked.capsules is None) is not (self._last.capsules is None):
+            # A solve for skin cannot make what fades in free air: it would drive the array fully to press on normals
+            # that face away. Only the slew-rate limit then softens the end.
+            self._last = no_samples()
         # part of a full ramp that this tick covers
         share = seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
         last, M, L = self._last, len(asked), len(self._last)

@@ -28,6 +28,8 @@ LEFT_OUT = frozenset({COARSENED, OVER_BUDGET, MERGED, FAINT, OUTSIDE, FAR, ON_TR
 """Reasons why samples are left out. Every other reason changes what is rendered."""
 PRESSURE_LIMITED = "pressure limited"
 TOO_FINE = "texture too fine"
+TOO_FAST = "too fast for the device"
+FACES_AWAY = "on skin that faces away"
 NO_SURFACE = "no surface found"
 HAND_LOST = "lost"
 HAND_FADING = "fading"

@@ -16,7 +16,7 @@ from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.contact import find_contact
+from pacinian.scene.sampling.contact import find_contact, is_touched
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
@@ -32,6 +32,7 @@ from pacinian.scene.sampling.sample_budget import (
 from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
+    FACES_AWAY,
     FAINT,
     FAR,
     HAND_FADING,
@@ -101,6 +102,7 @@ COUNTED = {
 """Reasons of `Sampler.skipped`, by those of the sample counts."""
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
+MAX_UNSEEN = 8  # largest number of objects that are checked for skin that faces away
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
@@ -251,6 +253,7 @@ class Sampler:
             and not any(track.can_move(t) for track in self._hands.values())
         )  # fmt: skip
         if not sources:
+            self._note_unseen(scene, t, found, hands, counts)
             return no_samples(scene.objects, capsules)
         solid = any(forms_region(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
@@ -283,6 +286,25 @@ class Sampler:
             share = FINE_SILENT_SHARE if self.fine else MAX_SILENT_SHARE
             parts = [add_surround(parts[0], touching, centre, resolved, left, share)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
+
+    def _note_unseen(
+        self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]], counts: SampleCounts
+    ) -> None:  # fmt: skip
+        """Note objects that touch only skin that faces away from the array: without this, silence would be as asked.
+
+        found: indices of the objects near the hands; the first MAX_UNSEEN are checked.
+        """
+        for i in found[:MAX_UNSEEN]:
+            item = scene.objects[i]
+            if (
+                not isinstance(item, (Surface, Volume))
+                or not item.pressure > 0.0
+                or item.envelope == OFF
+            ):
+                continue
+            pose = self._tracks.pose(item, t)
+            if any(is_touched(item, pose, hand) for hand, _ in hands):
+                counts.note_object(FACES_AWAY, i)
 
     def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:
         """Count the samples of objects that need no hand, but lie outside the workspace or too far from the array.

@@ -51,7 +51,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
 
 def find_hands(renderer: Renderer, t: float) -> list[Hand]:
     """Return the hands at time t [s] of the scene, without those that are lost or were last seen long ago."""
-    return [seen for hand in renderer.rendered_scene.hands if (seen := _see(hand, t)) is not None]
+    return [seen for hand in renderer.newest_scene.hands if (seen := _see(hand, t)) is not None]
 
 
 def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]:

@@ -14,6 +14,8 @@ from pacinian.testing import ManualClock
 from pacinian.wire.state import State
 from pacinian_plugins.backends.simulated import Simulated
 
+from ...rendering.manual_background import solve_beside
+
 ARRAY = pc.autd()
 A = pc.Point(position=(0.03, 0.0, 0.15), radiation_pressure=4.0, name="a")
 B = pc.Point(position=(-0.03, 0.0, 0.15), radiation_pressure=2.0, name="b")
@@ -86,6 +88,29 @@ def test_hands_are_carried_on_and_lost_ones_left_out() -> None:
     joints = floats(make_status(renderer, 0.02)["hands"], 3)
     assert hand.joints is not None
     np.testing.assert_allclose(joints, hand.joints + np.array([0.02, 0.0, 0.0]), atol=1e-6)
+    renderer.close()
+
+
+def test_a_touch_goes_on_while_a_slow_solve_is_for_hands_of_long_ago() -> None:
+    def at(t: float) -> pc.Scene:
+        ball = pc.Volume(
+            name="ball",
+            shape=pc.Sphere(0.03),
+            pose=pc.Pose((0.0, 0.0, 0.15)),
+            radiation_pressure=3.0,
+        )
+        return pc.Scene((ball,), hands=(pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.16)), time=t),))
+
+    renderer = ticked(at, adaptive=True)
+    background = solve_beside(renderer)
+    for k in range(3, 6):
+        renderer.tick(k / 1000.0)
+    background.ready = False
+    renderer.tick(1.0)
+    told = make_status(renderer, 1.0)
+    assert renderer.rendered_scene.hands[0].time == pytest.approx(0.005, abs=0.003)
+    assert floats(told["hands"], 3).shape == (26, 3)
+    assert [touch["object"] for touch in told["touches"]] == ["ball"]
     renderer.close()
 
 
