@@ -37,6 +37,8 @@ pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("pati
 ARRAY = pc.autd(1, 1)
 TINY = 480, 400  # [px]
 PHONE = 390, 844  # [px]
+NARROWEST = 320, 640  # an enlarged page of 1280 px [px]
+TABLET = 1024, 768  # [px]
 
 
 def test_two_viewers_show_what_there_is(browser: Browser, url: str, server: Running) -> None:
@@ -294,6 +296,83 @@ def test_on_a_phone_the_colour_bar_covers_nothing(
         shown.page.click("#help")
         assert shown.page.is_visible("#keys .touch")
         assert not shown.page.locator("#keys kbd:visible").count()
+
+
+def test_on_the_narrowest_page_nothing_is_cut_off(
+    browser: Browser, url: str, server: Running
+) -> None:
+    with Game(server.connection), seen(browser, url, NARROWEST) as shown:
+        shown.until(lambda: "p99" in shown.text("#chart-ticks"))
+        for css in ("#help", "#wheel", "#legend", "#stop", "#chart-ticks output"):
+            box = shown.page.locator(css).bounding_box()
+            assert box, css
+            assert box["x"] >= 0.0, css
+            assert box["x"] + box["width"] <= NARROWEST[0], css
+
+
+def test_the_figures_of_the_charts_are_complete(
+    browser: Browser, url: str, server: Running
+) -> None:
+    inside = """(id) => {
+        const chart = document.getElementById(id).getBoundingClientRect();
+        const range = document.createRange();
+        range.selectNodeContents(document.querySelector(`#${id} output`));
+        const text = range.getBoundingClientRect();
+        return text.left >= chart.left && text.right <= chart.right && text.bottom <= chart.bottom; }"""
+    with Game(server.connection), seen(browser, url, TABLET) as shown:
+        shown.until(lambda: "p99" in shown.text("#chart-ticks"))
+        for name, texts in (("drive", ("mean", "max")), ("ticks", ("p50", "p99", "max", " ms"))):
+            assert all(text in shown.text(f"#chart-{name} output") for text in texts)
+            cut = f"() => document.querySelector('#chart-{name} output')"
+            assert shown.page.evaluate(f"{cut}.scrollWidth") <= shown.page.evaluate(
+                f"{cut}.clientWidth"
+            )
+            assert shown.page.evaluate(inside, f"chart-{name}")
+
+
+def test_the_top_of_the_scale_is_checked(browser: Browser, url: str, server: Running) -> None:
+    with Game(server.connection), seen(browser, url, TABLET) as shown:
+        page = shown.page
+        shown.until(lambda: page.is_visible("#bar"))
+        page.fill("#scale", "1e12")
+        page.press("#scale", "Enter")
+        shown.until(lambda: shown.get("scale") == 1e12 and "1e+12" in shown.text("#bar-ticks"))
+        bar = page.locator("#bar").bounding_box()
+        assert bar
+        for tick in page.locator("#bar-ticks li").all():
+            box = tick.bounding_box()
+            assert box
+            assert box["x"] + box["width"] <= bar["x"] + bar["width"]
+        for value in ("-3", "0", ""):
+            page.fill("#scale", value)
+            page.press("#scale", "Enter")
+            assert page.get_attribute("#scale", "aria-invalid") == "true"
+            assert "1.00e+12 Pa" in shown.text("#scale-why")
+            assert shown.get("scale") == 1e12
+        page.press("#scale", "Tab")
+        assert float(page.input_value("#scale")) == 1e12
+        assert page.get_attribute("#scale", "aria-invalid") == "false"
+        assert not page.is_visible("#scale-why")
+
+
+def test_with_forced_colours_states_can_be_told_apart(browser: Browser, url: str) -> None:
+    with seen(browser, url, TABLET) as shown:
+        page = shown.page
+        page.emulate_media(forced_colors="active", reduced_motion="reduce")
+
+        def picture(css: str) -> Any:
+            page.mouse.move(0, 0)
+            page.evaluate("() => document.activeElement.blur()")
+            data = page.locator(css).screenshot()
+            return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float)
+
+        for css in ("#slice-on", "#skin-on", "#surface-on", "#follow", "#slice-follow"):
+            before = picture(css)
+            page.click(css)
+            differ = abs(picture(css) - before).max(axis=-1) > 60.0
+            assert differ.mean() > 0.3, css  # not only the border
+        look = "(css) => getComputedStyle(document.querySelector(css)).backgroundColor"
+        assert page.evaluate(look, "#stop") != page.evaluate(look, "#arm")
 
 
 def test_what_the_server_has_not_told_is_not_shown(browser: Browser, url: str) -> None:

@@ -17,7 +17,7 @@ import { Lists } from "./panels/lists";
 import { notices } from "./panels/notices";
 import { OutputPanel } from "./panels/output";
 import { RecordingPanel } from "./panels/recording";
-import { SkinPanel } from "./panels/skin";
+import { ContactMaps } from "./panels/contact-maps";
 import { showHoverValue } from "./panels/hover-value";
 import { watchViews } from "./panels/view-buttons";
 import { shown } from "./page-state";
@@ -83,7 +83,7 @@ if (space) {
   listen(space, slicePlane);
   watchViews(space);
   const pointing = new Pointer(space, slicePlane, showHoverValue);
-  new SkinPanel(store, new SkinPlane(send), space);
+  new ContactMaps(store, new SkinPlane(send), space);
   new FieldPanel(space, slicePlane, surfaceBox, scales, store);
   const showScale = (): void => scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
   space.onScale(showScale); // also while no slices come, because the field does not change

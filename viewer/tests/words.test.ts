@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { SCALE_LAWS, opacity, place, shareAt } from "../src/field/scale-law";
 import { advice } from "../src/panels/advice";
+import { digits, trimmed } from "../src/panels/format";
 import { split } from "../src/panels/skip-reasons";
 
 for (const law of SCALE_LAWS) {
@@ -17,6 +18,14 @@ test("0 is transparent, the top is opaque, and opacity never decreases between t
   assert.equal(opacity(0), 0);
   assert.ok(opacity(1) > 0.9);
   for (let at = 0; at < 1; at += 0.01) assert.ok(opacity(at + 0.01) >= opacity(at));
+});
+
+test("numbers have no zeros at their end, but keep those before the point, and their power of ten", () => {
+  const wanted = { 0: "0", 2: "2", 20: "20", 1.5: "1.5", 0.75: "0.75", "-150": "−150", 1e12: "1e+12", 7.5e11: "7.5e+11", 1e-10: "1e−10" };
+  for (const [x, text] of Object.entries(wanted)) {
+    assert.equal(trimmed(Number(x)), text);
+    assert.equal(parseFloat(text.replace("−", "-")), parseFloat(digits(Number(x)).replace("−", "-")));
+  }
 });
 
 test("each refusal has an advice", () => {

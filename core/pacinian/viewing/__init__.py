@@ -15,7 +15,7 @@ array_model.py           array and medium of that process
 region_error.py          felt pressure minus target on regions, between samples too
 feed_file.py             recordings of the viewer (.feed): written and read
 feed_player.py           plays a recording: from any time, at any speed
-history.py               drive and error of the last 30 s, for the page's charts (panels/history.ts)
+history.py               drive and error of the last 30 s, for the page's charts (panels/chart-series.ts)
 recording_to_feed.py     recording of `pacinian render --record` to a feed
 recording_tick_stats.py  statistics of a recording's ticks
 tick_histogram.py        histogram of tick times

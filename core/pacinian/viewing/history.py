@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.array_model import ArrayModel
     from pacinian.viewing.feed_file import Entry, FeedFile
 
-SPAN = 30.0  # time that the charts show [s]; also in viewer/src/panels/history.ts
+SPAN = 30.0  # time that the charts show [s]; also in viewer/src/panels/chart-series.ts
 MAX_MESSAGES = 240  # maximum number of messages that are read, per kind
 
 

@@ -7,7 +7,7 @@ import { doubles, floats } from "../feed/numbers";
 import type { Store } from "../feed/store";
 import { drawnBySoftware } from "../space/software-rendering";
 import { element, say } from "./dom";
-import { History, SPAN } from "./history";
+import { ChartSeries, SPAN } from "./chart-series";
 import { digits, percent } from "./format";
 
 const SELDOM = 1000; // time between two drawings with software rendering [ms]
@@ -25,8 +25,8 @@ const GRID = { stroke: "#232b36", width: 1 };
 const FONT = "11px system-ui, sans-serif";
 
 export class Charts {
-  private readonly drive = new History(["mean", "max"]);
-  private readonly error = new History(["mean", "max"]);
+  private readonly drive = new ChartSeries(["mean", "max"]);
+  private readonly error = new ChartSeries(["mean", "max"]);
   private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
   private histogram: Histogram | undefined;
   private readonly apart = drawnBySoftware() ? SELDOM : 0;
@@ -95,7 +95,7 @@ export class Charts {
         y: { distr: 4, asinh: 5, range: (_plot, _low, high) => [0, Math.max(high, 10)] },
       },
       axes: [
-        axis({ splits: () => this.powers(), values: (_plot, ticks) => ticks.map((ms) => `${ms} ms`) }),
+        axis({ splits: () => this.powers(), values: (_plot, ticks) => ticks.map((ms, k) => (k < ticks.length - 1 ? `${ms}` : `${ms} ms`)) }),
         axis({ splits: (shown) => COUNTS.filter((each) => each <= (shown.scales["y"]?.max ?? 0)) }),
       ],
       series: [{}, { stroke: LINE, fill: "#8fc7ff99", width: 0, points: { show: false }, ...(bars && { paths: bars }) }],
@@ -165,7 +165,8 @@ function plot(id: string, options: Omit<uPlot.Options, "width" | "height">): uPl
     height: Math.max(figure.clientHeight - (caption?.offsetHeight ?? 0), 40),
   });
   const made = new uPlot({ ...options, ...size() }, [[], []], figure);
-  new ResizeObserver(() => made.setSize(size())).observe(figure);
+  const observer = new ResizeObserver(() => made.setSize(size()));
+  for (const each of [figure, caption]) if (each) observer.observe(each);
   return made;
 }
 

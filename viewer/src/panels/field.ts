@@ -1,7 +1,7 @@
 /** Controls of the field: slice, isosurface, colour scale. */
 
 import type { SurfaceBox } from "../field/surface-box";
-import { round, type AutoScale } from "../field/auto-scale";
+import type { AutoScale } from "../field/auto-scale";
 import type { SlicePlane } from "../field/slice-plane";
 import { SCALE_LAWS } from "../field/scale-law";
 import type { Over, Quantity } from "../feed/messages";
@@ -107,12 +107,13 @@ export class FieldPanel {
       this.showMost();
     });
     top.addEventListener("change", () => {
-      const { scale } = this;
-      scale.auto = false;
-      scale.most = Number(top.value) > 0 ? Number(top.value) : round(scale.most);
+      if (!(top.valueAsNumber > 0)) return;
+      this.scale.auto = false;
+      this.scale.most = top.valueAsNumber;
       space.rescale();
       this.showMost();
     });
+    for (const event of ["input", "blur"]) top.addEventListener(event, () => this.showScale());
   }
 
   /** The colour scale of the chosen quantity. */
@@ -122,7 +123,12 @@ export class FieldPanel {
 
   private showScale(): void {
     select("scale-auto").value = this.scale.auto ? "auto" : "fixed";
-    if (document.activeElement !== input("scale")) input("scale").value = String(this.scale.most);
+    const top = input("scale");
+    if (document.activeElement !== top) top.value = String(this.scale.most);
+    const valid = top.valueAsNumber > 0;
+    top.setAttribute("aria-invalid", String(!valid));
+    element("scale-why").hidden = valid;
+    say(element("scale-why"), valid ? "" : `The top must be above 0. Until then it is ${digits(this.scale.most)} Pa.`);
   }
 
   private showSlice(): void {

@@ -12,6 +12,11 @@ export function digits(x: number, count = DIGITS): string {
   return x.toFixed(Math.min(after, 6)).replace("-", "−");
 }
 
+/** Format a number like `digits`, but without zeros at its end. */
+export function trimmed(x: number): string {
+  return digits(x).replace(/(\.\d*?)0+(?=e|$)/, "$1").replace(/\.(?=e|$)/, "");
+}
+
 /** Format a whole number with thin spaces between thousands. */
 export function whole(x: number): string {
   return Math.round(x).toString().replace(/\B(?=(\d{3})+$)/g, "\u2009").replace("-", "−");

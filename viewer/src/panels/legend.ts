@@ -5,7 +5,7 @@ import { opacity, shareAt, type ScaleLaw } from "../field/scale-law";
 import type { Over, Quantity } from "../feed/messages";
 import { ERRORS, PHASES, PRESSURES } from "../space/map-textures";
 import { element, get, made, say } from "./dom";
-import { digits } from "./format";
+import { digits, trimmed } from "./format";
 
 const HOLE = 0.62; // radius of the hole, relative to the wheel's
 const TICKS = 5;
@@ -51,7 +51,7 @@ export function scaleBar(most: number, of: Quantity, law: ScaleLaw = "linear", o
   const list = element("bar-ticks");
   ticks.forEach((tick, k) => {
     const item = list.children[k] ?? list.appendChild(made("li"));
-    say(item, digits(tick, 3).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, ""));
+    say(item, trimmed(tick));
   });
 }
 

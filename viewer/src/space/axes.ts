@@ -12,7 +12,7 @@ import {
 } from "three";
 
 import type { Hands } from "./hands";
-import { Label } from "./labels";
+import { Label, type Kept } from "./labels";
 
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
 const LINES = 7; // largest number of steps on the longer side, roughly
@@ -77,18 +77,14 @@ export class Axes extends Group {
   }
 
   /**
-   * Hide labels that would cover a hand, and numbers that would cover a name or another number. project: returns where
-   * a point is on the page [px].
+   * Hide labels that would cover a hand or one of `kept`, and numbers that would cover a name or another number. Add the
+   * visible ones to `kept`. project: returns where a point is on the page [px].
    */
-  separate(project: (point: Vector3) => { x: number; y: number }, camera: Vector3, hands: Hands): void {
-    const kept: { x: number; y: number; label: Label }[] = [];
+  separate(project: (point: Vector3) => { x: number; y: number }, camera: Vector3, hands: Hands, kept: Kept[]): void {
     for (const label of [...this.labels.slice(-NAMES), ...this.labels.slice(0, -NAMES)]) {
-      const { x, y } = project(label.position);
       this.ray.set(camera, this.ray.direction.subVectors(label.position, camera).normalize());
-      label.visible =
-        !hands.covers(this.ray, label.scale.x / 2) &&
-        kept.every((other) => label.clears(other.label, Math.abs(x - other.x), Math.abs(y - other.y)));
-      if (label.visible) kept.push({ x, y, label });
+      if (hands.covers(this.ray, label.scale.x / 2)) label.visible = false;
+      else label.showIfClear(project(label.position), kept);
     }
   }
 

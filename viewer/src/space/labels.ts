@@ -5,11 +5,25 @@ import { CanvasTexture, LinearFilter, NoColorSpace, Sprite, SpriteMaterial } fro
 const FINE = 2; // pixels of the texture per pixel of the page
 const FONT = "system-ui, sans-serif";
 const PADDING = 3; // [px]
+const LONGEST = 24; // number of characters from which a name is shortened
 
 export interface Style {
   colour?: string;
   size?: number; // [px]
   weight?: number;
+}
+
+/** A visible label, and the position of its middle on the page [px]. */
+export interface Kept {
+  label: Label;
+  x: number;
+  y: number;
+}
+
+/** Shorten a long name to LONGEST characters, of which the last is an ellipsis. */
+export function shorten(name: string): string {
+  const characters = [...name];
+  return characters.length > LONGEST ? `${characters.slice(0, LONGEST - 1).join("")}…` : name;
 }
 
 export class Label extends Sprite {
@@ -48,9 +62,15 @@ export class Label extends Sprite {
   }
 
   /** Return whether this label does not overlap another whose middle lies at this distance [px]. */
-  clears(other: Label, across: number, along: number): boolean {
+  private clears(other: Label, across: number, along: number): boolean {
     const touches = across < (this.across + other.across) / 2 - PADDING && along < 0.4 * (this.high + other.high);
     return !touches;
+  }
+
+  /** Show this label if it overlaps none of `kept`, and add it to them. at: position of its middle on the page [px]. */
+  showIfClear(at: { x: number; y: number }, kept: Kept[]): void {
+    this.visible = kept.every(({ label, x, y }) => this.clears(label, Math.abs(at.x - x), Math.abs(at.y - y)));
+    if (this.visible) kept.push({ label: this, x: at.x, y: at.y });
   }
 
   override dispose(): void {

@@ -7,7 +7,7 @@ import { into } from "../feed/numbers";
 import type { Thing } from "../feed/objects";
 import { made, type Made } from "../shapes/geometry";
 import { Translucent, type Turned } from "./translucent";
-import { Label } from "./labels";
+import { Label, shorten, type Kept } from "./labels";
 
 const LABELLED = 12; // largest number of objects whose names are shown
 const OVER = 0.006; // distance of a name above its object [m]
@@ -23,7 +23,7 @@ export class Placed extends Group implements Turned {
     private readonly shown: Made,
   ) {
     super();
-    this.label = new Label(shown.drawn ? name : `${name} (outline)`);
+    this.label = new Label(`${shorten(name)}${shown.drawn ? "" : " (outline)"}`);
     this.add(shown.object);
   }
 
@@ -68,8 +68,18 @@ export class Objects {
       if (Object.hasOwn(poses, name)) this.add(name, thing);
     }
     for (const [name, pose] of Object.entries(poses)) this.all.get(name)?.move(pose);
+  }
+
+  /**
+   * Hide names that would cover one of `kept` or another name, or all if there are many. Add the visible ones to `kept`.
+   * project: returns where a point is on the page [px].
+   */
+  separate(project: (point: Vector3) => { x: number; y: number }, kept: Kept[]): void {
     const few = this.all.size <= LABELLED;
-    for (const placed of this.all.values()) placed.label.visible = few;
+    for (const { label } of this.all.values()) {
+      if (few) label.showIfClear(project(label.position), kept);
+      else label.visible = false;
+    }
   }
 
   /** Remove all objects. */

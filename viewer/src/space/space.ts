@@ -14,6 +14,7 @@ import { Axes, type Extent } from "./axes";
 import { takeTurns, type Turned } from "./translucent";
 import { Hands } from "./hands";
 import { Isosurface } from "./isosurface";
+import type { Kept } from "./labels";
 import { PRESSURES } from "./map-textures";
 import { Objects } from "./objects";
 import { peak } from "./planes";
@@ -308,8 +309,11 @@ export class Space {
     takeTurns(this.things, this.view.camera);
     const pixel = this.view.pixel;
     for (const label of this.axes.labels) label.fit(pixel);
-    this.axes.separate((point) => this.view.project(point), this.view.camera.position, this.hands);
     for (const { label } of this.objects.all.values()) label.fit(pixel);
+    const project = (point: Vector3): Vector3 => this.view.project(point);
+    const kept: Kept[] = [];
+    this.objects.separate(project, kept);
+    this.axes.separate(project, this.view.camera.position, this.hands, kept);
     this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
   }
 }

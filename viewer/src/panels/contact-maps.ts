@@ -13,7 +13,7 @@ import { digits } from "./format";
 /** Recordings of `pacinian render` have no samples. */
 const NO_SAMPLES = "This recording has no samples. Start `pacinian view --samples FILE` to see them.";
 
-export class SkinPanel {
+export class ContactMaps {
   private readonly made = { asked: get("skin-asked", HTMLCanvasElement), felt: get("skin-felt", HTMLCanvasElement) };
   private last = 0;
 
