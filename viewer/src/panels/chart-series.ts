@@ -2,7 +2,7 @@
 
 import type { AlignedData } from "uplot";
 
-export const SPAN = 30; // time that the charts show [s]; also in core/pacinian/viewing/series.py
+export const SPAN = 30; // time that the charts show [s]; also in core/pacinian/viewing/history.py
 const BIN = 0.25; // interval of one point of the chart, one or two pixels wide [s]
 const WINDOW = 1; // time that each point covers [s]; the mean of fewer frames of a modulation would scatter
 const BACK = 0.2; // largest step back between messages [s]
