@@ -57,6 +57,17 @@ def refuse_masked(name: str, value: object) -> None:
             raise ArgumentError(name, "has masked values: leave these out, or fill them")
 
 
+def check_real(name: str, value: object) -> Floats:
+    """Return what a user's function has returned as float64, not always finite. Raises ArgumentError."""
+    array = np.asarray(value)
+    if array.dtype.kind == "c":
+        raise ArgumentError(name, f"must return real numbers, not {array.dtype}")
+    try:
+        return array.astype(np.float64, copy=False)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(name, f"must return numbers: {error}") from None
+
+
 def check_number(
     name: str, value: float, *, low: float = -math.inf, high: float = math.inf, above: bool = False
 ) -> float:

@@ -37,7 +37,7 @@ from pacinian.solving.limit_enforcement import (
 )
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.quiet_subspace import Preparation
+from pacinian.solving.quiet_subspace import Preparation, read
 from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.solution import Solution
 from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
@@ -83,6 +83,8 @@ class Session:
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self.clock = clock
+        self.note: Callable[[Callable[[], float]], float] = read
+        """Returns what a function returns. Replace it to record decisions that depend on time."""
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
         self.refines = True
@@ -256,7 +258,7 @@ class Session:
         nulls = None
         if limits.zones:
             rms = limits.rms(len(self.array))
-            nulls = self._zones.nulls(self.array, self.medium, limits.zones, rms, budget)
+            nulls = self._zones.nulls(self.array, self.medium, limits.zones, rms, budget, self.note)
         propagator.keep_quiet(nulls)
         propagator.set_points(q, facing)
         if quiet is None:
@@ -334,6 +336,7 @@ class Session:
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
                 result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", g))
         check_kind(f"{solver.name}.solve(...)", result, Result)
+        result.check(solver.name, len(targets.amplitudes))
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
         points = propagator.points.copy()
@@ -348,7 +351,9 @@ class Session:
         p = propagator.apply(g)
         out[:] = g
         miss, bound, objective = relative_error(targets, p), result.bound, result.objective
-        if result.mu == result.mu and targets.scale == "exact" and limits.exact is None:
+        if result.mu != result.mu:
+            bound = objective = math.nan  # nothing to check them with
+        elif targets.scale == "exact" and limits.exact is None:
             missed = miss if asked is targets else None
             objective = _compute_objective(asked, p, g, result.mu, result.quiet_weight, missed)
             bound = min(bound, objective)  # any excess is rounding

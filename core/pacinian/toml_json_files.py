@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import msgspec
 from msgspec import Struct
 
-from pacinian.errors import SceneFileError
+from pacinian.errors import SceneFileError, shorten
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,6 +29,8 @@ def decode_document(path: Path, kind: type[S]) -> S:
     decode = msgspec.toml.decode if path.suffix == ".toml" else msgspec.json.decode
     try:
         file: S = decode(text, type=kind)
+        if path.suffix == ".json":
+            json.loads(text, object_pairs_hook=_refuse_duplicates)  # msgspec accepts them
     except msgspec.ValidationError as error:
         problem, _, key = str(error).rpartition(" - at `$")
         problem, key = (problem, "$" + key.rstrip("`")) if problem else (str(error), "")
@@ -63,6 +65,14 @@ def read_bytes(path: Path, *suffixes: str, largest: int = MAX_BYTES) -> bytes:
     return text.removeprefix(codecs.BOM_UTF8)
 
 
+def _refuse_duplicates(pairs: list[tuple[str, Any]]) -> None:
+    """Raise ValueError if two members of a JSON object have the same key."""
+    keys = [key for key, _ in pairs]
+    if len(set(keys)) < len(keys):
+        twice = next(key for i, key in enumerate(keys) if key in keys[:i])
+        raise ValueError(f"an object has the key {shorten(repr(twice))} twice")
+
+
 def _decode_plain(path: Path, text: bytes) -> object:
     """Return a file's contents without types; None if only a part of it is TOML or JSON."""
     try:
@@ -85,7 +95,8 @@ def _advice(kind: type[Struct], problem: str, key: str, raw: object) -> str:
             return f": did you mean `{close[0]}`?"
         return f": there are {', '.join(tags)}"
     values = _list_values(kind, key, raw) if "enum" in problem else []
-    words = values or _words(kind, re.split(r"[.\[]", key + ".")[1])
+    keys = [] if "enum" in problem else _list_keys(kind, key, raw)
+    words = values or keys or _words(kind, re.split(r"[.\[]", key + ".")[1])
     if close := difflib.get_close_matches(word, words, 1, 0.6):
         return f": did you mean `{close[0]}`?"
     if not values and kind.__name__ == "SceneFile":
@@ -95,12 +106,21 @@ def _advice(kind: type[Struct], problem: str, key: str, raw: object) -> str:
 
 def _list_tags(kind: type[Struct], key: str, raw: Any) -> list[str]:
     """Return the types that are allowed at a key such as `$.objects[0].shape.type`; none if it has no types."""
-    return list(_find_tags(_find_node(kind, key.removesuffix(".type"), raw)))
+    return list(_find_tags(_find_node(kind, key.removesuffix(".type"), raw)[0]))
+
+
+def _list_keys(kind: type[Struct], key: str, raw: Any) -> list[str]:
+    """Return the keys of the object at a key, other than `type`; none if it is no object."""
+    node, raw = _find_node(kind, key, raw)
+    try:
+        return sorted(set(_find_properties(kind, node, raw)) - {"type"})
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return []
 
 
 def _list_values(kind: type[Struct], key: str, raw: Any) -> list[str]:
     """Return the words that are allowed at a key; none if it has others than words."""
-    node = _find_node(kind, key, raw)
+    node, _ = _find_node(kind, key, raw)
     return [
         word
         for part in (node, *node.get("anyOf", ()))
@@ -109,22 +129,34 @@ def _list_values(kind: type[Struct], key: str, raw: Any) -> list[str]:
     ]
 
 
-def _find_node(kind: type[Struct], key: str, raw: Any) -> dict[str, Any]:
-    """Return the part of the schema at a key; an empty one if there is none."""
-    schema = _schema(kind)
-    node: Any = {"$ref": schema["$ref"]}
+def _find_node(kind: type[Struct], key: str, raw: Any) -> tuple[dict[str, Any], Any]:
+    """Return the part of the schema at a key, an empty one if there is none, and the contents there."""
+    node: Any = {"$ref": _schema(kind)["$ref"]}
     try:
         for name, index in re.findall(r"\.([\w-]+)|\[(\d+)\]", key):
             if index:
                 node, raw = node["items"], raw[int(index)]
                 continue
-            mapping = _find_tags(node)
-            reference = mapping[raw["type"]] if mapping else node["$ref"]
-            node = schema["$defs"][reference.removeprefix("#/$defs/")]["properties"][name]
+            node = _find_properties(kind, node, raw)[name]
             raw = raw.get(name)
-    except (LookupError, TypeError, AttributeError):
-        return {}
-    return node if isinstance(node, dict) else {}
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return {}, None
+    return (node, raw) if isinstance(node, dict) else ({}, None)
+
+
+def _find_properties(kind: type[Struct], node: Any, raw: Any) -> dict[str, Any]:
+    """Return the properties of an object by key.
+
+    raw: its contents. Raises LookupError, TypeError, ValueError or AttributeError if it is no object.
+    """
+    if mapping := _find_tags(node):
+        reference = mapping[raw["type"]]
+    else:
+        parts = node, *node.get("anyOf", ())
+        (reference,) = (part["$ref"] for part in parts if "$ref" in part)
+    definitions = _schema(kind)["$defs"]
+    found: dict[str, Any] = definitions[reference.removeprefix("#/$defs/")]["properties"]
+    return found
 
 
 def _find_tags(node: Any) -> dict[str, str]:

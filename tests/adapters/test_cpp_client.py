@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
 
-PURE = "client_outbox", "client_session", "client_felt", "client_digest"
+PURE = "client_outbox", "client_session", "client_felt", "client_digest", "client_handlers"
 ONLY = {"csharp_core", "csharp_driver"}  # fixtures for C# alone
 OTHER = {
     "test_one_that_is_forgotten_says_goodbye",  # no finaliser in C++
@@ -60,12 +60,6 @@ def start(programs: Path) -> Start:
 @pytest.mark.parametrize("name", PURE)
 def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
     tools.run(programs / name)
-
-
-def test_what_is_out_of_reach_is_as_far_as_can_be(player: Game) -> None:
-    assert player.do("move ball 0 0 50")["done"]
-    player.until(lambda s: s["points"] == 0)
-    assert not [told for told in player.told if told.get("event") == "refused"]
 
 
 def test_its_threads_do_not_race(server: Fake, game: Game) -> None:

@@ -173,3 +173,9 @@ def test_a_server_that_is_killed_and_started_again(real: Server, player: Game) -
     assert (status["armed"], status["owner"], status["output"]) == (False, False, "silent")
     assert not sounded_since(real, mark)
     sound(player)
+
+
+def test_what_is_out_of_reach_is_as_far_as_can_be(player: Game) -> None:
+    assert player.do("move ball 0 0 50")["done"]
+    player.until(lambda s: s["points"] == 0)
+    assert not [told for told in player.told if told.get("event") == "refused"]

@@ -13,7 +13,7 @@ import pacinian as pc
 from pacinian.wire.modulation import Wave
 from pacinian_lab.server.faults.server import Server
 
-from ..waiting import eventually
+from ..waiting import PATIENCE, eventually
 from . import tools, unreal
 from .game import (
     HELD,
@@ -245,6 +245,67 @@ def test_an_open_hand_feels_as_a_tracked_one_does(play: Callable[..., Game]) -> 
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 
+def test_several_hands_of_a_side_and_effects_of_a_name(
+    play: Callable[..., Game], server: Server
+) -> None:
+    game = play()
+    connected(game)
+    touch(game)
+    game.do("pair")
+    eventually(lambda: len(look(server).hands) == 2 * 312)
+    eventually(lambda: set(look(server).objects) == {"ball", "ball 2"})
+    eventually(lambda: {touch.hand for touch in look(server).touches} == {"right", "right 2"})
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_a_quiet_zone_of_no_pressure_protects_and_takes_no_other_with_it(
+    play: Callable[..., Game],
+) -> None:
+    game = play("handless")
+    connected(game)
+    game.do("quiet 0 0 500 10 0")
+    game.do("quiet 0 0 500 10 -1")
+    sounds(game)
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_zones_that_were_refused_are_told_and_sent_again(
+    play: Callable[..., Game], server: Server
+) -> None:
+    with pc.Client(server.file, scene="hall", timeout=PATIENCE) as other:
+
+        def fills_the_scene() -> bool:
+            try:
+                other.quiet(*(pc.Zone((0.0, 0.0, 5.0), pressure=100.0) for _ in range(16)))
+            except pc.PacinianError:
+                return False
+            return True
+
+        assert fills_the_scene()
+        game = play("handless", "shared")
+        assert "16 zones" in game.event("refused")["message"]
+        game.until(lambda told: "16 zones" in told["problem"])
+
+        def has_the_games_zone() -> bool:
+            other.quiet()
+            time.sleep(0.2)
+            return not fills_the_scene()
+
+        eventually(has_the_games_zone)
+
+
+def test_a_stop_that_is_not_confirmed_is_told_without_a_connection(
+    program: Path, tmp_path: Path
+) -> None:
+    with Game([program, tmp_path / "none.json"], tools.environment()) as game:
+        game.do("disconnect")
+        game.do("stop")
+        problem = game.until(lambda told: told["problem"] != "")["problem"]
+        assert "the stop was not confirmed" in problem
+        assert "switch the array off" in problem
+        assert game.end() == 0
+
+
 def test_the_mouse_moves_a_hand_while_its_button_is_down(
     play: Callable[..., Game], server: Server
 ) -> None:
@@ -281,6 +342,14 @@ def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
     game.do("press point 3")
     eventually(lambda: set(look(server).objects) == {"ball", "Things.Point"})
     assert game.until(lambda s: s["faulty"] == "")["wrong"] == ""
+    for line in ("press point 100000", "press ball 100000"):
+        game.do(line)
+    status = game.until(lambda s: s["faulty"] != "" and s["wrong"] != "")
+    count = len([told for told in game.told if told.get("event") == "refused"])
+    game.do("press ball 5")
+    assert game.until(lambda s: s["wrong"] == "")["faulty"] == status["faulty"]
+    eventually(lambda: look(server).objects == ("ball",))
+    assert len([told for told in game.told if told.get("event") == "refused"]) == count
 
 
 def _upper(state: State, half: tuple[float, float], height: float) -> np.ndarray[Any, Any]:

@@ -277,3 +277,41 @@ def test_one_point_may_have_shape_3() -> None:
 def test_an_amplitude_that_cannot_be_is_refused(amplitude: Any) -> None:
     with pytest.raises(pc.ArgumentError, match="`amplitudes`"):
         pc.solve(ARRAY, [[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]], amplitude)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("bound", None),
+        ("objective", "much"),
+        ("iterations", "a"),
+        ("iterations", 1.5),
+        ("late", "a"),
+        ("limited", None),
+        ("note", None),
+        ("solver", 3),
+        ("mu", "a"),
+        ("multipliers", [1.0]),
+        ("multipliers", np.zeros(2)),
+        ("multipliers", np.array(["a"])),
+    ],
+)
+def test_a_wrong_result_is_told_with_solver_and_field(field: str, value: Any) -> None:
+    with pytest.raises(pc.PluginError, match=rf"solver 'reports'.*`{field}`"):
+        pc.solve(ARRAY, POINT, [5.0], solver=reports(**{field: value}))
+
+
+def test_a_bound_that_cannot_be_checked_does_not_count() -> None:
+    assert math.isnan(pc.solve(ARRAY, POINT, [5.0], solver=reports(bound=1e9)).bound)
+    checked = pc.solve(ARRAY, POINT, [5.0], solver=reports(bound=1e9, mu=np.float32(1e-6)))
+    assert checked.bound == checked.objective
+
+
+def reports(**fields: Any) -> pc.Solver:
+    class Reports(Writes):
+        name: ClassVar[str] = "reports"
+
+        def solve(self, *_: Any) -> pc.Result:
+            return pc.Result(**fields)
+
+    return Reports()

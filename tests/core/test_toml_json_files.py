@@ -48,3 +48,23 @@ def test_what_is_like_nothing_is_answered_with_all_there_is(tmp_path: Path) -> N
     file.write_text("zzzz = 1")
     with pytest.raises(pc.SceneFileError, match=r"there are inner, plane, space"):
         decode_document(file, twins())
+
+
+def test_an_unknown_key_is_answered_with_those_of_its_own_table(tmp_path: Path) -> None:
+    file = tmp_path / "device.toml"
+    file.write_text('[[boards]]\nlayout = { type = "grid", columns = 4, rows = 4, zzz = 1 }')
+    with pytest.raises(pc.SceneFileError, match=r"there are columns, pitch, rows$"):
+        decode_document(file, pc.DeviceDescription)
+    file.write_text("[[boards]]\n[levels]\nzzz = 1")
+    with pytest.raises(pc.SceneFileError, match=r"there are amplitudes, phases$"):
+        decode_document(file, pc.DeviceDescription)
+
+
+@pytest.mark.parametrize(
+    "text", ['{"plane": {"columns": 1, "columns": 2}}', '{"plane": {}, "plane": {}}']
+)
+def test_a_key_may_not_be_there_twice_in_json(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "file.json"
+    file.write_text(text)
+    with pytest.raises(pc.SceneFileError, match=r"the key '(columns|plane)' twice"):
+        decode_document(file, twins())

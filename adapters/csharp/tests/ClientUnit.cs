@@ -13,7 +13,7 @@ namespace Pacinian.Tests
             foreach (Type type in new[]
             {
                 typeof(ClientUnitOutbox), typeof(ClientUnitCommands), typeof(ClientUnitSessions), typeof(ClientUnitParts),
-                typeof(ClientUnitZmtp),
+                typeof(ClientUnitZmtp), typeof(ClientUnitClient),
             })
             {
                 foreach (MethodInfo method in type.GetMethods(

@@ -28,6 +28,10 @@ namespace Pacinian.Haptics.Editing
             {
                 Tell(server);
             }
+            if (server.Problem.Length > 0 && (server.IsConnected || !EditorApplication.isPlaying || server.Problem != server.Silence))
+            {
+                EditorGUILayout.HelpBox(server.Problem, MessageType.Warning);
+            }
             Act(server);
         }
 
@@ -64,10 +68,6 @@ namespace Pacinian.Haptics.Editing
             if (server.Silence.Length > 0)
             {
                 EditorGUILayout.HelpBox("Silent: " + server.Silence, MessageType.Info);
-            }
-            if (server.Problem.Length > 0 && server.IsConnected)
-            {
-                EditorGUILayout.HelpBox(server.Problem, MessageType.Warning);
             }
         }
 

@@ -1,5 +1,6 @@
 using UnityEditor;
 using UnityEngine;
+using UnityEngine.SceneManagement;
 
 namespace Pacinian.Haptics.Editing
 {
@@ -21,12 +22,20 @@ namespace Pacinian.Haptics.Editing
         [MenuItem("Window/Pacinian/Emergency stop")]
         private static void StopNow()
         {
-            if (HapticServer.Current != null)
+            HapticServer server = HapticServer.Current;
+            foreach (GameObject root in SceneManager.GetActiveScene().GetRootGameObjects())
             {
-                HapticServer.Current.EmergencyStop();
+                foreach (HapticServer found in root.GetComponentsInChildren<HapticServer>())
+                {
+                    server = server == null ? found : server; // in edit mode none is the current one
+                }
+            }
+            if (server != null)
+            {
+                server.EmergencyStop();
                 return;
             }
-            new HapticClient(new Options()).Stop();
+            new HapticClient(new Options()).Stop(HapticServer.LogUnstopped);
         }
 
         private void OnEnable()

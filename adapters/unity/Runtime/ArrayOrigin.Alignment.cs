@@ -10,7 +10,7 @@ namespace Pacinian.Haptics
     /// </summary>
     public sealed partial class ArrayOrigin
     {
-        private readonly List<Vec3> _touched = new List<Vec3>(); // positions in the parent's frame
+        private readonly List<Vec3> _touched = new List<Vec3>(); // positions in the parent's frame, without its scale
         private Vector3[] _points = new Vector3[0]; // points to touch
 
         /// <summary>The number of points that have been touched.</summary>
@@ -55,8 +55,7 @@ namespace Pacinian.Haptics
         {
             if (_touched.Count < _points.Length)
             {
-                Transform space = transform.parent;
-                _touched.Add(WireSpace.ToWire(space == null ? position : space.InverseTransformPoint(position)));
+                _touched.Add(Parent.Inverse.Point(WireSpace.ToWire(position)));
             }
         }
 
@@ -75,8 +74,9 @@ namespace Pacinian.Haptics
             bool done = Calibration.Fit(known, _touched.ToArray(), out made, out problem);
             if (done)
             {
-                transform.localPosition = WireSpace.ToUnity(made.Origin.Position);
-                transform.localRotation = WireSpace.ToUnity(made.Origin.Rotation);
+                Rigid pose = Parent * made.Origin;
+                transform.position = WireSpace.ToUnity(pose.Position);
+                transform.rotation = WireSpace.ToUnity(pose.Rotation);
                 Residual = (float)made.Residual;
                 Worst = (float)made.Worst;
                 CancelAlignment();
@@ -123,6 +123,11 @@ namespace Pacinian.Haptics
             {
                 Debug.LogWarning("Pacinian: " + error.Message, this);
             }
+        }
+
+        private Rigid Parent
+        {
+            get { return transform.parent == null ? Rigid.Identity : WireSpace.ToWire(transform.parent); }
         }
 
         /// <summary>Returns the outermost transducers; none if the array is unknown.</summary>

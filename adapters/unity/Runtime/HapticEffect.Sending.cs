@@ -6,12 +6,13 @@ namespace Pacinian.Haptics
     /// <summary>Sends an effect to the server: the whole effect when it is new or has changed, otherwise only its movement.</summary>
     public abstract partial class HapticEffect
     {
-        private const string Objects = "$.objects["; // the path of an object begins with this
+        private const string Objects = "$.objects"; // the path of an object begins with this
+        private const double Recent = 1.0; // [s]
 
         private string _name = "";
         private int _known, _there; // the sessions in which it was last prepared, and in which the server has it
         private bool _changed;
-        private double _begin;
+        private double _begin, _put; // when it was played, and last sent [s]
         private MotionTracker _tracker;
         private HapticEnvelope _told;
         private int _version;
@@ -44,7 +45,8 @@ namespace Pacinian.Haptics
 
         /// <summary>
         /// Handles an object that the server rejected, together with the rest of its message. That object is not sent
-        /// again until it changes. All others are sent again.
+        /// again until it changes. All others are sent again. If there are too many, it concerns what was sent in the last
+        /// second.
         /// </summary>
         internal static void Refuse(HapticClient client, Refusal why)
         {
@@ -52,16 +54,19 @@ namespace Pacinian.Haptics
             {
                 return;
             }
+            bool all = why.Path == Objects;
+            double now = Time.realtimeSinceStartupAsDouble;
             foreach (HapticEffect effect in All)
             {
-                string own = Objects + effect._name + "]";
-                if (why.Path.StartsWith(own, System.StringComparison.Ordinal))
+                bool there = effect._there != 0;
+                if (why.Path.StartsWith(Objects + "[" + effect._name + "]", System.StringComparison.Ordinal)
+                    || (all && there && now - effect._put < Recent))
                 {
                     effect.Problem = why.Message;
                     effect.Withdraw(client);
                     continue;
                 }
-                effect._changed = true;
+                effect._changed |= there && !all; // one that was refused before stays away
             }
         }
 
@@ -104,6 +109,7 @@ namespace Pacinian.Haptics
             }
             Movement movement;
             _tracker.Next(pose, now, out movement);
+            _put = now;
             _there = client.Put(_name, felt) ? session : 0;
         }
 

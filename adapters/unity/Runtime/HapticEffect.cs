@@ -20,7 +20,8 @@ namespace Pacinian.Haptics
 
         private static int s_count;
 
-        [SerializeField, Tooltip("Name on the server, at most 64 characters; empty: derived from the object's name.")]
+        [SerializeField, Tooltip("Name on the server, at most 64 characters; empty: derived from the object's name. Further effects "
+            + "of one name get a number, as in \"ball 2\".")]
         private string effectName = "";
         [SerializeField, Tooltip("Whether the effect has a radiation pressure or a force.")]
         private HapticStrength strength = HapticStrength.RadiationPressure;
@@ -109,10 +110,12 @@ namespace Pacinian.Haptics
         protected virtual void OnEnable()
         {
             s_count = s_count == int.MaxValue ? 1 : s_count + 1;
-            string own = effectName.Length > 0 ? effectName : gameObject.name;
-            int longest = effectName.Length > 0 ? 64 : 48;
-            own = own.Length > longest ? own.Substring(0, longest) : own;
-            _name = effectName.Length > 0 ? own : own + " " + s_count;
+            string own = effectName.Length > 0 ? Cut(effectName, 64) : Cut(gameObject.name, 48) + " " + s_count;
+            _name = own;
+            for (int i = 2; Named(_name) is object; i++)
+            {
+                _name = Cut(own, 58) + " " + i;
+            }
             _known = _there = 0;
             _tracker.Forget();
             All.Add(this);
@@ -133,6 +136,12 @@ namespace Pacinian.Haptics
             }
             Playing = false;
             _name = "";
+        }
+
+        /// <summary>Returns the beginning of a text, without half a character.</summary>
+        private static string Cut(string text, int longest)
+        {
+            return text.Length <= longest ? text : text.Substring(0, char.IsHighSurrogate(text[longest - 1]) ? longest - 1 : longest);
         }
 
         /// <summary>Sends the effect again after a change in the inspector.</summary>

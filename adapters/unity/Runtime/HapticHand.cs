@@ -5,7 +5,8 @@ using UnityEngine;
 namespace Pacinian.Haptics
 {
     /// <summary>
-    /// A hand of 26 joints in OpenXR's order. As soon as there is a hand, objects are felt only where hands touch them.
+    /// A hand of 26 joints in OpenXR's order. As soon as there is a hand, objects are felt only where hands touch them. At
+    /// most 8 hands count. Touches name a hand by its side, and further hands of that side "right 2", "right 3"...
     /// </summary>
     [AddComponentMenu("Pacinian/Haptic Hand")]
     public sealed partial class HapticHand : MonoBehaviour
@@ -103,6 +104,7 @@ namespace Pacinian.Haptics
         internal HandFrame Frame(Rigid toArray, double now)
         {
             _frame.Side = side;
+            _frame.Name = MakeName();
             _frame.Joints.Clear();
             _frame.Radii.Clear();
             _frame.Velocities.Clear();
@@ -180,6 +182,7 @@ namespace Pacinian.Haptics
         private void OnDisable()
         {
             All.Remove(this);
+            _frame.Name = "";
             Tracked = false;
         }
 

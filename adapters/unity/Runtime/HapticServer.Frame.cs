@@ -11,8 +11,11 @@ namespace Pacinian.Haptics
     {
         private readonly List<Wire.HandFrame> _hands = new List<Wire.HandFrame>();
         private readonly List<Wire.Zone> _zones = new List<Wire.Zone>();
+        private const double ZonesPause = 1.0; // [s] until zones that were refused are sent again
+
         private readonly SelectionSender _selectionSender = new SelectionSender();
         private int _emptySession, _zonesSession; // sessions in which the empty list of hands, and all zones, were sent
+        private double _zonesDue = double.PositiveInfinity; // when the zones are sent again
         private bool _arms, _handed;
 
         private void Update()
@@ -41,7 +44,7 @@ namespace Pacinian.Haptics
             double now = Time.realtimeSinceStartupAsDouble;
             Rigid toArray = ArrayOrigin.ToArray;
             _selectionSender.Send(Client, solver, backend, intensity, now);
-            SendZones(toArray);
+            SendZones(toArray, now);
             for (int i = 0; i < HapticEffect.All.Count && Client != null; i++) // a handler may disconnect
             {
                 HapticEffect.All[i].Send(Client, _session, toArray, now);
@@ -78,10 +81,10 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Sends the zones if one has moved, appeared or disappeared.</summary>
-        private void SendZones(Rigid toArray)
+        /// <summary>Sends the zones if one has moved, appeared or disappeared, or if the server refused them.</summary>
+        private void SendZones(Rigid toArray, double now)
         {
-            bool changed = _zones.Count > 0 && _zonesSession != _session;
+            bool changed = (_zones.Count > 0 && _zonesSession != _session) || now >= _zonesDue;
             int count = 0;
             for (int i = 0; i < QuietZone.All.Count && count < Wire.Protocol.MaxZones; i++)
             {
@@ -99,8 +102,18 @@ namespace Pacinian.Haptics
             }
             if (changed)
             {
-                _zonesSession = _session;
-                Client.Quiet(_zones);
+                _zonesSession = Client.Quiet(_zones) ? _session : 0;
+                _zonesDue = double.PositiveInfinity;
+            }
+        }
+
+        /// <summary>Sends the zones again after a pause if the server refused them, or dropped them because they were late.</summary>
+        private void RefuseZones(Refusal why)
+        {
+            string path = why.Path ?? "";
+            if (path.StartsWith("$.zones", System.StringComparison.Ordinal) || path == "$.ttl")
+            {
+                _zonesDue = Time.realtimeSinceStartupAsDouble + ZonesPause;
             }
         }
     }

@@ -8,6 +8,7 @@ namespace Pacinian.Haptics
         private static int s_sessions; // counted over all instances; tells an effect whether the server has it
 
         private string _refused = "", _logged = "";
+        private volatile string _unstopped = ""; // why an emergency stop was not confirmed
         private int _session;
         private bool _again, _waits;
 
@@ -88,7 +89,7 @@ namespace Pacinian.Haptics
         private void OnConnected()
         {
             _session = ++s_sessions;
-            _refused = _logged = "";
+            _refused = _logged = _unstopped = "";
             _selectionSender.Forget();
             _arms = _wanted && (_again ? armAgainAfterLoss : armOnConnect);
             _again = true;
@@ -111,6 +112,7 @@ namespace Pacinian.Haptics
         private void OnRefused(Refusal why)
         {
             HapticEffect.Refuse(Client, why);
+            RefuseZones(why);
             Told(why);
             Refused?.Invoke(why);
         }

@@ -15,12 +15,16 @@ namespace Pacinian.Haptics
             get { return Status == ClientStatus.Connected; }
         }
 
-        /// <summary>Why there is no session and what to do, or the server's last refusal; "" if there is no problem.</summary>
+        /// <summary>
+        /// Why an emergency stop was not confirmed, or there is no session, and what to do, or the server's last refusal; ""
+        /// if there is no problem.
+        /// </summary>
         public string Problem
         {
             get
             {
-                return _waits ? Waiting
+                return _unstopped.Length > 0 ? _unstopped
+                    : _waits ? Waiting
                     : IsConnected ? _refused
                     : StartedServer.Problem.Length > 0 ? StartedServer.Problem
                     : Client == null ? "" : Client.Problem;

@@ -21,7 +21,7 @@ namespace Pacinian.Haptics
         [SerializeField, Tooltip("Clients with the same name share a scene; empty: a scene of its own.")]
         private string sceneName = "";
         [SerializeField, Tooltip("Silence if no frame comes for this time [s]; 0: the longest that the server allows.")]
-        [Range(0f, 10f)]
+        [Range(0f, LongestLease)]
         private float lease;
         [SerializeField, Tooltip("Start a server on this computer, unless one runs. It ends with the game.")]
         private bool startServer;
@@ -43,6 +43,8 @@ namespace Pacinian.Haptics
         private string backend = "";
 
         internal static readonly List<HapticServer> All = new List<HapticServer>();
+
+        private const float ShortestLease = 0.05f, LongestLease = 10f; // [s]
 
         private bool _wanted;
 
@@ -117,12 +119,23 @@ namespace Pacinian.Haptics
 
         /// <summary>
         /// Silences the array at once, whoever owns the output, until <see cref="ResetOutput"/>. Works even while
-        /// disabled.
+        /// disabled, and in the editor. If the server does not confirm it, the console and <see cref="Problem"/> say so.
         /// </summary>
         public void EmergencyStop()
         {
             _wanted = _arms = _armsAfterPause = false;
-            (Client ?? new HapticClient(Choices())).Stop();
+            _unstopped = "";
+            (Client ?? new HapticClient(Choices())).Stop(why =>
+            {
+                _unstopped = why.ToString();
+                LogUnstopped(why);
+            });
+        }
+
+        /// <summary>Logs that an emergency stop was not confirmed; on any thread.</summary>
+        internal static void LogUnstopped(Refusal why)
+        {
+            Debug.LogError("Pacinian: " + why);
         }
 
         /// <summary>Allows arming again after an emergency stop or a fault.</summary>
@@ -159,7 +172,7 @@ namespace Pacinian.Haptics
                 Name = string.IsNullOrEmpty(name) ? "Unity" : name.Length > 64 ? name.Substring(0, 64) : name,
                 Version = Application.version.Length > 64 ? "" : Application.version,
                 Scene = sceneName,
-                Lease = lease,
+                Lease = lease > 0f ? Mathf.Clamp(lease, ShortestLease, LongestLease) : 0.0,
             };
         }
     }

@@ -10,7 +10,10 @@ namespace Pacinian.Haptics
         /// <summary>The effect that is felt.</summary>
         public HapticEffect Effect;
 
-        /// <summary>The hand: "left" or "right", unless another client that shares the scene has named it.</summary>
+        /// <summary>
+        /// The hand: "left" or "right", with a number for further hands of one side ("right 2"). Another client that shares
+        /// the scene may have named it otherwise.
+        /// </summary>
         public string Hand;
 
         /// <summary>The middle of the contact, in the world [m].</summary>

@@ -8,10 +8,13 @@ namespace Pacinian.Haptics
     [AddComponentMenu("Pacinian/Quiet Zone")]
     public sealed class QuietZone : MonoBehaviour
     {
+        private const float Lowest = 0.1f, Highest = 1e6f; // [Pa]
+
         internal static readonly List<QuietZone> All = new List<QuietZone>();
 
         [SerializeField, Range(0f, 1f), Tooltip("Radius of the sphere [m].")] private float radius = 0.1f;
-        [SerializeField, Min(0f), Tooltip("Highest sound pressure inside [Pa]; 20 Pa are 120 dB.")] private float pressure = 20f;
+        [SerializeField, Min(Lowest), Tooltip("Highest sound pressure inside [Pa]; 20 Pa are 120 dB.")]
+        private float pressure = 20f;
 
         /// <summary>The radius of the sphere [m].</summary>
         public float Radius
@@ -20,7 +23,7 @@ namespace Pacinian.Haptics
             set { radius = value; }
         }
 
-        /// <summary>The highest sound pressure inside [Pa].</summary>
+        /// <summary>The highest sound pressure inside [Pa]. Less than 0.1 Pa counts as 0.1 Pa.</summary>
         public float Pressure
         {
             get { return pressure; }
@@ -34,7 +37,8 @@ namespace Pacinian.Haptics
             const double Farthest = 10.0;
             Vec3 place = toArray.Point(WireSpace.ToWire(transform.position));
             place = WireSpace.IsInRange(place) ? place : new Vec3(0.0, 0.0, Farthest);
-            double wide = Mathf.Clamp01(radius), most = Mathf.Clamp(pressure, 0f, 1e6f);
+            // What is not a number protects most.
+            double wide = radius < 1f ? Mathf.Max(0f, radius) : 1f, most = pressure > Lowest ? Mathf.Min(pressure, Highest) : Lowest;
             if ((place - zone.Position).Length > Step || wide != zone.Radius || most != zone.Pressure)
             {
                 zone.Position = place;

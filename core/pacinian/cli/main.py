@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import signal
 import sys
 from typing import TYPE_CHECKING, NoReturn
@@ -117,6 +118,8 @@ def main() -> NoReturn:
     signal.signal(signal.SIGTERM, _interrupt)
     if sys.platform == "win32":  # sent when the console is closed
         signal.signal(signal.SIGBREAK, _interrupt)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # which may lack characters of a name
+        sys.stdout.reconfigure(errors="replace")
     try:
         cli(standalone_mode=False)
     except click.ClickException as error:

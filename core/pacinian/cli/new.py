@@ -73,7 +73,11 @@ def _make(kind: Literal["solver", "backend"], name: str, folder: Path) -> None:
     if target.exists() or target.is_symlink():
         raise click.UsageError(f"{target} exists: choose another name, or remove it")
     made = render_package(kind, name)
-    beside = Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
+    try:
+        beside = Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
+    except OSError as error:
+        problem = f"nothing can be written to {folder}: {error.strerror}"
+        raise click.BadParameter(problem, param_hint="--folder") from error
     try:
         for path, text in made.items():
             (beside / path).parent.mkdir(parents=True, exist_ok=True)

@@ -16,12 +16,15 @@ if TYPE_CHECKING:
 def plugins(as_json: bool) -> None:
     """List solvers, backends and commands.
 
-    Also prints their settings and origin. Names plug-ins that do not load, with the reason. The exit code is then 1.
+    Also prints their settings and origin. Names plug-ins that do not load, or share a name, with the reason. The exit
+    code is then 1.
     """
     from pacinian.plugins.registry import discover_plugins
 
     found = discover_plugins()
-    offers = found.list()
+    found.load()
+    broken = {**found.failed, **found.clashes}
+    offers = [found.offers[key] for key in sorted(found.offers) if key[1] not in found.clashes]
     commands = [
         {
             "name": name,
@@ -31,7 +34,7 @@ def plugins(as_json: bool) -> None:
         for name, offer in sorted(found.commands.items())
     ]
     if as_json:
-        failed = {name: str(error) for name, error in found.failed.items()}
+        failed = {name: str(error) for name, error in broken.items()}
         listed = {"plugins": [_plain(o) for o in offers], "commands": commands, "failed": failed}
         click.echo(json.dumps(listed))
     else:
@@ -39,9 +42,9 @@ def plugins(as_json: bool) -> None:
         for command in commands:
             click.echo(f"{command['name']}  command, from {command['from']}")
             click.echo(f"    {command['summary']}")
-        for error in found.failed.values():
+        for error in broken.values():
             click.echo(str(error), err=True)
-    if found.failed:
+    if broken:
         raise SystemExit(1)
 
 

@@ -7,6 +7,7 @@ import os
 import time
 from contextlib import nullcontext
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -72,8 +73,13 @@ def check_picture_path(context: click.Context, parameter: click.Parameter, path:
     try:
         if path:
             Path(path).parent.mkdir(parents=True, exist_ok=True)
+            if Path(path).exists():
+                Path(path).open("ab").close()
+            else:
+                TemporaryFile(dir=Path(path).parent).close()
     except (OSError, ValueError) as error:
-        raise click.BadParameter(f"{path!r} cannot be written: {error}") from error
+        problem = getattr(error, "strerror", None) or error
+        raise click.BadParameter(f"{path!r} cannot be written: {problem}") from error
     return path
 
 

@@ -13,11 +13,13 @@ if TYPE_CHECKING:
 
     from pacinian.devices.board import Board
     from pacinian.devices.description import DeviceDescription
+    from pacinian.types import Floats
 
 ANGLE = 35.0, -60.0  # [deg] elevation and azimuth
 MAP, DEAD = "viridis", "#d62728"
 MAX_BOARDS = 16  # maximum number of boards drawn one by one
-DOTS = 210.0  # [pt]
+DOT, RING = 0.7, 1.0  # diameters of a dot at full strength and of a ring, over the pitch
+ONE_PITCH = 10.0  # pitch of a board of one transducer [mm]
 ARROW = 0.06  # [m]
 LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
 
@@ -41,12 +43,14 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
     panels = right.subplots(rows, columns, squeeze=False).ravel()
     for panel in panels[len(shown) :]:
         panel.set_axis_off()
-    for panel, board in zip(panels, shown, strict=False):
-        _plan(panel, board, DOTS / columns)
+    for i, (panel, board) in enumerate(zip(panels, shown, strict=False)):
+        _plan(panel, board)
+        if i + columns >= len(shown):
+            panel.set_xlabel("x of the board [mm]", fontsize=8)
+        if i % columns == 0:
+            panel.set_ylabel("y of the board [mm]", fontsize=8)
     most = max(board.layout.count for board in device.boards) - 1
     scale = ScalarMappable(Normalize(0, most), MAP)
-    right.supxlabel("x of the board [mm]", fontsize=8)
-    right.supylabel("y of the board [mm]", fontsize=8)
     right.colorbar(scale, ax=panels.tolist(), label="channel", shrink=0.7)
     if title:
         page.suptitle(f"{title}: {len(device.array())} transducers")
@@ -72,25 +76,43 @@ def _space(panel: Any, boards: tuple[Board, ...]) -> None:
     panel.set_proj_type("ortho")
     panel.view_init(*ANGLE)
     panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    panel.set_box_aspect(high - low, zoom=0.9)
+    panel.set_box_aspect(high - low, zoom=0.82)
     panel.computed_zorder = False
     panel.locator_params(axis="z", nbins=3)
     panel.tick_params(labelsize=7)
     panel.set(xlabel="x [mm]", ylabel="y [mm]")
+    panel.set_zlabel("z [mm]", labelpad=0.0)  # else it overlaps the panels beside
 
 
-def _plan(panel: Any, board: Board, side: float) -> None:
-    """Draw one board in its own coordinates, coloured by channel. side: width shared by its dots [pt]."""
-    r, strength = 1e3 * board.layout.positions()[board.drives], np.abs(board.responses)
+def _plan(panel: Any, board: Board) -> None:
+    """Draw one board in its own coordinates, coloured by channel."""
+    from matplotlib.collections import LineCollection
+    from scipy.spatial import KDTree
+
+    r, strength = 1e3 * board.layout.positions()[board.drives][:, :2], np.abs(board.responses)
     alive, L = board.alive, len(r)
     dead = np.setdiff1d(np.arange(L), alive)
-    side *= side / L
-    panel.scatter(
-        r[alive, 0], r[alive, 1], c=alive, s=side * strength[alive], cmap=MAP, vmin=0, vmax=L - 1
-    )
-    panel.scatter(r[dead, 0], r[dead, 1], c=DEAD, marker="x", s=side)
-    panel.scatter(r[:1, 0], r[:1, 1], s=2.5 * side, facecolors="none", edgecolors="black")
-    panel.set_aspect("equal")
+    pitch = float(np.min(KDTree(r).query(r, [2])[0])) if L > 1 else ONE_PITCH
+    dots = _circles(panel, r[alive], DOT * pitch * np.sqrt(strength[alive]), cmap=MAP)
+    dots.set(array=alive, clim=(0, L - 1))
+    _circles(panel, r[:1], np.array([RING * pitch]), facecolors="none", edgecolors="black")
+    arm = DOT * pitch / 2.0 * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    lines = [place + way * arm for place in r[dead] for way in ([1.0, 1.0], [1.0, -1.0])]
+    panel.add_collection(LineCollection(lines, colors=DEAD))
+    (left, bottom), (right, top) = r.min(axis=0) - pitch, r.max(axis=0) + pitch
+    panel.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
     panel.tick_params(labelsize=6)
     note = f", {len(dead)} dead" if len(dead) else ""
     panel.set_title(f"{board.serial or 'board'}{note}", fontsize=8)
+
+
+def _circles(panel: Any, centres: Floats, sizes: Floats, **style: Any) -> Any:
+    """Draw circles with these centres, (K, 2), and diameters, (K,), in data units; return their collection."""
+    from matplotlib.collections import EllipseCollection
+
+    made = EllipseCollection(
+        sizes, sizes, np.zeros(len(sizes)),
+        units="xy", offsets=centres, offset_transform=panel.transData, **style,
+    )  # fmt: skip
+    panel.add_collection(made)
+    return made

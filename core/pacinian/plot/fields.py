@@ -10,7 +10,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import check_medium
 from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels
-from pacinian.plot.planes import cut, draw, mark, middle_of
+from pacinian.plot.planes import MAX_PLANE_DISTANCE, cut, draw, mark, middle_of
 from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
 from pacinian.plot.style import COLUMN, bar, dress
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 NONE = np.empty((0, 3))
 ABOVE = 1.5  # end of the colour scale, over the largest pressure at the points
+AWAY_ALPHA = 0.35  # opacity of the marks of points away from a horizontal slice
 LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
 TALLEST = 5.0  # [inch]
 MIN_FLAT_RATIO = 1.5  # width over height, from which a colour bar is below
@@ -90,7 +91,8 @@ def field(
     image = draw(
         panel, where, found, show, limits(found, find_clear(array, where.points, medium), show)
     )
-    mark(panel, where.project_near(q), QUANTITIES[show].marks)
+    places, near = where.project(q)
+    mark(panel, places[near], QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
     return dress(page) if ax is None else ax
 
@@ -155,11 +157,11 @@ def draw_both(
         ends = ends[0], min(ends[1], ABOVE * float(felt))
     for panel, (plane, P) in zip(panels, both, strict=True):
         image = draw(panel, plane, P, "radiation", ends)
-        mark(
-            panel,
-            points[:, :2] if plane.axes == (0, 1) else plane.project_near(points),
-            radiation.marks,
-        )
+        places, near = plane.project(points)
+        mark(panel, places[near], radiation.marks)
+        if plane.axes == (0, 1) and not near.all():
+            away = f"samples more than {1e3 * MAX_PLANE_DISTANCE:g} mm away"
+            mark(panel, places[~near], radiation.marks, away, AWAY_ALPHA)
     if len(points):
         panels[0].legend(loc="upper right", framealpha=0.5)
     bar(page, image, list(panels), radiation.label)

@@ -15,7 +15,7 @@ from pacinian.plot.quantities import QUANTITIES
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plot.style import Panel
-    from pacinian.types import ArrayLike, Floats
+    from pacinian.types import ArrayLike, Flags, Floats
 
 GRID = 240  # points along the longer edge
 MARGIN, HALF_WIDTH = 0.03, 0.08  # margin around samples; the same without samples [m]
@@ -69,16 +69,16 @@ class Plane:
         height = round(1e3 * self.height, 1) + 0.0  # not -0
         return f"{'xyz'[3 - sum(self.axes)]} = {height:g} mm"
 
-    def project_near(self, points: Floats) -> Floats:
-        """Return the in-plane coordinates, (K, 2) [m], of the points (M, 3) [m] that are close to the plane."""
+    def project(self, points: Floats) -> tuple[Floats, Flags]:
+        """Return the in-plane coordinates of points (M, 3) [m], (M, 2) [m], and whether each is close to the plane."""
         corner, right, up = self.points[0, 0], self.points[0, -1], self.points[-1, 0]
         x, y = (
             (right - corner) / np.linalg.norm(right - corner),
             (up - corner) / np.linalg.norm(up - corner),
         )
         away = points - corner
-        kept = away[np.abs(away @ np.cross(x, y)) < MAX_PLANE_DISTANCE]
-        return np.stack([self.u[0] + kept @ x, self.v[0] + kept @ y], axis=-1)
+        near = np.abs(away @ np.cross(x, y)) < MAX_PLANE_DISTANCE
+        return np.stack([self.u[0] + away @ x, self.v[0] + away @ y], axis=-1), near
 
 
 def middle_of(array: Array, points: Floats) -> Floats:
@@ -136,11 +136,13 @@ def draw(panel: Panel, plane: Plane, found: Floats, show: str, ends: tuple[float
     return image
 
 
-def mark(panel: Panel, places: Floats, colour: str) -> None:
+def mark(
+    panel: Panel, places: Floats, colour: str, label: str = "samples", alpha: float = 1.0
+) -> None:
     """Mark samples at places (K, 2) [m], without a change of the axes' limits."""
     limits = panel.get_xlim(), panel.get_ylim()
     how = {"ms": 5, "mfc": "none"} if len(places) <= MAX_CIRCLES else {"ms": 1, "mfc": colour}
-    panel.plot(*(1e3 * places.T), "o", mec=colour, mew=0.8, label="samples", **how)
+    panel.plot(*(1e3 * places.T), "o", mec=colour, mew=0.8, label=label, alpha=alpha, **how)
     panel.set(xlim=limits[0], ylim=limits[1])
 
 

@@ -114,8 +114,8 @@ class Frame:
     """K successive sets of gains as device levels. The loop sends at most one frame per tick.
 
     sequence: a number that increases. time: due time of the first row [s]. phase: shape (K, N), where 0..phases - 1
-    span one turn. amplitude: shape (K, N), from 0 (silence) to the last level (full drive). The loop reuses the
-    arrays, so a backend that keeps them must copy them.
+    span one turn. amplitude: shape (K, N), from 0 (silence) to the last level (full drive). The arrays of the loop are
+    read-only, and it reuses them, so a backend that keeps them must copy them.
     """
 
     sequence: int

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias, cast
+
+import numpy as np
+
+from pacinian.errors import PluginError, shorten
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits, Targets
@@ -16,10 +20,10 @@ class Result(NamedTuple):
     """A solver's report on its own answer. The session measures everything else.
 
     iterations: number of iterations. limited: whether transducers are held at their limit. late: whether the budget
-    stopped the solver. bound, objective, multipliers, mu: as in `Solution`. quiet_weight: weight of the points beside
-    regions (`Targets.beside`) in the bound and the objective. note: free text. solver: name of the solver to which
-    this one delegated the problem. unproven: with `scale="max"`, whether the answer may be weaker than the strongest
-    one for its phases.
+    stopped the solver. bound, objective, multipliers, mu: as in `Solution`; without mu, bound and objective do not
+    count, because the session cannot check them. quiet_weight: weight of the points beside regions (`Targets.beside`)
+    in the bound and the objective. note: free text. solver: name of the solver to which this one delegated the problem.
+    unproven: with `scale="max"`, whether the answer may be weaker than the strongest one for its phases.
     """
 
     iterations: int = 0
@@ -33,6 +37,30 @@ class Result(NamedTuple):
     note: str = ""
     solver: str = ""
     unproven: bool = False
+
+    def check(self, solver: str, samples: int) -> None:
+        """Check the types of all fields, and the shape of the multipliers, (samples,). Raises PluginError."""
+        wrong = f"solver {solver!r} returned a wrong result:"
+        values = cast("tuple[object, ...]", self)  # a plug-in may have put anything there
+        for field, (word, kinds), value in zip(self._fields, _FIELD_KINDS, values, strict=True):
+            if not isinstance(value, kinds):
+                raise PluginError(f"{wrong} `{field}` must be {word}, not {shorten(repr(value))}")
+        y = self.multipliers
+        if y is not None and (y.shape != (samples,) or y.dtype.kind not in "iufc"):
+            problem = f"must be {samples} numbers, not {y.dtype} of shape {y.shape}"
+            raise PluginError(f"{wrong} `multipliers` {problem}")
+
+
+_Kind: TypeAlias = tuple[str, tuple[type, ...]]
+_COUNT: _Kind = "a whole number", (int, np.integer)
+_FLAG: _Kind = "True or False", (bool, np.bool_)
+_NUMBER: _Kind = "a number", (float, int, np.floating, np.integer)
+_ARRAY: _Kind = "an array or None", (np.ndarray, type(None))
+_TEXT: _Kind = "a text", (str,)
+# in the order of the fields of `Result`
+_FIELD_KINDS = (
+    _COUNT, _FLAG, _FLAG, _NUMBER, _NUMBER, _ARRAY, _NUMBER, _NUMBER, _TEXT, _TEXT, _FLAG,
+)  # fmt: skip
 
 
 class Solver(ABC):

@@ -24,6 +24,7 @@ Solve
 From gains to levels
     playback.py               one frame in each tick from what has been solved; calls those below
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
+    contact_follower.py       how far contacts with skin have moved from one solution to the next
     field_steering.py         how a field is steered: factors on the gains, and where the object is between solves
     field_steering.hpp        these factors: called by field_steering.py
     smoothing.py              interpolates the gains from one solution to the next; limits their slew rate

@@ -8,6 +8,8 @@ import weakref
 from concurrent.futures import Future, wait
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from pacinian.solving.blas import limit_blas_threads
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -94,7 +96,8 @@ def _run_jobs(jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None])
     while (job := jobs.get()) is not None:
         work, future = job
         try:
-            future.set_result(work())
+            with limit_blas_threads():  # as in the ticks, so that the frames are the same
+                future.set_result(work())
         except BaseException as error:  # a plug-in can raise anything; the loop raises it again
             future.set_exception(error)
         del job, work, future  # which hold the renderer

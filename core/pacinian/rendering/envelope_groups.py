@@ -76,7 +76,8 @@ class EnvelopeGroups:
         for row, item in zip(factors, self.items, strict=True):
             envelope = resolve(item.envelope)
             square = envelope if switches and isinstance(envelope, Square) else None
-            factor = envelope.at(t) if square is None else square.compute_steps(t)
+            # a copy, because an envelope of the user may change it
+            factor = envelope.at(t.copy()) if square is None else square.compute_steps(t)
             row[:] = factor * item.technique.factor(t)
         return np.asarray(np.fmin(np.fmax(factors, 0.0), 1.0))  # NaN is 0
 

@@ -10,7 +10,6 @@ from the centre, relative to the distance from the array (decision 76).
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,12 +19,10 @@ from pacinian.acoustics.propagation import KernelData
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats, Gains
 
 MAX_DISTORTION = 2e-4  # samples move as one if their shifts differ by at most this [m]
-MAX_SPREAD = 1e-3  # contacts move as one if their shifts differ by at most this [m]
 # Smallest distance from the centre of the samples to the nearest transducer at which a field is steered [m].
 MIN_DISTANCE = 0.05
 # Largest displacement from place to place that counts as a movement, not as a jump [m].
@@ -121,7 +118,7 @@ class MotionTracker:
             self._step_from, self._step_begun = place, t
         elif seconds >= MIN_INTERVAL:
             step = (place - self._step_from) / seconds
-            self._velocity, self._step = _choose_slower(step, self._step), step
+            self._velocity, self._step = choose_slower(step, self._step), step
             self._step_from, self._step_begun = place, t
         if t < self._time or not float(np.linalg.norm(place - self._rest)) <= MAX_TREMBLE:
             self._rest, self._stands_since = place, t
@@ -152,53 +149,7 @@ class MotionTracker:
         return Motion(centre, shift, self._velocity, self._time)
 
 
-class ContactFollower:
-    """Finds how contacts with skin have moved from one solution to the next, so that the field moves with them.
-
-    Without it, the gains of two solutions whose fields lie apart would be blended. Halfway, these fields cancel each
-    other partly, and a hand that moves steadily would feel its contact vibrate (decision 81).
-    """
-
-    def __init__(self, array: Array) -> None:
-        self._transducers = array.positions
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all contacts."""
-        self._solutions: SolutionSequence | None = (
-            None  # the last ones without, and with their motion
-        )
-        self._moved: SolutionSequence | None = None
-        self._places: dict[int, Floats] = {}  # centre of each contact [m]
-        self._time, self._velocity = (
-            -math.inf,
-            np.zeros(3),
-        )  # of these places [s]; of the last step [m/s]
-
-    def follow(self, solutions: SolutionSequence, t: float) -> SolutionSequence:
-        """Return the solutions with the motion of their samples, whose positions are those at time t [s]."""
-        if solutions is self._solutions and self._moved is not None:
-            return self._moved
-        samples = solutions.samples
-        places, before = _find_centres(samples), self._places
-        centre = np.mean(list(places.values()), axis=0)
-        steps = [place - before[n] for n, place in places.items() if n in before]
-        continues = (
-            len(steps) == len(places) == len(before)
-            and float(np.ptp(steps, axis=0).max()) <= MAX_SPREAD
-            and float(np.linalg.norm(self._transducers - centre, axis=1).min()) >= MIN_DISTANCE
-        )
-        velocity, seconds = np.zeros(3), t - self._time
-        if continues and MIN_INTERVAL <= seconds <= MAX_INTERVAL:
-            velocity = np.mean(steps, axis=0) / seconds
-        motion = Motion(centre, np.zeros(3), _choose_slower(velocity, self._velocity), t, continues)
-        self._time, self._velocity = t, velocity
-        self._solutions, self._places = solutions, places
-        self._moved = replace(solutions, motion=motion)
-        return self._moved
-
-
-def _choose_slower(velocity: Floats, before: Floats) -> Floats:
+def choose_slower(velocity: Floats, before: Floats) -> Floats:
     """Return a velocity, (3,) [m/s], limited to the speed of the one before; 0 if that has another direction.
 
     So a single step is not taken for a movement.
@@ -207,19 +158,6 @@ def _choose_slower(velocity: Floats, before: Floats) -> Floats:
     goes_on = length > 0.0 and float(velocity @ before) > 0.0
     share = min(1.0, float(np.linalg.norm(before)) / length) if goes_on else 0.0
     return share * velocity
-
-
-def _find_centres(samples: Samples) -> dict[int, Floats]:
-    """Return the centre of each region, by its number, (3,) [m]: the mean place of its force."""
-    force = samples.radiation_pressure * samples.area
-    numbers, which = np.unique(samples.regions, return_inverse=True)
-    total = np.bincount(which, force)
-    sums = np.stack([np.bincount(which, force * x) for x in samples.positions.T], axis=1)
-    return {
-        int(number): sums[i] / total[i]
-        for i, number in enumerate(numbers)
-        if number >= 0 and total[i] > 0.0
-    }
 
 
 class Steering:

@@ -206,6 +206,7 @@ class Cycle:
             del self.parts[count:]
         while len(self.parts) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
+            session.note = first.note
             session.propagator.work = first.propagator.work
             self.parts.append(Part(session, ReachabilityFilter(session)))
         for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):

@@ -35,6 +35,10 @@ class Quantiser:
         self.capability = capability
         self._phase = np.zeros((rows, columns), dtype=np.uint16)
         self._amplitude = np.zeros((rows, columns), dtype=np.uint16)
+        # what frames show of these arrays, which a backend must not change
+        self._shown = self._phase.view(), self._amplitude.view()
+        for levels in self._shown:
+            levels.flags.writeable = False
         self._dither = np.tile(dither_thresholds(columns), rows)
         self._none = np.zeros_like(self._dither)
         turns = np.arange(capability.phases) / capability.phases
@@ -61,7 +65,7 @@ class Quantiser:
         self._round(
             gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
         )
-        return Frame(sequence, time, self._phase, self._amplitude)
+        return Frame(sequence, time, *self._shown)
 
     def quantise_gains(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
         """Return gains, (N,), as rounded by the device. Threads may call this at the same time."""

@@ -20,6 +20,7 @@ from pacinian.acoustics.air import Air
 from pacinian.acoustics.array_record import from_map, to_map
 from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError, PacinianError, RecordingError, describe_error, shorten
+from pacinian.exclusive_lock import try_lock
 from pacinian.notebook import Card, card
 from pacinian.plugins.backend import Capability, Frame
 from pacinian.rendering.library_versions import list_versions
@@ -99,12 +100,15 @@ class Recorder:
             raise RecordingError(self.path, problem)
 
     def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:
-        """Write the header, in place of an earlier recording. settings: further settings that a replay needs."""
+        """Write the header, in place of an earlier recording. settings: further settings that a replay needs.
+
+        Raises RecordingError, also if another run records to the file.
+        """
         if self._file is not None:
             raise RecordingError(self.path, "has a run already: make a new Recorder for each run")
         self._check()
         try:
-            self._file = self.path.open("wb")
+            self._file = self._open()
         except OSError as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
         self._write(
@@ -120,6 +124,22 @@ class Recorder:
                 "made": list_versions(),
             }
         )
+
+    def _open(self) -> IO[bytes]:
+        """Return the file, empty and locked. Raises RecordingError if another run records to it; OSError."""
+        if self.path.exists() and not self.path.is_file():  # a pipe or a device
+            return self.path.open("wb")
+        file = self.path.open("ab")  # another run's recording stays until it is locked
+        try:
+            if not try_lock(file.fileno()):
+                raise RecordingError(
+                    self.path, "is being recorded by another run: give another name"
+                )
+            file.truncate(0)
+        except BaseException:
+            file.close()
+            raise
+        return file
 
     def prepare(self, scene: Scene) -> None:
         """Read the files of a scene, for example of meshes, before the first tick, which would be late otherwise."""

@@ -35,6 +35,7 @@ from pacinian.scene.sampling.sampler import Sampler
 from pacinian.scene.scene import Scene
 from pacinian.session import Session
 from pacinian.skip_reasons import MISSED_TICKS, TICKS_HALTED
+from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -131,6 +132,7 @@ class Renderer(Closeable):
         self.recording_clock = RecordingClock(self.clock.now)
         self.job_recording_clock = RecordingClock(self.clock.now, stops=True)
         self.session = Session(array, medium, solver, clock=self.job_recording_clock.now)
+        self.session.note = self.job_recording_clock.note
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
         self.limits = Limits() if limits is None else limits
@@ -248,7 +250,8 @@ class Renderer(Closeable):
         try:
             self.backend.open(self.session.array)
             self._opened = True
-            first = self._pipeline.warm_up(self._scene, self.limits)
+            with limit_blas_threads():  # as in the ticks, which reuse what is computed here
+                first = self._pipeline.warm_up(self._scene, self.limits)
             if self.recorder is not None:
                 self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
                 if first is not None:
@@ -366,7 +369,8 @@ class Renderer(Closeable):
         if missed:
             self.report.skipped[MISSED_TICKS] += missed
         if self.halted is None:
-            self._emitter.attempt("scene", lambda: self._step(due))
+            with limit_blas_threads():  # always, because another number of threads rounds otherwise
+                self._emitter.attempt("scene", lambda: self._step(due))
         else:
             self.report.skipped[TICKS_HALTED] += 1
             if self._emitter.loud:  # silencing failed before, so retry

@@ -12,8 +12,9 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.cached_solution import CachedSolution
+from pacinian.rendering.contact_follower import ContactFollower
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
-from pacinian.rendering.field_steering import ContactFollower, find_factors
+from pacinian.rendering.field_steering import find_factors
 from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.rendering.solution_sequence import SolutionSequence

@@ -29,4 +29,4 @@ def load_envelopes(scene: Scene, times: Floats) -> None:
     """Load the envelopes of a scene, because a recorded wave takes 0.3 s; times: of a tick's rows, (K,) [s]."""
     held = {id(item.envelope): resolve(item.envelope) for item in scene.objects}
     for envelope in held.values():
-        envelope.at(times)
+        envelope.at(times.copy())

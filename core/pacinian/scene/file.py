@@ -88,7 +88,7 @@ def load_scene_file(path: str | Path) -> SceneFile:
     for key, made in parts:
         try:
             made()
-        except ArgumentError as error:
+        except (ArgumentError, SceneFileError) as error:  # the latter of a device's file
             raise SceneFileError(path, key, str(error)) from error
     return file
 

@@ -192,6 +192,6 @@ def load(path: str | Path) -> Settings:
     for key, made in (("$.array", settings.array.make), ("$.medium", settings.medium.make)):
         try:
             made()
-        except ArgumentError as error:
+        except (ArgumentError, SceneFileError) as error:  # the latter of a device's file
             raise SceneFileError(path, key, str(error)) from error
     return settings

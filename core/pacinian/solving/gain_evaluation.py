@@ -47,8 +47,10 @@ def certify(
     nulls = propagator.nulls
     if nulls is not None:
         nulls.leave_out(B, points)  # the multipliers belong to B without the excluded subspace
-    phases = np.angle(p) if last.asked_phases is None else last.asked_phases
-    asked, y, proven = last.targets.complex(phases), last.multipliers, math.nan
+    y, proven = last.multipliers, math.nan
+    # a pressure of 0 has no phase: use that of its multiplier
+    phases = np.angle(p if y is None else np.where(p == 0.0, y, p))
+    asked = last.targets.complex(phases if last.asked_phases is None else last.asked_phases)
     if y is not None and last.targets.scale == "exact":
         proven = compute_bound(B, asked, y, last.mu, limits.gain, last.weights)
     rest = asked - p

@@ -11,7 +11,7 @@ at some places and scales it down if necessary.
 from __future__ import annotations
 
 import math
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, ClassVar
@@ -22,8 +22,11 @@ from pacinian.acoustics.propagation import KernelData
 from pacinian.argument_checks import check_near
 from pacinian.errors import ArgumentError, PointOnTransducer
 from pacinian.native import solving as kernels
+from pacinian.solving.blas import limit_blas_threads
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.solving.problem import Budget
@@ -126,6 +129,11 @@ class QuietSubspace:
         return most - 1.0
 
 
+def read(function: Callable[[], float]) -> float:
+    """Return what a function returns."""
+    return function()
+
+
 class Preparation:
     """Prepares the zones of a session in a background thread. All sessions share a cache of prepared zones."""
 
@@ -138,33 +146,46 @@ class Preparation:
         self._made: Future[QuietSubspace] | None = None
 
     def nulls(
-        self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget
-    ) -> QuietSubspace | None:
-        """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`."""
+        self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget,
+        note: Callable[[Callable[[], float]], float] = read,
+    ) -> QuietSubspace | None:  # fmt: skip
+        """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`.
+
+        note: records whether it was ready in time, or repeats what was recorded, see `RecordingClock.note`.
+        """
         key = array, medium, zones, rms
-        if key != self._key or self._made is None:
-            if self._made is not None:
-                self._made.cancel()  # has an effect only if it has not begun
-            self._key, self._made = key, self._submit(key)
-        left = None if budget.endless else max(0.0, budget.due - budget.clock())
-        try:
-            return self._made.result(left)
-        except TimeoutError:
-            return None
-        except CancelledError:  # another session cancelled it
+        if key != self._key and self._made is not None:
+            self._made.cancel()  # has an effect only if it has not begun
             self._made = None
-            return self.nulls(array, medium, zones, rms, budget)
+        self._key = key
+        if self._made is None or self._made.cancelled():
+            self._made = self._submit(key)
+        if not budget.endless:
+            made, left = self._made, max(0.0, budget.due - budget.clock())
+            if not note(lambda: float(made in wait([made], left).done)):
+                return None
+        while True:
+            try:
+                return self._made.result()
+            except CancelledError:  # another session cancelled it
+                self._made = self._submit(key)
 
     @classmethod
     def _submit(cls, key: tuple[Array, Air, tuple[Zone, ...], float]) -> Future[QuietSubspace]:
         with cls._lock:
             made = cls._kept.pop(key, None)
             if made is None or made.cancelled():
-                made = cls._pool.submit(QuietSubspace.of, *key)
+                made = cls._pool.submit(_make, *key)
             cls._kept[key] = made
             for old in list(cls._kept)[:-MAX_PREPARED]:
                 del cls._kept[old]
             return made
+
+
+def _make(array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> QuietSubspace:
+    """Compute the subspace with one BLAS thread, because another number of threads rounds otherwise."""
+    with limit_blas_threads():
+        return QuietSubspace.of(array, medium, zones, rms)
 
 
 def _rows(wave: KernelData, places: Floats) -> Gains:

@@ -36,9 +36,14 @@ def stress(solvers: str, quick: bool, as_json: bool) -> None:
     and endless moves. docs/stability.md lists the promises. Every solver, also of other plug-ins, must return finite
     gains within the limits. Exit code 1 if a promise is broken.
     """
+    from pacinian.argument_checks import check_names
+    from pacinian.errors import ArgumentError
     from pacinian_lab.stress.run import rows
 
-    names = [name.strip() for name in solvers.split(",") if name.strip()]
+    try:
+        names = check_names("--solvers", solvers)
+    except ArgumentError as error:
+        raise click.BadParameter(str(error)) from error
     found = _run(names, quick)
     table = rows(found)
     broken = [e for e in found if e.broken]

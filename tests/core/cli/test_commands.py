@@ -282,6 +282,37 @@ def test_plugins_lists_ours_with_options_and_origin() -> None:
     assert "lagrange" in table.stdout
 
 
+def test_plugins_of_one_name_are_named_beside_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    from pacinian.plugins import registry
+
+    plugins = registry.Plugins()
+    plugins.clashes["gs"] = pc.PluginError("two solvers are called 'gs'")
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
+    seen = told("plugins", code=1)
+    names = [p["name"] for p in seen["plugins"]]
+    assert "lagrange" in names
+    assert "gs" not in names
+    assert seen["failed"] == {"gs": "two solvers are called 'gs'"}
+    table = run("plugins")
+    assert "lagrange" in table.stdout
+    assert "two solvers are called 'gs'" in table.stderr
+
+
+def test_a_name_that_the_output_cannot_encode_is_printed_with_replacements(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(EXAMPLE.read_text().replace('"ball"', '"\u7403"'), encoding="utf-8")
+    words = "render", str(file), "--seconds", "0.05", "--backend", "simulated"
+    done = subprocess.run(
+        [sys.executable, "-m", "pacinian", *words],
+        env={**os.environ, "PYTHONIOENCODING": "latin-1"},
+        capture_output=True,
+        timeout=LIMIT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert b"?" in done.stdout
+
+
 def test_schema_is_the_one_in_the_docs() -> None:
     published = Path(__file__).parents[3] / "docs" / "scene.schema.json"
     assert run("schema").stdout.rstrip() == published.read_text().rstrip(), "run `pacinian schema`"

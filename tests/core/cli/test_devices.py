@@ -20,7 +20,9 @@ import pacinian as pc
 from pacinian.cli import device_findings, devices
 from pacinian.cli.main import cli
 from pacinian.cli.udev import make_rules
+from pacinian.devices.board import Board
 from pacinian.devices.layouts import Grid
+from pacinian.plot import boards as drawing
 from pacinian.plugins import device_discovery, registry
 from pacinian.plugins.registry import Offer
 
@@ -293,6 +295,34 @@ def test_a_description_is_drawn(path: Path, tmp_path: Path, need: Any) -> None:
         board.alive.size < board.layout.count for board in pc.DeviceDescription.load(path).boards
     )
     assert bool(red.any()) == dead  # crosses
+
+
+@pytest.mark.parametrize("name", ["folder.png", "file/device.png"])
+def test_a_picture_that_cannot_be_written_is_refused_before_it_is_drawn(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "file").touch()
+    monkeypatch.delattr(pc.DeviceDescription, "load")
+    path = next(EXAMPLES.glob("*.toml"))
+    code, told = run("draw", path, "--out", tmp_path / name)
+    assert code == 2
+    assert "cannot be written" in told
+
+
+def test_no_transducer_of_a_small_board_is_cut_off_in_its_picture(need: Any) -> None:
+    need("matplotlib")
+    board = Board(layout=Grid(columns=4, rows=4, pitch=0.0105), dead=(3,))
+    page = drawing.boards(pc.DeviceDescription((board,)))
+    (panel,) = (p for p in page.get_axes() if p.get_title() == "board, 1 dead")
+    for low, high in (panel.get_xlim(), panel.get_ylim()):
+        edge = (
+            1.5 * 10.5 + drawing.RING * 10.5 / 2.0
+        )  # of the ring around an outermost transducer [mm]
+        assert low < -edge < edge < high
+    assert panel.get_xlabel() == "x of the board [mm]"
+    (space,) = (p for p in page.get_axes() if p.name == "3d")
+    assert space.get_zlabel() == "z [mm]"
 
 
 def test_the_rule_is_the_one_that_is_shipped() -> None:

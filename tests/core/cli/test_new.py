@@ -142,3 +142,17 @@ def test_packages_install_are_found_and_pass_their_tests(tmp_path: Path) -> None
         assert " passed" in call(
             "pytest", "-q", "-p", "no:cacheprovider", cwd=tmp_path / f"my-{kind}"
         )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_folder_that_cannot_be_written_to_is_named(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(prefix: str, dir: Path) -> str:  # noqa: A002
+        raise PermissionError(13, "Permission denied", str(dir / prefix))
+
+    monkeypatch.setattr(new.tempfile, "mkdtemp", refuse)
+    code, told = run(kind, "soft-touch", "--folder", tmp_path)
+    assert code == 2
+    assert "--folder" in told
+    assert ".soft-touch" not in told

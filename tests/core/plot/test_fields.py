@@ -159,6 +159,15 @@ def test_the_place_of_a_plane_is_not_rounded_away() -> None:
     assert page.axes[0].get_title() == "z = 102.5 mm"
 
 
+def test_samples_away_from_the_horizontal_slice_are_told_apart() -> None:
+    points = [[0.0, 0.0, 0.2], [0.01, 0.0, 0.2], [0.02, 0.0, 0.24]]
+    horizontal = plot.slices(ARRAY, GAINS, points, medium=pc.Air()).axes[0]
+    counts = {line.get_label(): len(line.get_xdata()) for line in horizontal.lines}
+    assert counts == {"samples": 0, "samples more than 12 mm away": 3}
+    flat = plot.slices(ARRAY, GAINS, points[:2], medium=pc.Air()).axes[0]
+    assert [line.get_label() for line in flat.lines] == ["samples"]
+
+
 def test_slices_take_lists() -> None:
     assert len(plot.slices(ARRAY, GAINS, POINTS.tolist(), medium=pc.Air()).axes) == 3
 

@@ -131,3 +131,16 @@ def test_a_pulse_is_a_group_of_its_own_start() -> None:
     early, late = (point(x, envelope=Pulse(0.01, start=x)) for x in (0.0, 0.03))
     assert len(groups(early, late)) == 2
     assert isinstance(early.technique, Simultaneous)
+
+
+def test_an_envelope_that_works_in_place_changes_no_other() -> None:
+    class InPlace:
+        def at(self, t: Any) -> Any:
+            t *= 10.0
+            return t
+
+    items = point(0.0, envelope=InPlace()), point(0.03, envelope=pc.Sine(100.0))
+    times = T.copy()
+    strength = groups(*items).strength(times)
+    np.testing.assert_array_equal(times, T)
+    np.testing.assert_allclose(strength, [np.clip(10.0 * T, 0.0, 1.0), pc.Sine(100.0).at(T)])

@@ -207,3 +207,11 @@ def test_what_is_emitted_is_what_the_frame_says(seed: int, phases: int, amplitud
     np.testing.assert_allclose(made, frame.gains(quantiser.capability)[0], atol=1e-6)
     step = np.hypot(np.diff(quantiser.capability.sizes).max(), np.pi / phases)
     assert np.abs(made - g).max() <= step * (1 + 1e-3)
+
+
+def test_a_frame_cannot_be_changed_by_a_backend() -> None:
+    frame = Quantiser(pc.Capability(), 2, 3).frame(np.ones((2, 3), np.complex64), 1.0, 0, 0.0)
+    for values in (frame.phase, frame.amplitude):
+        with pytest.raises(ValueError, match="read-only"):
+            values[:] = 0
+    assert (frame.amplitude == 255).all()

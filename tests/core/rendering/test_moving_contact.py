@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering.background_schedule import BackgroundSchedule
-from pacinian.rendering.field_steering import MAX_SPREAD, ContactFollower
+from pacinian.rendering.contact_follower import MAX_SPREAD, ContactFollower
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.solving.problem import Limits
 from pacinian.testing import ManualClock

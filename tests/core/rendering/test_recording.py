@@ -594,3 +594,17 @@ def test_solver_and_limits_may_change_in_the_middle(tmp_path: Path) -> None:
                 if other is not None:
                     assert all(map(np.array_equal, one, other))
     assert ticks[4].solver == asked[2][0]  # type: ignore[union-attr]
+
+
+def test_a_second_run_cannot_record_to_the_file_of_the_first(tmp_path: Path) -> None:
+    path = tmp_path / "run.pac"
+    (first, _), (second, _) = make(path), make(path)
+    with first:
+        first.tick()
+        with pytest.raises(pc.RecordingError, match="recorded by another run"):
+            second.open()
+        first.tick()
+    assert len(pc.Recording(path)) == 2
+    with second:  # the first has ended
+        second.tick()
+    assert len(pc.Recording(path)) == 1

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import dataclasses
+import itertools
 import math
 import shutil
 from contextlib import suppress
@@ -14,11 +16,13 @@ import pytest
 from msgspec.structs import replace
 from PIL import Image
 from scipy.io import wavfile
+from threadpoolctl import threadpool_limits
 from trimesh.creation import box, icosphere
 
 import pacinian as pc
 from pacinian.gallery import HAND, SCENES
 from pacinian.native import VARIANT
+from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.replay import replay
 from pacinian.rendering.rerender import rerender
 from pacinian.rendering.smoothing import Smoothing
@@ -26,6 +30,9 @@ from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.technique import LM, STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.shapes.curves import Circle
+from pacinian.solving import quiet_subspace
+from pacinian.solving.blas import ONE
+from pacinian.solving.quiet_subspace import Preparation
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -394,3 +401,56 @@ def test_what_differs_when_rendered_again_is_named(tmp_path: Path) -> None:
     assert list(rerender(recording).objects) == ["ball"]
     with pytest.raises(pc.ArgumentError, match="249 transducers"):
         rerender(recording, pc.lattice(0.05, 0.05))
+
+
+def test_it_comes_out_the_same_with_several_blas_threads(tmp_path: Path) -> None:
+    """With two threads, the matrix of this zone is rounded otherwise than with one."""
+    zone = pc.Zone((0.2, 0.0, 0.3), pressure=20.0, radius=0.02)
+    path = tmp_path / "run.pac"
+    with threadpool_limits(2):
+        renderer = make(path, OTHER, limits=pc.Limits(zones=(zone,)), strict=True)
+        with renderer:
+            for k in range(5):
+                renderer.tick(3.0 + k * TICK)
+            assert not renderer.report.faults
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            assert again(path) == (5, 0)
+
+
+def test_every_tick_and_every_job_limits_blas_to_one_thread(tmp_path: Path) -> None:
+    limited: list[bool] = []
+
+    def scene(t: float) -> pc.Scene:
+        limited.append(ONE._inside > 0)
+        return OTHER
+
+    with make(tmp_path / "run.pac", scene) as renderer:
+        renderer.tick()
+    background = BackgroundSolve[pc.Scene]()
+    background.start(lambda: scene(0.0))
+    background.take()
+    assert limited == [True] * 3  # the warm-up, the tick and the job
+
+
+@pytest.mark.parametrize("ready", [0, 3, 100])
+def test_it_comes_out_the_same_whenever_a_zone_is_prepared(
+    tmp_path: Path, ready: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The preparation ends at another tick when it is rendered again, or not at all before it is needed."""
+    zone = pc.Zone((0.2, 0.0, 0.3), pressure=20.0 + ready, radius=0.0)
+    waits = itertools.count()
+
+    def wait(futures: Any, _: float) -> Any:
+        return concurrent.futures.wait(futures if next(waits) >= ready else ())
+
+    path = tmp_path / "run.pac"
+    with make(path, OTHER, limits=pc.Limits(zones=(zone,))) as renderer:
+        monkeypatch.setattr(quiet_subspace, "wait", wait)
+        for k in range(10):
+            renderer.tick(3.0 + k * TICK)
+        assert not renderer.report.faults
+    loud = [bool(frame.amplitude.any()) for frame in pc.Recording(path)]
+    assert any(loud) == (ready < 10)
+    monkeypatch.setattr(Preparation, "_kept", {})
+    assert again(path) == (10, 0)

@@ -844,3 +844,10 @@ def test_the_page_about_scene_files_names_every_key_and_type() -> None:
         for key, values in definition["properties"].items():
             assert key in named, (name, key)
             assert named >= set(values.get("enum", ())), (name, key)
+
+
+def test_a_missing_device_file_is_told_with_the_scene_file_and_the_key(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text('array = { type = "device", file = "none.toml" }')
+    with pytest.raises(pc.SceneFileError, match=r"scene\.toml: \$\.array: .*none\.toml"):
+        pc.load_scene_file(file)

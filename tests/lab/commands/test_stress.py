@@ -35,6 +35,13 @@ def test_it_prints_one_table_within_eighty_columns() -> None:
     assert "broken" not in result.stdout
 
 
+@pytest.mark.parametrize("solvers", [",", "gs-pat,,gs", "gs-pat, gs-pat"])
+def test_a_list_of_solvers_without_a_name_or_with_one_twice_is_refused(solvers: str) -> None:
+    result = ran("--solvers", solvers)
+    assert result.exit_code == 2
+    assert "must be different names" in result.output
+
+
 def test_json_is_one_object_on_standard_output() -> None:
     result = ran("--solvers", "single-focus", "--json")
     assert result.exit_code == 0

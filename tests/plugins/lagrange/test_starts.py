@@ -188,3 +188,14 @@ def test_a_point_without_sound_costs_the_strongest_no_warning(limits: dict[str, 
     found = pc.solve(pc.autd(), q, 200.0, scale="max", limits=pc.Limits(**limits))
     assert np.isfinite(found.gains).all()
     assert found.status is pc.Status.unreachable
+
+
+@pytest.mark.parametrize("phases", [None, 0.0])
+def test_the_bound_holds_with_a_point_that_no_sound_reaches(phases: float | None) -> None:
+    q, session = [[0.02, 0.0, 0.2], [0.0, 0.0, -0.2]], pc.Session(pc.autd())
+    found = session.solve(q, [300.0, 300.0], phases)
+    assert found.status is pc.Status.unreachable
+    missing = 300.0**2 / 2.0
+    for seen in (found, session.certify(found.gains)):
+        assert missing <= seen.bound <= seen.objective
+        assert seen.objective == pytest.approx(missing, rel=1e-5)

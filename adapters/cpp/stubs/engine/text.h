@@ -77,6 +77,7 @@ class FString {
   FString(std::u16string Given) : Made(std::move(Given)) {}
   static std::string One(const TCHAR* Given) { return stub::utf8(Given); }
   static std::string One(double Given) { return std::to_string(Given); }
+  static std::string One(int32 Given) { return std::to_string(Given); }
   static FString Filled(const std::string& Format, const std::vector<std::string>& Values);
 
   std::u16string Made;

@@ -93,7 +93,7 @@ class UWorld : public UObject {
   STUB_BODY(UWorld, UObject)
   ~UWorld() override;
   UWorld* GetWorld() const override { return const_cast<UWorld*>(this); }
-  double GetTimeSeconds() const { return time_; }
+  double GetRealTimeSeconds() const { return time_; }
   APlayerController* GetFirstPlayerController() const { return StubPlayer; }
   template <class T>
   T* GetSubsystem() const {

@@ -60,6 +60,7 @@ Level::Level(const std::string& connection, const std::string& more) {
   server->ConnectionFile = UTF8_TO_TCHAR(connection.c_str());
   server->bArmOnConnect = !has("unarmed");
   server->bArmAgainAfterLoss = has("again");
+  if (has("shared")) server->SceneName = TEXT("hall");
   if (has("short")) server->Lease = 0.25F;
   server->OnConnected.Add([] { tell(R"({"event": "connected", "code": ""})"); });
   server->OnLost.Add([](const FString& why) { tell(R"({"event": "lost", "code": )" + quoted(why) + "}"); });
@@ -138,6 +139,7 @@ void Level::act(const std::string& what, std::istream& from) {
   if (what == "sway") from >> sway;
   if (what == "shelf") shelf(from);
   if (what == "second") second();
+  if (what == "pair") pair();
   if (what == "first") server->EndPlay(EEndPlayReason::Destroyed);
   effect(what, from);
   tell(R"({"did": ")" + what + "\"}");
@@ -267,6 +269,21 @@ void Level::second() {
   AActor* actor = world->spawn<AActor>(TEXT("Rival"));
   rival = actor->CreateDefaultSubobject<UHapticServerComponent>(TEXT("Server"));
   rival->ConnectionFile = server->ConnectionFile;
+  world->begin(actor);
+}
+
+/// Adds a second hand of the same side, which is open, and a second volume of the same name, in the same place.
+void Level::pair() {
+  AActor* actor = world->spawn<AActor>(TEXT("Pair"));
+  auto* root = actor->CreateDefaultSubobject<USceneComponent>(TEXT("Root"));
+  actor->SetRootComponent(root);
+  root->SetupAttachment(array->Origin);
+  root->SetRelativeTransform(FTransform(FQuat(), FVector(-3.0, 0.0, 21.5)));
+  auto* other = actor->CreateDefaultSubobject<UHapticHandComponent>(TEXT("Hand"));
+  other->Source = EHapticHandSource::Open;
+  auto* same = actor->CreateDefaultSubobject<UHapticVolumeComponent>(TEXT("Volume"));
+  same->SetupAttachment(ball);
+  same->EffectName = volume->EffectName;
   world->begin(actor);
 }
 

@@ -18,7 +18,8 @@
 /// A level with an array, a ball, a point and a hand, controlled by commands.
 class Level {
  public:
-  /// more: `unarmed` and `again` are settings of the server component; `handless` leaves out the hand.
+  /// more: `unarmed` and `again` are settings of the server component; `handless` leaves out the hand;
+  /// `shared` shares the scene `hall`.
   Level(const std::string& connection, const std::string& more);
   ~Level() { world->end(EEndPlayReason::LevelTransition); }
 
@@ -39,6 +40,7 @@ class Level {
   void align(std::istream& rest);
   void shelf(std::istream& rest);
   void second();
+  void pair();
   void outline(std::istream& rest);
   void status();
 

@@ -53,6 +53,15 @@ namespace UnityEngine
             Said.Add(message.ToString());
         }
 
+        /// <summary>Called on other threads, too.</summary>
+        public static void LogError(object message, Object context = null)
+        {
+            lock (Said)
+            {
+                Said.Add(message.ToString());
+            }
+        }
+
         public static void LogWarning(object message, Object context = null)
         {
             Said.Add(message.ToString());

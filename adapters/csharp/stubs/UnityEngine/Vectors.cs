@@ -163,6 +163,11 @@ namespace UnityEngine
             return Clamp(value, 0f, 1f);
         }
 
+        public static float Min(float a, float b)
+        {
+            return Math.Min(a, b);
+        }
+
         public static float Max(float a, float b)
         {
             return a > b ? a : b;

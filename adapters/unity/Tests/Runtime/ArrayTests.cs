@@ -39,13 +39,16 @@ namespace Pacinian.Haptics.Tests
             Assert.AreEqual(0.0, (place - new Vec3(0.0, 0.0, 0.2)).Length, 1e-5);
         }
 
-        [Test]
-        public void TouchingKnownPointsFindsItAndItStays()
+        [TestCase(1f)]
+        [TestCase(2f)]
+        public void TouchingKnownPointsFindsItAndItStays(float scale)
         {
             ArrayOrigin origin = _array.GetComponent<ArrayOrigin>();
             string problem;
             GameObject truth = new GameObject("where it really stands");
+            _space.transform.localScale = new Vector3(scale, scale, scale);
             truth.transform.SetParent(_space.transform, false);
+            truth.transform.localScale = new Vector3(1f / scale, 1f / scale, 1f / scale);
             truth.transform.localPosition = new Vector3(0.3f, 0.75f, 0.5f);
             truth.transform.localRotation = Quaternion.AngleAxis(30f, new Vector3(1f, 2f, 0.5f));
             Assert.IsTrue(origin.BeginAlignment());
@@ -103,8 +106,9 @@ namespace Pacinian.Haptics.Tests
         private void Same(Transform truth)
         {
             Vector3 point = new Vector3(0.1f, 0.2f, 0.3f);
-            float apart = (truth.TransformPoint(point) - _array.transform.TransformPoint(point)).magnitude;
-            Assert.AreEqual(0.0, apart, 1e-4);
+            Transform found = _array.transform;
+            Vector3 apart = truth.position + truth.rotation * point - (found.position + found.rotation * point);
+            Assert.AreEqual(0.0, apart.magnitude, 1e-4);
         }
     }
 }

@@ -1,3 +1,4 @@
+using System.Reflection;
 using NUnit.Framework;
 using Pacinian.Wire;
 using UnityEngine;
@@ -6,6 +7,8 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class EffectTests
     {
+        private const BindingFlags Own = BindingFlags.Instance | BindingFlags.NonPublic;
+
         private readonly GameObject _owner = new GameObject("effect");
 
         [TearDown]
@@ -47,6 +50,52 @@ namespace Pacinian.Haptics.Tests
             Assert.IsFalse(point.Playing);
             point.Play();
             Assert.IsFalse(point.Playing);
+        }
+
+        [Test]
+        public void EachEffectHasANameOfItsOwn()
+        {
+            HapticPoint[] points = { _owner.AddComponent<HapticPoint>(), _owner.AddComponent<HapticPoint>() };
+            string emoji = "\uD83D\uDE00", wanted = new string('a', 63) + emoji;
+            foreach (HapticPoint point in points)
+            {
+                point.enabled = false;
+                point.EffectName = wanted;
+                point.enabled = true;
+            }
+            Assert.AreEqual(new string('a', 63), points[0].WireName, "no half of a character");
+            Assert.AreEqual(new string('a', 58) + " 2", points[1].WireName);
+            points[0].enabled = false;
+            Assert.IsTrue(HapticEffect.Named(points[1].WireName) == points[1]);
+        }
+
+        [Test]
+        public void WhatWasRefusedIsNotSentAgainAndKeepsItsProblem()
+        {
+            HapticPoint[] points = new HapticPoint[3];
+            FieldInfo there = typeof(HapticEffect).GetField("_there", Own), changed = typeof(HapticEffect).GetField("_changed", Own);
+            using (HapticClient client = new HapticClient(new Options()))
+            {
+                for (int i = 0; i < points.Length; i++)
+                {
+                    points[i] = _owner.AddComponent<HapticPoint>();
+                    there.SetValue(points[i], 1);
+                    changed.SetValue(points[i], false);
+                }
+                for (int i = 0; i < 2; i++)
+                {
+                    string path = "$.objects[" + points[i].WireName + "].force";
+                    HapticEffect.Refuse(client, new Refusal { Path = path, Message = "wrong " + i });
+                }
+                Assert.AreEqual("wrong 0", points[0].Problem);
+                Assert.AreEqual("wrong 1", points[1].Problem);
+                Assert.IsFalse((bool)changed.GetValue(points[0]));
+                Assert.IsTrue((bool)changed.GetValue(points[2]));
+                typeof(HapticEffect).GetField("_put", Own).SetValue(points[2], Time.realtimeSinceStartupAsDouble);
+                HapticEffect.Refuse(client, new Refusal { Path = "$.objects", Message = "too many" });
+                Assert.AreEqual("too many", points[2].Problem);
+                Assert.AreEqual("wrong 0", points[0].Problem);
+            }
         }
 
         [Test]
@@ -131,51 +180,6 @@ namespace Pacinian.Haptics.Tests
             }
             Assert.AreEqual(1, finished);
             Assert.IsFalse(point.Playing);
-        }
-
-        [Test]
-        public void AnOpenHandIsAHand()
-        {
-            _owner.transform.position = new Vector3(1f, 2f, 3f);
-            HapticHand hand = _owner.AddComponent<HapticHand>();
-            hand.Source = HapticHandSource.Open;
-            HandFrame frame = hand.Frame(Rigid.Identity, 0.0);
-            Assert.IsTrue(hand.Tracked);
-            Assert.AreEqual(78, frame.Joints.Numbers);
-            Assert.AreEqual(26, frame.Radii.Numbers);
-            Assert.AreEqual(0, frame.Velocities.Numbers);
-            Assert.AreEqual(0.0, (frame.Joints.Point(0) - new Vec3(1.0, 3.0, 2.0)).Length, 1e-6);
-            Assert.IsTrue(frame.Joints.Point(5).X < 1.0, "the thumb of a right hand, palm down, is on its left");
-
-            _owner.transform.position = new Vector3(1.01f, 2f, 3f);
-            frame = hand.Frame(Rigid.Identity, 0.01);
-            Assert.AreEqual(1.0, frame.Velocities.Single(0), 1e-3);
-            hand.Source = HapticHandSource.Tracker;
-            frame = hand.Frame(Rigid.Identity, 0.02);
-            Assert.IsFalse(hand.Tracked);
-            Assert.AreEqual(0, frame.Joints.Numbers + frame.Radii.Numbers + frame.Velocities.Numbers);
-        }
-
-        [Test]
-        public void TheGameMayGiveTheJoints()
-        {
-            HapticHand hand = _owner.AddComponent<HapticHand>();
-            hand.Source = HapticHandSource.Game;
-            hand.Frame(Rigid.Identity, 0.0);
-            Assert.IsFalse(hand.Tracked);
-            hand.SetJoints(new Vector3[HapticHand.Count]);
-            Assert.AreEqual(78, hand.Frame(Rigid.Identity, 0.0).Joints.Numbers);
-            Assert.AreEqual(0, hand.Frame(Rigid.Identity, 0.0).Radii.Numbers);
-            float[] radii = new float[HapticHand.Count];
-            for (int i = 0; i < radii.Length; i++)
-            {
-                radii[i] = 0.008f;
-            }
-            hand.SetRadii(radii);
-            Assert.AreEqual(26, hand.Frame(Rigid.Identity, 0.0).Radii.Numbers);
-            hand.SetLost();
-            Assert.AreEqual(0, hand.Frame(Rigid.Identity, 0.0).Joints.Numbers);
-            Assert.IsFalse(hand.Tracked);
         }
     }
 }

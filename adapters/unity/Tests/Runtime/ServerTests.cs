@@ -34,6 +34,31 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
+        public void AnEmergencyStopThatIsNotConfirmedIsToldWithoutAConnection()
+        {
+            HapticServer server = Server(_first);
+            server.ConnectionFile = "/nonexistent/connection.json";
+            server.EmergencyStop();
+            System.DateTime end = System.DateTime.UtcNow.AddSeconds(60.0);
+            while (server.Problem.Length == 0 && System.DateTime.UtcNow < end)
+            {
+                System.Threading.Thread.Sleep(10);
+            }
+            Assert.IsTrue(server.Problem.Contains("the stop was not confirmed"), server.Problem);
+            Assert.IsTrue(server.Problem.Contains("switch the array off"));
+        }
+
+        [TestCase(0f, 0.0)]
+        [TestCase(0.01f, 0.05)]
+        [TestCase(1f, 1.0)]
+        public void TheLeaseIsOneThatTheServerTakes(float lease, double wanted)
+        {
+            HapticServer server = Server(_first);
+            server.Lease = lease;
+            Assert.AreEqual(wanted, server.Choices().Lease, 1e-6);
+        }
+
+        [Test]
         public void TheFirstMayStayWhenAnotherSceneIsLoaded()
         {
             int before = UnityEngine.Object.Kept.Count;

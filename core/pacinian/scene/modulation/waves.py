@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import force_setattr
 
-from pacinian.argument_checks import check_number
+from pacinian.argument_checks import check_number, check_real
 from pacinian.types import Floats
 
 MAX_FREQUENCY = 100_000.0  # highest frequency of an envelope [Hz], more than any device can follow
@@ -112,13 +112,16 @@ class Pulse(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", t
 
 
 class Function(Struct, frozen=True):
-    """Any function of times [s], (K,) -> (K,). Values outside 0..1 are clipped, and NaN is 0. Steps are audible."""
+    """Any function of times [s], (K,) -> (K,). Values outside 0..1 are clipped, and NaN is 0. Steps are audible.
+
+    function: gets a copy of the times, which it may change.
+    """
 
     function: Callable[[Floats], Floats]
 
     def at(self, t: Floats) -> Floats:
-        """Return the factor at times t [s], in the same shape."""
-        value = np.broadcast_to(np.asarray(self.function(t), dtype=np.float64), t.shape)
+        """Return the factor at times t [s], in the same shape. Raises ArgumentError for other values than numbers."""
+        value = np.broadcast_to(check_real("function", self.function(t.copy())), t.shape)
         return np.clip(np.nan_to_num(value, nan=0.0), 0.0, 1.0)
 
 

@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.argument_checks import check_length
+from pacinian.argument_checks import check_length, check_real
 from pacinian.errors import ArgumentError
 from pacinian.neighbours import find_nearest
 from pacinian.scene.shapes.local_samples import LocalSamples, sample_grid
@@ -57,8 +57,8 @@ class Solid(Protocol):
 class SDF(Struct, frozen=True, eq=False, dict=True):
     """A volume given by a signed-distance function.
 
-    function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside. extent: half the size of a bounding box
-    centred on the origin [m]. Raises ArgumentError.
+    function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside; it gets a copy, which it may change.
+    extent: half the size of a bounding box centred on the origin [m]. Raises ArgumentError.
     """
 
     function: Callable[[Floats], Floats]
@@ -85,7 +85,7 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     def distance(self, points: Floats) -> Floats:
         """Return the signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
-        d = np.asarray(self.function(points), dtype=np.float64)
+        d = check_real("function", self.function(points.copy()))
         if d.shape != (len(points),) or not np.isfinite(d).all():
             raise ArgumentError(
                 "function",

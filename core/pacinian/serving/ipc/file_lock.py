@@ -4,42 +4,16 @@ from __future__ import annotations
 
 import os
 import stat
-import sys
 import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
+from pacinian.exclusive_lock import try_lock
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-if sys.platform == "win32":
-    import msvcrt
-
-    # Offset of the locked byte, which lies beyond the contents because a locked byte cannot be
-    # read.
-    FAR = 1 << 30
-
-    def _try_lock(file: int) -> bool:
-        os.lseek(file, FAR, os.SEEK_SET)
-        try:
-            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-        except PermissionError:
-            return False
-        os.lseek(file, 0, os.SEEK_SET)
-        return True
-else:
-    import fcntl
-
-    def _try_lock(file: int) -> bool:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
-
 
 # Flags with which the lock file is opened. If a FIFO is in its place, opening it fails or returns at once.
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
@@ -113,7 +87,7 @@ def _open(path: Path) -> int:
     file = os.open(path, FLAGS, 0o600)
     try:
         _check_owner(path, file)
-        if _try_lock(file):
+        if try_lock(file):
             return file
         raise LockHeld(path, _read_holder(file))
     except BaseException:

@@ -371,8 +371,9 @@ class PhaseFreeSolve:
         w = self.workspace
         apply_planar(self.B, w.h, w.made, w.tile)
         q = w.made[0] + 1j * w.made[1]
-        t = np.where(w.free, np.abs(w.p) * np.exp(1j * np.angle(q)), w.p)
-        w.y[:] = t - q
+        # a pressure of 0 has no phase: the target keeps its own, as in `certify`
+        turned = w.free & (q != 0.0)
+        w.y[:] = np.where(turned, np.abs(w.p) * np.exp(1j * np.angle(q)), w.p) - q
         y = np.zeros((2, w.tile.shape[1]), np.float32)
         y[:, : len(q)] = w.y.real, w.y.imag
         h, made = np.empty_like(w.h), np.empty_like(w.made)  # only the cost is needed

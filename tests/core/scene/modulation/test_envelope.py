@@ -164,6 +164,18 @@ def test_a_function_is_given_the_times_and_may_give_one_value_for_all() -> None:
         assert pc.Function(lambda _, a=answer: a).at(t).tolist() == [0.5] * 3
 
 
+def test_a_function_may_work_in_place() -> None:
+    t = np.array([0.1, 0.2, 0.7])
+    assert pc.Function(lambda t: np.multiply(t, 0.5, out=t)).at(t).tolist() == [0.05, 0.1, 0.35]
+    assert t.tolist() == [0.1, 0.2, 0.7]
+
+
+@pytest.mark.parametrize("answer", [1j, [0.5 + 0j], "strong"])
+def test_a_function_must_give_real_numbers(answer: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=r"^`function` must return"):
+        pc.Function(lambda _: answer).at(np.zeros(1))
+
+
 @pytest.mark.parametrize(
     ("argument", "make"),
     [

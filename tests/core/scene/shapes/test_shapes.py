@@ -414,6 +414,8 @@ def test_a_box_has_three_sizes() -> None:
         lambda p: np.zeros((len(p), 1)),
         lambda p: np.full(len(p), np.nan),
         lambda _: 0.0,
+        lambda p: p[:, 0] + 0j,
+        lambda _: "far",
     ],
 )
 def test_a_signed_distance_that_is_not_one_finite_number_a_point_is_refused(function: Any) -> None:
@@ -429,3 +431,14 @@ def test_shapes_cannot_be_changed(kind: Kind) -> None:
     for name in shape.__struct_fields__:
         with pytest.raises(AttributeError):
             setattr(shape, name, 0.01)
+
+
+def test_a_signed_distance_may_be_computed_in_place() -> None:
+    def distance(p: Any) -> Any:
+        p *= p
+        return np.sqrt(p.sum(axis=1)) - 0.02
+
+    solid = pc.SDF(distance, (0.03, 0.03, 0.03))
+    samples = solid.sample_surface(0.005)
+    np.testing.assert_allclose(np.linalg.norm(samples.points, axis=1), 0.02, atol=1e-4)
+    assert len(samples.points) > 100

@@ -52,19 +52,23 @@ namespace Pacinian
         public bool Field(Bulk points, Action<Pressures> answer)
         {
             Field field = new Field { Ttl = _shared.Options.Life };
-            field.Points.Set(points.Data, 0, points.Count);
+            if (points.Count > 0)
+            {
+                field.Points.Set(points.Data, 0, points.Count);
+            }
             return Add(new PendingRequest("field", field, _shared.Options.Timeout, answer));
         }
 
         /// <summary>
         /// Emergency stop: silences the array at once, whoever owns the output, until <see cref="Reset"/>. May be
         /// called from any thread. Uses its own connection, and therefore also works without a session, before Start
-        /// and after Dispose.
+        /// and after Dispose. If the server does not confirm the stop, the next <see cref="Tick"/> raises
+        /// <see cref="Refused"/>. refused: is called then, too, at once and on another thread; for programs that do not tick.
         /// </summary>
-        public void Stop()
+        public void Stop(Action<Refusal> refused = null)
         {
             _shared.PendingStops.Begin();
-            Thread stop = EmergencyStop.Begin(_shared.Options, Stopped);
+            Thread stop = EmergencyStop.Begin(_shared.Options, problem => Stopped(problem, refused));
             lock (_stops)
             {
                 _stops.RemoveAll(old => !old.IsAlive);
@@ -72,11 +76,12 @@ namespace Pacinian
             }
         }
 
-        private void Stopped(string problem)
+        private void Stopped(string problem, Action<Refusal> refused)
         {
             if (problem.Length > 0)
             {
-                _shared.Inbox.AddRefusal(ErrorMessages.Unstopped(problem));
+                Interlocked.Exchange(ref _stopProblem, problem);
+                refused?.Invoke(ErrorMessages.Unstopped(problem));
             }
             _shared.PendingStops.End();
             _worker.Wake();

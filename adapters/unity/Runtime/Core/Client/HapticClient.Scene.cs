@@ -9,6 +9,7 @@ namespace Pacinian
     public sealed partial class HapticClient
     {
         private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope; the rest is for other fields
+        private const double Farthest = 10.0, Fastest = 100.0; // [m] along each axis; [m/s] or [rad/s]
 
         private readonly Reader _checker = new Reader();
 
@@ -35,16 +36,27 @@ namespace Pacinian
             return ReportNoSession("put", Write(Kind.Put, name, part, new Movement()));
         }
 
-        /// <summary>Moves an existing object.</summary>
+        /// <summary>
+        /// Moves an existing object. Clamps to 10 m along each axis and to 100 m/s; returns false for numbers that are not
+        /// finite.
+        /// </summary>
         public bool Move(string name, Movement movement)
         {
-            return IsGamesThread("Move") && Write(Kind.Move, name, null, movement);
+            if (!IsGamesThread("Move") || !ObjectValidation.IsName(name) || !IsFinite(movement))
+            {
+                return false;
+            }
+            Vec3 place = movement.Position;
+            movement.Position = new Vec3(Clamp(place.X), Clamp(place.Y), Clamp(place.Z));
+            movement.Velocity = Shorten(movement.Velocity);
+            movement.AngularVelocity = Shorten(movement.AngularVelocity);
+            return Write(Kind.Move, name, null, movement);
         }
 
         /// <summary>Removes an object. Does nothing if there is none with this name.</summary>
         public bool Remove(string name)
         {
-            return IsGamesThread("Remove") && Write(Kind.Remove, name, null, new Movement());
+            return IsGamesThread("Remove") && ObjectValidation.IsName(name) && Write(Kind.Remove, name, null, new Movement());
         }
 
         /// <summary>Removes all objects, hands and quiet zones of this client.</summary>
@@ -56,7 +68,7 @@ namespace Pacinian
         /// <summary>Replaces the envelope of an existing object.</summary>
         public bool Envelope(string name, IEnvelope envelope)
         {
-            if (!IsGamesThread("Envelope"))
+            if (!IsGamesThread("Envelope") || !ObjectValidation.IsName(name))
             {
                 return false;
             }
@@ -74,13 +86,15 @@ namespace Pacinian
             return Hands(hands, Now);
         }
 
-        /// <summary>Does the same for hands at a given time of the client's clock [s].</summary>
+        /// <summary>Does the same for hands at a given time of the client's clock [s]; now at the latest.</summary>
         public bool Hands(IList<HandFrame> hands, double time)
         {
             if (!IsGamesThread("Hands"))
             {
                 return false;
             }
+            double now = Now;
+            time = time < now ? time : now; // also for a time that is not a number
             Writer part = _shared.Writers.Rent();
             part.Array(hands.Count);
             for (int i = 0; i < hands.Count; i++)
@@ -104,6 +118,25 @@ namespace Pacinian
                 zones[i].Write(part);
             }
             return ReportNoSession("quiet", WakeWorker(_shared.Outbox.Write(_sessionState.Session, Kind.Quiet, part, Now)));
+        }
+
+        private static bool IsFinite(Movement movement)
+        {
+            double sum = movement.Position.Length + movement.Velocity.Length + movement.AngularVelocity.Length;
+            Quat rotation = movement.Rotation;
+            sum += Math.Abs(rotation.X) + Math.Abs(rotation.Y) + Math.Abs(rotation.Z) + Math.Abs(rotation.W);
+            return sum < double.PositiveInfinity;
+        }
+
+        private static double Clamp(double place)
+        {
+            return Math.Max(-Farthest, Math.Min(place, Farthest));
+        }
+
+        private static Vec3 Shorten(Vec3 speed)
+        {
+            double length = speed.Length;
+            return length > Fastest ? (Fastest * (1.0 - 1e-6) / length) * speed : speed; // also in single precision
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)

@@ -27,6 +27,7 @@ namespace Pacinian
         private bool _started, _ended, _reportedNoSession;
         private volatile int _thread; // the thread that ticked last; 0: none
         private volatile bool _reportedThread;
+        private string _stopProblem; // of an emergency stop that was not confirmed; null: none
 
         /// <summary>Creates a client that is not started.</summary>
         public HapticClient(Options options)
@@ -76,7 +77,7 @@ namespace Pacinian
         /// </summary>
         public event Action<Standstill> StoodStill;
 
-        /// <summary>Starts to connect.</summary>
+        /// <summary>Starts to connect. A client that was disposed stays stopped: make another.</summary>
         public void Start()
         {
             if (!_started && !_ended)
@@ -90,11 +91,16 @@ namespace Pacinian
 
         /// <summary>
         /// Renews the lease and raises the events; call it once per frame. A game that does not tick is silent when its
-        /// lease is over, until it ticks again.
+        /// lease is over, until it ticks again. Before Start and after Dispose, it only raises <see cref="Refused"/>.
         /// </summary>
         public void Tick()
         {
-            if (!_started || _ended)
+            string problem = Interlocked.Exchange(ref _stopProblem, null);
+            if (problem != null)
+            {
+                Refused?.Invoke(ErrorMessages.Unstopped(problem));
+            }
+            if (_ended)
             {
                 return;
             }

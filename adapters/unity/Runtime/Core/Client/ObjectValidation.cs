@@ -22,6 +22,21 @@ namespace Pacinian
                 : "";
         }
 
+        /// <summary>Returns whether a name has 1 to 64 characters (code points), and no half of a surrogate pair.</summary>
+        internal static bool IsName(string name)
+        {
+            int characters = 0;
+            for (int i = 0; name != null && i < name.Length; i++)
+            {
+                characters++;
+                if (char.IsSurrogate(name[i]) && !char.IsSurrogatePair(name, i++))
+                {
+                    return false;
+                }
+            }
+            return characters > 0 && characters <= LongestName;
+        }
+
         /// <summary>Returns whether an object is wrong, and why. written: its bytes. reader: used to decode them.</summary>
         internal static bool Find(string name, HapticObject item, Writer written, Reader reader, out Refusal why)
         {
@@ -29,9 +44,9 @@ namespace Pacinian
             why = new Refusal { Code = "argument", Path = path, Message = "", Advice = "" };
             HapticObject read = null;
             reader.Start(written.Data, 0, written.Count);
-            if (string.IsNullOrEmpty(name) || name.Length > LongestName)
+            if (!IsName(name))
             {
-                why.Message = "must have a name of 1 to " + LongestName + " characters";
+                why.Message = "must have a name of 1 to " + LongestName + " characters, without half an UTF-16 pair";
             }
             else if (item.RadiationPressure.HasValue == item.Force.HasValue)
             {

@@ -1,7 +1,5 @@
 #include "HapticEffectComponent.h"
 
-#include <cmath>
-
 #include "Emitted.h"
 #include "Engine/World.h"
 #include "Envelopes.h"
@@ -9,7 +7,6 @@
 #include "HapticLink.h"
 #include "HapticScene.h"
 #include "HapticServerComponent.h"
-#include "Motion.h"
 #include "Outline.h"
 #include "PacinianSettings.h"
 
@@ -20,10 +17,23 @@ UHapticEffectComponent::UHapticEffectComponent() { bAutoActivate = true; }
 void UHapticEffectComponent::BeginPlay() {
   Super::BeginPlay();
   Sent = MakeShared<FHapticBody>();
-  const FString Made = GetOwner()->GetName() + TEXT(".") + GetName();
-  Sent->Name = Haptic::Text((EffectName.IsEmpty() ? Made : EffectName).Right(64));
-  Began = GetWorld()->GetTimeSeconds();
+  Sent->Name = Haptic::Text(MakeName());
+  Began = GetWorld()->GetRealTimeSeconds();
   if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Effects.AddUnique(this);
+}
+
+/// Returns a name that no other effect of the world has: the wanted one, or with a number, as in "ball 2".
+FString UHapticEffectComponent::MakeName() const {
+  const FString Wanted = EffectName.IsEmpty() ? GetOwner()->GetName() + TEXT(".") + GetName() : EffectName;
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  const auto IsTaken = [&](const FString& Given) {
+    for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene->Effects)
+      if (Effect != this && Effect->IsCalled(Given)) return true;
+    return false;
+  };
+  FString Made = Wanted.Right(64);
+  for (int32 i = 2; Scene && IsTaken(Made); ++i) Made = FString::Printf(TEXT("%s %d"), *Wanted.Right(58), i);
+  return Made;
 }
 
 void UHapticEffectComponent::EndPlay(const EEndPlayReason::Type Reason) {
@@ -42,7 +52,7 @@ void UHapticEffectComponent::Activate(bool bReset) {
   const bool bAgain = bReset || !IsActive();
   Super::Activate(bReset);
   if (!bAgain) return;
-  if (const UWorld* World = GetWorld()) Began = World->GetTimeSeconds();
+  if (const UWorld* World = GetWorld()) Began = World->GetRealTimeSeconds();
   Refresh();
 }
 
@@ -108,46 +118,6 @@ void UHapticEffectComponent::PostEditChangeProperty(FPropertyChangedEvent& Event
 }
 #endif
 
-void UHapticEffectComponent::Remove() {
-  const UHapticScene* Scene = UHapticScene::Of(this);
-  const UHapticServerComponent* Server = Scene ? Scene->GetServer() : nullptr;
-  const TSharedPtr<FHapticLink> Link = Server ? Server->GetLink() : nullptr;
-  if (bShown && Link && Session == Link->Session) Link->Client.remove(Sent->Name);
-  bShown = false;
-  Session = 0;
-}
-
-void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
-  if (!IsPlaying() || !Sent) return;
-  if (Duration > 0.0f && GetWorld()->GetTimeSeconds() - Began >= Duration) {
-    Deactivate();
-    OnFinished.Broadcast();
-    return;
-  }
-  const USceneComponent* Owner = GetShapeOwner();
-  const bool bScaled = !Owner->GetComponentScale().Equals(Sent->Scale, 1e-4);
-  const pacinian::Rigid Before = Sent->Pose, Now = Frame.Space.Into(Owner->GetComponentTransform());
-  const uint64 Fingerprint = GetShapeFingerprint();
-  if (Session != Frame.Session || bReshaped || bScaled || Fingerprint != Sent->Fingerprint) {
-    Sent->Pose = Now;
-    Sent->Scale = Owner->GetComponentScale();
-    Sent->Fingerprint = Fingerprint;
-    bReshaped = bEnveloped = bMoving = false;
-    bShown = Put(Frame);
-    Session = Frame.Session;
-    return;
-  }
-  if (!bShown) return;
-  if (bEnveloped) Frame.Client.envelope(Sent->Name, Haptic::ToWire(Envelope));
-  bEnveloped = false;
-  const bool bMoves = Haptic::Moved(Before, Now);
-  if (!bMoves && !bMoving) return;
-  Sent->Pose = Now;  // otherwise the last one that was sent, so that a slow movement adds up
-  const wire::Motion Motion = Haptic::MotionOf(Before, Now, Frame.Elapsed);
-  bMoving = bMoves && bPredictMotion;
-  Frame.Client.move(Sent->Name, Haptic::ToWire(Sent->Pose), bMoving ? &Motion : nullptr);
-}
-
 bool UHapticEffectComponent::GetOutline(TArray<FVector>& Lines, FString& Problem) const {
   FHapticBody Body;
   const FTransform Place = GetShapeOwner()->GetComponentTransform();
@@ -159,41 +129,4 @@ bool UHapticEffectComponent::GetOutline(TArray<FVector>& Lines, FString& Problem
 
 bool UHapticEffectComponent::IsCalled(const FString& Wanted) const {
   return Sent && Sent->Name == Haptic::Text(Wanted);
-}
-
-void UHapticEffectComponent::Refuse(const FString& Path, const FString& Message) {
-  const FString Objects(TEXT("$.objects["));
-  if (!Sent || !Path.StartsWith(Objects, ESearchCase::CaseSensitive)) return;
-  if (!Path.StartsWith(Objects + Haptic::Text(Sent->Name) + TEXT("]"), ESearchCase::CaseSensitive)) {
-    bReshaped = true;
-    return;
-  }
-  const uint32 Known = Session;
-  Remove();
-  Session = Known;
-  Complaint = Message;
-}
-
-bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
-  FString Problem;
-  const bool bDescribed = Describe(*Sent, Problem);
-  if (!bDescribed && Problem != Complaint)
-    UE_LOG(LogPacinian, Warning, TEXT("%s cannot be felt: %s"), *GetName(), *Problem);
-  Complaint = Problem;
-  if (!bDescribed) {
-    Remove();
-    return false;
-  }
-  wire::HapticObject& Felt = Haptic::Placed(Sent->Object, Haptic::ToWire(Sent->Pose));
-  if (Strength == EHapticStrength::Force)
-    Felt.force = FMath::Clamp(Force, 0.0f, 1000.0f);
-  else
-    Felt.radiation_pressure = FMath::Clamp(RadiationPressure, 0.0f, 1e6f);
-  Felt.envelope = Haptic::ToWire(Envelope);
-  Felt.technique = Haptic::ToWire(Technique);
-  Felt.priority = FMath::Clamp(Priority, -1000000, 1000000);
-  Felt.material.reach = FMath::Clamp(0.01 * Reach, 0.0, 10.0);
-  if (Stiffness > 0.0f) Felt.material.stiffness = Stiffness;
-  if (Duration > 0.0f) Felt.duration = FMath::Max(1e-3, Duration - (GetWorld()->GetTimeSeconds() - Began));
-  return Frame.Client.put(Sent->Name, MoveTemp(Sent->Object));
 }

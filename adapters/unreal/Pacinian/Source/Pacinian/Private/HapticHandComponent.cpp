@@ -29,6 +29,7 @@ void UHapticHandComponent::BeginPlay() {
 
 void UHapticHandComponent::EndPlay(const EEndPlayReason::Type Reason) {
   if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Hands.Remove(this);
+  SentName.Reset();
   Super::EndPlay(Reason);
 }
 
@@ -90,6 +91,8 @@ void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
   if (Source == EHapticHandSource::Mouse) FollowMouse();
   wire::HandFrame& Frame = Hand.Frame;
   Frame.side = Side == EHapticSide::Left ? wire::HandFrameSide::left : wire::HandFrameSide::right;
+  SentName = MakeName();
+  Frame.name = Haptic::Text(SentName);
   Frame.joints.clear();
   Frame.radii.clear();
   Frame.velocities.clear();
@@ -107,13 +110,29 @@ void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
     wire::append(Frame.radii, static_cast<float>(pacinian::unreal::metres * FMath::Clamp(Radius, 0.1f, 10.0f)));
 }
 
+/// Returns a name that no other hand has: the side for the first hand of its side, "right 2" for the next. A hand keeps
+/// it until its side changes.
+FString UHapticHandComponent::MakeName() const {
+  const FString Own = Side == EHapticSide::Left ? TEXT("left") : TEXT("right");
+  if (SentName.StartsWith(Own, ESearchCase::CaseSensitive)) return SentName;
+  const UHapticScene* Scene = UHapticScene::Of(this);
+  const auto IsTaken = [&](const FString& Wanted) {
+    for (const TObjectPtr<UHapticHandComponent>& Hand : Scene->Hands)
+      if (Hand != this && Hand->SentName == Wanted) return true;
+    return false;
+  };
+  FString Made = Own;
+  for (int32 i = 2; Scene && IsTaken(Made); ++i) Made = FString::Printf(TEXT("%s %d"), *Own, i);
+  return Made;
+}
+
 /// Adds velocities to the hand, from the movement of its mean joint since the last frame.
 void UHapticHandComponent::Predict(FHapticHand& Hand) {
   FVector Sum = FVector::ZeroVector;
   for (std::size_t i = 0; i < Count; ++i)
     Sum = Sum + FVector(wire::float_at(Hand.Frame.joints, 3 * i), wire::float_at(Hand.Frame.joints, 3 * i + 1),
                         wire::float_at(Hand.Frame.joints, 3 * i + 2));
-  const double Now = GetWorld()->GetTimeSeconds(), Step = Now - Time;
+  const double Now = GetWorld()->GetRealTimeSeconds(), Step = Now - Time;
   const FVector Moved = (1.0 / Count) * Sum - Middle;
   Middle = (1.0 / Count) * Sum;
   const bool bFollowed = Time >= 0.0 && Step > 0.0 && Step < Longest;

@@ -12,8 +12,12 @@ struct FHapticLink {
   uint32 Session = 0;  ///< number of the session; 0 before the first
   FHapticSpace Space;
 
+  static constexpr double Never = 1e300;
+
   std::vector<pacinian::wire::HandFrame> Hands;
   std::vector<pacinian::wire::Zone> Zones, SentZones;
+  double ZonesDue = Never;  ///< by the client's clock [s]: when they are sent again
+  double Ticked = 0.0;      ///< by the client's clock [s]: the last frame
   uint32 HandsSession = 0, ZonesSession = 0, ListedSession = 0;  ///< sessions in which they were last sent
 };
 

@@ -91,7 +91,9 @@ void UHapticServerComponent::Refused(const pacinian::Refusal& Told) {
   const FString Code = Haptic::Text(Told.code), Message = Haptic::Text(Told.message), Advice = Haptic::Text(Told.advice);
   const FString Path = Haptic::Text(Told.path);
   Complaint = FString::Printf(TEXT("%s: %s (%s); %s"), *Code, *Message, *Path, *Advice);
+  if (Told.code == "stop") Unstopped = Complaint;
   UE_LOG(LogPacinian, Warning, TEXT("Refused: %s"), *Complaint);
+  if (Link) Haptic::RefuseZones(*Link, Path);
   if (const UHapticScene* Scene = UHapticScene::Of(this))
     for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene->Effects) Effect->Refuse(Path, Message);
   OnRefused.Broadcast(Code, Message, Advice);
@@ -125,6 +127,7 @@ void UHapticServerComponent::Begun() {
   if (!Link) return;
   Link->Session = ++Sessions;
   Complaint.Reset();
+  Unstopped.Reset();
   Choose(true, true, true);
   if (bFirst ? bArmOnConnect : bArmAgainAfterLoss && bWanted) Arm();
   bFirst = false;
@@ -150,8 +153,13 @@ void UHapticServerComponent::Disarm() {
 
 void UHapticServerComponent::EmergencyStop() {
   bWanted = false;
-  if (!Link) Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
-  Link->Client.stop();
+  Unstopped.Reset();
+  if (!Link) {
+    Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
+    Link->Client.on.refused = [this](const pacinian::Refusal& Told) { Refused(Told); };
+  }
+  // Told from its own thread: there is no tick in an editor that does not play.
+  Link->Client.stop([](const pacinian::Refusal& Told) { UE_LOG(LogPacinian, Error, TEXT("%s"), *Haptic::Text(Told.text())); });
 }
 
 void UHapticServerComponent::ResetOutput() {
@@ -173,7 +181,9 @@ void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType,
   Held->Space = Origin ? FHapticSpace(Origin->GetComponentTransform()) : FHapticSpace();
   Haptic::SendHands(*Held, *Scene);
   Haptic::SendZones(*Held, *Scene);
-  const FHapticFrame Frame{Held->Client, Held->Space, Held->Session, DeltaTime};
+  const double Now = Held->Client.now();  // DeltaTime is dilated
+  const FHapticFrame Frame{Held->Client, Held->Space, Held->Session, Now - Held->Ticked};
+  Held->Ticked = Now;
   for (int32 i = Scene->Effects.Num() - 1; i >= 0; --i)
     if (i < Scene->Effects.Num()) Scene->Effects[i]->Send(Frame);
 }

@@ -37,6 +37,7 @@ FString UHapticServerComponent::GetWaiting() const {
 }
 
 FString UHapticServerComponent::GetProblem() const {
+  if (!Unstopped.IsEmpty()) return Unstopped;
   if (bWaits) return GetWaiting();
   if (IsConnected()) return Complaint;
   const FString Server = Haptic::ServerProblem();

@@ -16,7 +16,13 @@ const USceneComponent* UHapticVolumeComponent::GetShapeOwner() const {
 }
 
 uint64 UHapticVolumeComponent::GetShapeFingerprint() const {
-  return Shape == EHapticVolume::Colliders ? Haptic::Fingerprint(Haptic::ColliderNear(*this)) : 0;
+  if (Shape == EHapticVolume::Colliders) return Haptic::Fingerprint(Haptic::ColliderNear(*this));
+  return reinterpret_cast<uint64>(GetMesh());
+}
+
+const UStaticMesh* UHapticVolumeComponent::GetMesh() const {
+  const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
+  return Found ? Found->GetStaticMesh() : Mesh.Get();
 }
 
 bool UHapticVolumeComponent::Describe(FHapticBody& Body, FString& Problem) const {
@@ -26,9 +32,8 @@ bool UHapticVolumeComponent::Describe(FHapticBody& Body, FString& Problem) const
   if (Shape == EHapticVolume::Colliders) {
     if (!Haptic::ToWire(Haptic::ColliderNear(*this), Volume.shape, Problem)) return false;
   } else {
-    const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
     wire::Mesh Made;
-    if (!Haptic::ToWire(Found ? Found->GetStaticMesh() : Mesh.Get(), Body.Scale, Made, Problem)) return false;
+    if (!Haptic::ToWire(GetMesh(), Body.Scale, Made, Problem)) return false;
     Volume.shape = MoveTemp(Made);
   }
   Body.Object = MoveTemp(Volume);

@@ -17,6 +17,7 @@ namespace Haptic {
 namespace {
 
 constexpr double FarthestZone = 10.0;  // [m]
+constexpr float LowestPressure = 0.1f, HighestPressure = 1e6f;  // [Pa]
 
 bool Same(const wire::Zone& A, const wire::Zone& B) {
   return A.position == B.position && A.pressure == B.pressure && A.radius == B.radius;
@@ -44,14 +45,23 @@ void SendZones(FHapticLink& Link, UHapticScene& Scene) {
     wire::Zone& Zone = Link.Zones[i];
     Zone.position = {FMath::Clamp(Place.x, -FarthestZone, FarthestZone), FMath::Clamp(Place.y, -FarthestZone, FarthestZone),
                      FMath::Clamp(Place.z, -FarthestZone, FarthestZone)};
-    Zone.pressure = FMath::Max(0.0f, Given.Pressure);
-    Zone.radius = FMath::Clamp(0.01 * Given.Radius, 0.0, 1.0);
+    // What is not a number protects most.
+    Zone.pressure = Given.Pressure > LowestPressure ? FMath::Clamp(Given.Pressure, LowestPressure, HighestPressure) : LowestPressure;
+    Zone.radius = Given.Radius < 100.0f ? FMath::Clamp(0.01 * Given.Radius, 0.0, 1.0) : 1.0;
   }
-  if (Link.ZonesSession != Link.Session) Link.SentZones.clear();
+  if (Link.ZonesSession != Link.Session || Link.ZonesDue <= Link.Client.now()) Link.SentZones.clear();
   Link.ZonesSession = Link.Session;
   const auto& Sent = Link.SentZones;
   if (std::equal(Sent.begin(), Sent.end(), Link.Zones.begin(), Link.Zones.end(), Same)) return;
-  if (Link.Client.quiet(Link.Zones)) Link.SentZones = Link.Zones;
+  if (!Link.Client.quiet(Link.Zones)) return;
+  Link.SentZones = Link.Zones;
+  Link.ZonesDue = FHapticLink::Never;
+}
+
+void RefuseZones(FHapticLink& Link, const FString& Path) {
+  constexpr double Pause = 1.0;  // [s]
+  const bool bZones = Path.StartsWith(TEXT("$.zones"), ESearchCase::CaseSensitive) || Path == FString(TEXT("$.ttl"));
+  if (bZones) Link.ZonesDue = Link.Client.now() + Pause;
 }
 
 }  // namespace Haptic

@@ -12,4 +12,7 @@ void SendHands(FHapticLink& Link, UHapticScene& Scene);
 /** Sends all quiet zones if they have changed. */
 void SendZones(FHapticLink& Link, UHapticScene& Scene);
 
+/** Sends the quiet zones again after a second if the server refused them. Path: of what it refused. */
+void RefuseZones(FHapticLink& Link, const FString& Path);
+
 }  // namespace Haptic

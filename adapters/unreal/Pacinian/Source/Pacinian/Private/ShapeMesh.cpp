@@ -1,3 +1,6 @@
+#include <array>
+#include <map>
+
 #include "Components/StaticMeshComponent.h"
 #include "Engine/StaticMesh.h"
 #include "GameFramework/Actor.h"
@@ -23,15 +26,14 @@ void Append(wire::Bytes& To, uint32 Value) {
 bool Weld(const FStaticMeshLODResources& Level, const FVector& Scale, wire::Mesh& Made) {
   const FPositionVertexBuffer& Positions = Level.VertexBuffers.PositionVertexBuffer;
   const FIndexArrayView Indices = Level.IndexBuffer.GetArrayView();
-  TMap<FVector3f, uint32> Known;
+  std::map<std::array<float, 3>, uint32> Known;  // a TMap would keep 0 and -0 apart
   TArray<uint32> Welded;
   Made = {};
   for (uint32 i = 0; i < Positions.GetNumVertices(); ++i) {
     const FVector3f Place = Positions.VertexPosition(i);
-    const uint32* Found = Known.Find(Place);
-    Welded.Add(Found ? *Found : static_cast<uint32>(Known.Num()));
-    if (Found) continue;
-    Known.Add(Place, Welded.Last());
+    const auto Found = Known.emplace(std::array<float, 3>{Place.X, Place.Y, Place.Z}, static_cast<uint32>(Known.size()));
+    Welded.Add(Found.first->second);
+    if (!Found.second) continue;
     const pacinian::Vec3 At = pacinian::unreal::to_world(Vec(FVector(Place) * Scale));
     for (const double Value : {At.x, At.y, At.z}) wire::append(Made.vertices, static_cast<float>(Value));
   }
@@ -43,7 +45,7 @@ bool Weld(const FStaticMeshLODResources& Level, const FVector& Scale, wire::Mesh
     for (const uint32 Corner : {A, bMirrored ? C : B, bMirrored ? B : C}) Append(Made.faces, Corner);
   }
   const std::size_t Faces = Made.faces.size() / 12;
-  return Known.Num() <= wire::MAX_VERTICES && Faces > 0 && Faces <= static_cast<std::size_t>(wire::MAX_FACES);
+  return Known.size() <= static_cast<std::size_t>(wire::MAX_VERTICES) && Faces > 0 && Faces <= static_cast<std::size_t>(wire::MAX_FACES);
 }
 
 }  // namespace

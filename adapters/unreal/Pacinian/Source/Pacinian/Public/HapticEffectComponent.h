@@ -22,7 +22,8 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
  public:
   UHapticEffectComponent();
 
-  /** Name on the server, at most 64 characters. Empty: derived from the names of the actor and the component. */
+  /** Name on the server, at most 64 characters. Empty: derived from the names of the actor and the component. Further
+   * effects of one name get a number, as in "ball 2". */
   UPROPERTY(EditAnywhere, BlueprintReadOnly, Category = "Haptics")
   FString EffectName;
 
@@ -140,7 +141,8 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   void Send(const FHapticFrame& Frame);
 
   /** Handles an object that the server rejected, together with the rest of its message. That object is not sent
-   * again until it changes. All others are sent again. Path: of the wrong field. The server component calls it. */
+   * again until it changes. All others are sent again. Path: of the wrong field; "$.objects" if there are too many: then
+   * it concerns what was sent in the last second. The server component calls it. */
   void Refuse(const FString& Path, const FString& Message);
 
  protected:
@@ -156,10 +158,12 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
  private:
   bool Put(const FHapticFrame& Frame);
   void Remove();
+  FString MakeName() const;
 
   TSharedPtr<FHapticBody> Sent;
   FString Complaint;        ///< why the effect cannot be felt
-  double Began = 0.0;       ///< by the world's time [s]
+  double Began = 0.0;       ///< by the world's real time [s]
+  double PutTime = 0.0;     ///< when it was last sent, by the same time [s]
   uint32 Session = 0;       ///< in which the shape was last sent; 0: it must be sent
   bool bShown = false;      ///< the server has the effect
   bool bReshaped = false;   ///< the shape has changed since

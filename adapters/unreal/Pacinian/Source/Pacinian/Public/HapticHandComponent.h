@@ -23,7 +23,8 @@ enum class EHapticHandSource : uint8 {
 };
 
 /** A hand of 26 joints in OpenXR's order. As soon as a level has such a component, objects are felt only where hands
- * touch them. In a level without hands, whole objects are emitted. */
+ * touch them. In a level without hands, whole objects are emitted. At most 8 hands count. Touches name a hand by its
+ * side, and further hands of that side "right 2", "right 3"... */
 UCLASS(ClassGroup = (Haptics), meta = (BlueprintSpawnableComponent, DisplayName = "Haptic Hand"))
 class PACINIAN_API UHapticHandComponent : public UActorComponent {
   GENERATED_BODY()
@@ -76,9 +77,11 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
   void Open(const FVector& Offset);
   void FollowMouse();
   void Predict(FHapticHand& Hand);
+  FString MakeName() const;
 
   TArray<FVector> Joints;
   TArray<float> Radii;
   FVector Middle = FVector::ZeroVector;  ///< mean joint as last sent, in the array's frame [m]
-  double Time = -1.0;                    ///< world's time of that [s]; negative: never
+  double Time = -1.0;                    ///< real time of that [s]; negative: never
+  FString SentName;                      ///< on the server; empty until it is first sent
 };

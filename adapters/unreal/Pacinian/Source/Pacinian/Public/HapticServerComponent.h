@@ -149,7 +149,8 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void Disarm();
 
-  /** Silences the array at once, whoever owns the output, until Reset Output. Works even without a session. */
+  /** Silences the array at once, whoever owns the output, until Reset Output. Works even without a session,
+   * and in the editor. If the server does not confirm it, the output log says so, and during play Get Problem. */
   UFUNCTION(BlueprintCallable, CallInEditor, Category = "Haptics")
   void EmergencyStop();
 
@@ -235,6 +236,7 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   TSharedPtr<FHapticLink> Link;
   FDelegateHandle Exit;
   FString Complaint;     ///< the server's last refusal in this session
+  FString Unstopped;     ///< why an emergency stop was not confirmed
   bool bFirst = false;   ///< no session since Connect
   bool bWaits = false;   ///< until the component in use is gone
   bool bWanted = false;  ///< armed, and not disarmed since

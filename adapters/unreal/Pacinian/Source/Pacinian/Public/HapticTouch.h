@@ -13,7 +13,8 @@ struct PACINIAN_API FHapticTouch {
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   FString Effect;
 
-  /** The hand: "left" or "right", unless another client that shares the scene has named it. */
+  /** The hand: "left" or "right", with a number for further hands of one side ("right 2"). Another client that shares the
+   * scene may have named it otherwise. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   FString Hand;
 

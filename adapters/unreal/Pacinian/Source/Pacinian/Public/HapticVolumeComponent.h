@@ -51,4 +51,7 @@ class PACINIAN_API UHapticVolumeComponent : public UHapticEffectComponent {
   virtual bool Describe(FHapticBody& Body, FString& Problem) const override;
   virtual const USceneComponent* GetShapeOwner() const override;
   virtual uint64 GetShapeFingerprint() const override;
+
+ private:
+  const UStaticMesh* GetMesh() const;
 };

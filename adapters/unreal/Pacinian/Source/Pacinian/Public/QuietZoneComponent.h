@@ -15,8 +15,8 @@ class PACINIAN_API UQuietZoneComponent : public USceneComponent {
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0", ClampMax = "100", Units = "cm"))
   float Radius = 10.0f;
 
-  /** Highest sound pressure inside [Pa]; 20 Pa are 120 dB. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0"))
+  /** Highest sound pressure inside [Pa]; 20 Pa are 120 dB. Less than 0.1 Pa counts as 0.1 Pa. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.1"))
   float Pressure = 20.0f;
 
   virtual void BeginPlay() override;

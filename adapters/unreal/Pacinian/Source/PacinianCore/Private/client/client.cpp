@@ -9,6 +9,30 @@ namespace pacinian {
 
 using client::Event;
 
+namespace {
+
+Refusal unstopped(const std::string& problem) {
+  return {"stop", "the stop was not confirmed: " + problem, "", "`pacinian stop`, or switch the array off"};
+}
+
+/// True until the end of the block, also if a handler throws.
+struct During {
+  explicit During(bool& set) : value(set) { value = true; }
+  ~During() { value = false; }
+  During(const During&) = delete;
+  During& operator=(const During&) = delete;
+  bool& value;
+};
+
+template <class T>
+T take_first(std::vector<T>& from) {
+  T first = std::move(from.front());
+  from.erase(from.begin());
+  return first;
+}
+
+}  // namespace
+
 Client::Impl::Impl(Options given)
     : options(std::move(given)), emergency_stop(options, [this](const std::string& why) { stopped(why); }) {}
 
@@ -34,23 +58,34 @@ void Client::close() {
   in_->session = 0;
   in_->has_state = false;
   in_->touches.clear();
+  in_->events.clear();
   ++in_->closed;
 }
 
-void Client::stop() {
+void Client::stop(std::function<void(const Refusal&)> refused) {
+  {
+    const std::lock_guard<std::mutex> guard(in_->lock);
+    in_->stop_refused = std::move(refused);
+  }
   in_->emergency_stop.stop();
 }
 
 void Client::Impl::stopped(const std::string& problem) {
-  const std::lock_guard<std::mutex> guard(lock);
-  if (worker) worker->mailbox().wake.set();
-  stop_problem = problem;
+  std::function<void(const Refusal&)> refused;
+  {
+    const std::lock_guard<std::mutex> guard(lock);
+    if (worker) worker->mailbox().wake.set();
+    stop_problem = problem;
+    refused = std::move(stop_refused);
+    stop_refused = nullptr;
+  }
+  if (!problem.empty() && refused) refused(unstopped(problem));
 }
 
 void Client::tick() {
   Impl& in = *in_;
   if (in.ticks) return;  // called by an event handler
-  in.ticks = true;
+  const During during(in.ticks);
   in.thread = std::this_thread::get_id();
   const int closed = in.closed;
   bool newer = false;
@@ -68,21 +103,23 @@ void Client::tick() {
     std::swap(problem, in.stop_problem);
     std::swap(wrong, in.wrong_call);
   }
-  if (!problem.empty() && on.refused) on.refused({"stop", problem, "", "try again"});
-  if (!wrong.empty() && on.refused)
-    on.refused({"thread", "`" + wrong + "` was called from another thread than `tick`, and did nothing", "",
-                "call it from the thread that calls tick; only stop may be called from any"});
-  for (const Refusal& refusal : std::exchange(in.refusals, {}))
+  if (!problem.empty()) in.refusals.push_back(unstopped(problem));
+  if (!wrong.empty())
+    in.refusals.push_back({"thread", "`" + wrong + "` was called from another thread than `tick`, and did nothing", "",
+                           "call it from the thread that calls tick; only stop may be called from any"});
+  for (std::size_t left = in.refusals.size(); left > 0; --left) {
+    const Refusal refusal = take_first(in.refusals);
     if (on.refused) on.refused(refusal);
-  for (Event& event : in.events)
-    if (in.closed == closed) in.dispatch(event, on);
-  in.events.clear();
+  }
+  while (!in.events.empty() && in.closed == closed) {
+    Event event = take_first(in.events);
+    in.dispatch(event, on);
+  }
   in.has_state = (in.has_state || newer) && in.closed == closed;
   if (newer && in.has_state) {
     in.touches.report_changes(in.state.scene == in.view.scene ? &in.state : nullptr, on);
     if (in.has_state && in.closed == closed && on.state_changed) on.state_changed(in.state);
   }
-  in.ticks = false;
 }
 
 void Client::Impl::dispatch(Event& event, const Events& on) {

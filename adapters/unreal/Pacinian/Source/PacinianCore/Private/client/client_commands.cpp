@@ -7,6 +7,7 @@
 
 #include "object_validation.h"
 #include "client_impl.h"
+#include "pacinian/space/rigid.h"
 #include "pacinian/wire/bulk.h"
 
 namespace pacinian {
@@ -19,10 +20,14 @@ namespace {
 
 using Requests = std::vector<Request>;
 
-constexpr double farthest = 10.0, fastest = 100.0;  // [m]; [m/s] or [rad/s]
+constexpr double farthest = 10.0, fastest = 100.0;  // [m] along each axis; [m/s] or [rad/s]
 
-float limited(double value, double most) {
-  return static_cast<float>(std::max(-most, std::min(value, most)));
+float clamped(double place) { return static_cast<float>(std::max(-farthest, std::min(place, farthest))); }
+
+/// Returns a factor that makes a velocity no faster than the server accepts, also in single precision.
+double shortening(const std::array<double, 3>& v) {
+  const double length = std::hypot(v[0], v[1], v[2]);
+  return length > fastest ? fastest * (1.0 - 1e-6) / length : 1.0;
 }
 
 template <std::size_t N>
@@ -83,23 +88,27 @@ bool Client::put(std::string_view name, wire::Object object) {
 }
 
 bool Client::move(std::string_view name, const wire::Pose& pose, const wire::Motion* motion) {
-  if (!finite(pose.position) || !finite(pose.rotation)) return false;
+  if (!client::is_name(name) || !finite(pose.position) || !finite(pose.rotation)) return false;
   if (motion && !(finite(motion->velocity) && finite(motion->angular_velocity))) return false;
   client::Place place{};
   client::Speed speed{};
   for (std::size_t i = 0; i < 3; ++i) {
-    place[i] = limited(pose.position[i], farthest);
+    place[i] = clamped(pose.position[i]);
     if (!motion) continue;
-    speed[i] = limited(motion->velocity[i], fastest);
-    speed[i + 3] = limited(motion->angular_velocity[i], fastest);
+    speed[i] = static_cast<float>(shortening(motion->velocity) * motion->velocity[i]);
+    speed[i + 3] = static_cast<float>(shortening(motion->angular_velocity) * motion->angular_velocity[i]);
   }
-  for (std::size_t i = 0; i < 4; ++i) place[i + 3] = static_cast<float>(pose.rotation[i]);
+  const auto& turn = pose.rotation;
+  const Quat rotation = normalised({turn[0], turn[1], turn[2], turn[3]});
+  const double parts[] = {rotation.x, rotation.y, rotation.z, rotation.w};
+  for (std::size_t i = 0; i < 4; ++i) place[i + 3] = static_cast<float>(parts[i]);
   return in_->command([&](Outbox& box, Stamp stamp) {
     box.move(name, place, motion ? &speed : nullptr, stamp);
   });
 }
 
 bool Client::remove(std::string_view name) {
+  if (!client::is_name(name)) return false;
   return in_->report_no_session("remove", in_->command([&](Outbox& box, Stamp stamp) { box.remove(name, stamp); }));
 }
 
@@ -108,6 +117,7 @@ bool Client::clear() {
 }
 
 bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
+  if (!client::is_name(name)) return false;
   return in_->report_no_session("envelope", in_->command([&](Outbox& box, Stamp stamp) {
     box.envelope(name, envelope, stamp);
   }));
@@ -115,7 +125,7 @@ bool Client::envelope(std::string_view name, const wire::Envelope& envelope) {
 
 bool Client::hands(const std::vector<wire::HandFrame>& hands, std::optional<double> seen) {
   return in_->command([&](Outbox& box, Stamp stamp) {
-    stamp.time = std::min(seen.value_or(stamp.time), stamp.time);
+    if (seen && *seen < stamp.time) stamp.time = *seen;  // not if it is no number
     box.hands(hands, stamp);
   });
 }

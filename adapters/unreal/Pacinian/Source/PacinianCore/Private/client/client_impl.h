@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -41,6 +42,7 @@ struct Client::Impl {
   std::mutex lock;  ///< protects what stops from other threads use
   std::unique_ptr<client::Worker> worker;
   std::string stop_problem;
+  std::function<void(const Refusal&)> stop_refused;  ///< of the last stop
   std::string wrong_call;  ///< from another thread than the game's
   bool told_thread = false;
   std::atomic<std::thread::id> thread{std::thread::id()};  ///< the thread that ticked last

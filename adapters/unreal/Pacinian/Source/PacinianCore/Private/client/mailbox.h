@@ -47,10 +47,11 @@ class Mailbox {
     return {time - before, std::max(longest, time - stepped_.load())};
   }
 
-  /// Takes the status, events and state since the last call. Returns whether there is a newer state.
+  /// Takes the status and state since the last call, and appends the events. Returns whether there is a newer state.
   bool take_updates(SessionStatus& view, std::vector<Event>& events, wire::State& state) {
     const std::lock_guard<std::mutex> guard(lock_);
-    std::swap(events, events_);
+    for (Event& event : events_) events.push_back(std::move(event));
+    events_.clear();
     if (std::exchange(viewed_, false)) view = status_;
     if (!std::exchange(fresh_, false)) return false;
     std::swap(state, state_);

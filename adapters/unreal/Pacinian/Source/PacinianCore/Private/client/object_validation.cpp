@@ -1,22 +1,18 @@
 #include "object_validation.h"
 
-#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <variant>
 
 #include "pacinian/wire/reader.h"
 #include "pacinian/wire/writer.h"
+#include "wire/utf8.h"
 
 namespace pacinian::client {
 
 namespace {
 
-constexpr std::ptrdiff_t longest = 64;  // characters of a name
-
-/// Returns the number of code points in UTF-8: of all bytes except continuation bytes.
-std::ptrdiff_t characters(std::string_view text) {
-  return std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-}
+constexpr std::int64_t longest = 64;  // characters of a name
 
 bool has_one_strength(const wire::Object& object) {
   return std::visit([](const auto& felt) { return felt.radiation_pressure.has_value() != felt.force.has_value(); }, object);
@@ -24,10 +20,15 @@ bool has_one_strength(const wire::Object& object) {
 
 }  // namespace
 
+bool is_name(std::string_view name) {
+  const std::int64_t characters = wire::utf8_length(name);
+  return characters > 0 && characters <= longest;
+}
+
 bool refuse(std::string_view name, const wire::Object& object, Refusal& why) {
   why = {"argument", "", "$.objects[" + std::string(name) + "]", ""};
-  if (name.empty() || characters(name) > longest) {
-    why.message = "must have a name of 1 to " + std::to_string(longest) + " characters";
+  if (!is_name(name)) {
+    why.message = "must have a name of 1 to " + std::to_string(longest) + " characters in UTF-8";
     return true;
   }
   if (!has_one_strength(object)) {

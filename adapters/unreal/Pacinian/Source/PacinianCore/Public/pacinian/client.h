@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,7 +38,7 @@ class Client {
 
   Events on;
 
-  /// Starts to connect.
+  /// Starts to connect; again after `close`.
   PACINIANCORE_API void start();
   /// Ends the session, and the sound if this client owns the output. Blocks for half a second at most.
   PACINIANCORE_API void close();
@@ -72,7 +73,8 @@ class Client {
   /// Adds an object, or replaces the one with this name. If the server would reject it, returns false, and the next
   /// tick calls `on.refused` with the object's name.
   PACINIANCORE_API bool put(std::string_view name, wire::Object object);
-  /// Moves an existing object. motion: its velocities from now on; null: none. Clamps to 10 m and 100 m/s.
+  /// Moves an existing object. motion: its velocities from now on; null: none. Clamps to 10 m along each
+  /// axis and to 100 m/s; returns false for numbers that are not finite.
   PACINIANCORE_API bool move(std::string_view name, const wire::Pose& pose,
                              const wire::Motion* motion = nullptr);
   PACINIANCORE_API bool remove(std::string_view name);
@@ -93,8 +95,9 @@ class Client {
   /// Disarms: the sound fades, and the output is released.
   PACINIANCORE_API bool disarm();
   /// Emergency stop: silences the array at once, whoever owns the output, until `reset`. May be called from any thread,
-  /// with or without a session. If the server does not confirm the stop, `on.refused` reports it.
-  PACINIANCORE_API void stop();
+  /// with or without a session. If the server does not confirm the stop, the next tick calls `on.refused`. refused: is
+  /// called then, too, at once and on another thread, for programs that do not tick; must not call the client.
+  PACINIANCORE_API void stop(std::function<void(const Refusal&)> refused = {});
   /// Allows arming again after an emergency stop or a fault.
   PACINIANCORE_API bool reset();
   /// Changes the solver, backend, technique or intensity; what is not given stays. The state shows when it is done.

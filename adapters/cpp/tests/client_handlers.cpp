@@ -1,0 +1,76 @@
+// Tests of handlers that throw, and of what a client reports that is not started. Compiled with exceptions.
+
+#include <chrono>
+#include <future>
+#include <stdexcept>
+
+#include "client/object_validation.h"
+#include "client_check.h"
+#include "client_scene.h"
+#include "pacinian/client.h"
+
+namespace {
+
+using pacinian::Client;
+using pacinian::Refusal;
+
+pacinian::Options nobody() {
+  pacinian::Options options;
+  options.connection_path = "/nonexistent/connection.json";
+  options.timeout = 0.1;
+  return options;
+}
+
+void a_handler_may_throw() {
+  Client client(nobody());
+  std::vector<std::string> told;
+  client.on.refused = [&](const Refusal& why) {
+    told.push_back(why.message);
+    throw std::runtime_error("of the game");
+  };
+  client.put("", scene::point(0.0, 0.0, 0.2, 5.0));
+  client.put("\xFF", scene::point(0.0, 0.0, 0.2, 5.0));
+  for (int caught = 0; caught < 2; ++caught) {  // the second refusal is told at the next tick
+    try {
+      client.tick();
+      EXPECT(false);
+    } catch (const std::runtime_error&) {
+      EXPECT(told.size() == static_cast<std::size_t>(caught) + 1);
+    }
+  }
+  client.tick();
+  EXPECT(told.size() == 2);
+}
+
+void a_stop_that_is_not_confirmed_is_told_without_a_session() {
+  Client client(nobody());
+  std::promise<std::string> told;
+  client.stop([&](const Refusal& why) { told.set_value(why.text()); });
+  const std::string text = told.get_future().get();
+  EXPECT(text.find("the stop was not confirmed") != std::string::npos);
+  EXPECT(text.find("switch the array off") != std::string::npos);
+  std::string seen;
+  client.on.refused = [&](const Refusal& why) { seen = why.text(); };
+  client.tick();
+  EXPECT(seen == text);
+}
+
+void a_name_is_text() {
+  const std::string character = "\xF0\x9F\x98\x80";  // four bytes
+  std::string name;
+  for (int i = 0; i < 64; ++i) name += character;
+  EXPECT(pacinian::client::is_name(name));
+  EXPECT(!pacinian::client::is_name(name + "a"));
+  EXPECT(!pacinian::client::is_name(""));
+  EXPECT(!pacinian::client::is_name("a\xFF"));
+  EXPECT(!pacinian::client::is_name(character.substr(0, 2)));
+}
+
+}  // namespace
+
+int main() {
+  a_handler_may_throw();
+  a_stop_that_is_not_confirmed_is_told_without_a_session();
+  a_name_is_text();
+  return check::result();
+}
