@@ -49,7 +49,7 @@ def find_warnings(
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > 0.0 and away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
-        elif item.force is None and (most := _focus(item, session, gain)) < item.pressure:
+        elif not item.focal and (most := _focus(item, session, gain)) < item.pressure:
             far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
             unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
             weak.append(

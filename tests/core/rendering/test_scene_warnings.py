@@ -130,6 +130,14 @@ def test_a_force_on_a_transducer_and_an_empty_scene_warn_about_nothing() -> None
         assert warn(ball(tuple(map(float, ARRAY.positions[0])))) == ()
 
 
+def test_a_force_that_needs_too_much_pressure_is_named() -> None:
+    pose = pc.Pose((0.0, 0.0, 0.2))
+    for force, count in ((1e-6, 0), (1e6, 1)):
+        found = warn(pc.Volume(shape=pc.Sphere(0.01), pose=pose, force=force, name="ball"))
+        assert len(found) == count
+        assert all("'ball'" in text for text in found)
+
+
 def test_many_objects_are_one_sentence_that_names_a_few() -> None:
     (text,) = warn(*(replace(ball((0.0, 0.0, 5.0)), name="") for _ in range(30)))
     assert text.count("'volume ") == 3
