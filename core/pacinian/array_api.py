@@ -51,7 +51,9 @@ def matrix(array: Array, points: Any, medium: Air) -> Any:
     if medium.singular and bool(xp.any(r < TOUCHING_DISTANCE)):
         on = xp.reshape(xp.any(r < TOUCHING_DISTANCE, axis=-1), (-1,))
         raise PointOnTransducer([k for k in range(on.shape[0]) if bool(on[k])])
-    size = kind.pressure * r**-medium.power if medium.power else kind.pressure * xp.ones_like(r)
+    size = (
+        kind.pressure * r**-medium.exponent if medium.exponent else kind.pressure * xp.ones_like(r)
+    )
     if beta := medium.beta(kind.frequency):
         size = size * xp.exp(-beta * r)
     if kind.directivity is not omni:

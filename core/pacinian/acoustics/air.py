@@ -15,7 +15,7 @@ WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
 ROOM_TEMPERATURE = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
 HUMIDITY = 0.5  # default relative humidity, of such a room
-POWERS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
+EXPONENTS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,9 +26,10 @@ class Air:
         focus of nine units, and moves the focus by 6 mm (docs/concepts.md). None if only `speed_of_sound` is given.
     humidity: relative, 0..1. ambient_pressure: [Pa].
     speed_of_sound: [m/s]. density: [kg/m^3]. By default, computed from these three, as for an ideal gas.
-    attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), a power n, or
+    attenuation: "spherical" (n = 1), "none" (n = 0, the paper's experiment), an exponent n, or
         "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency).
     absorption: beta [1/m], used instead of the computed value.
+    exponent: n, from `attenuation`.
     Raises ArgumentError.
     """
 
@@ -39,7 +40,7 @@ class Air:
     density: float = 0.0
     attenuation: str | float = "spherical"
     absorption: float | None = None
-    power: float = field(init=False)
+    exponent: float = field(init=False)
 
     def __post_init__(self) -> None:
         set_ = functools.partial(object.__setattr__, self)
@@ -62,15 +63,15 @@ class Air:
         if self.absorption is not None:
             set_("absorption", check_number("absorption", self.absorption, low=0.0, high=1e3))
         if not isinstance(self.attenuation, str):
-            power = check_number("attenuation", self.attenuation, low=0.0, high=2.0)
-        elif self.attenuation in POWERS:
-            power = POWERS[self.attenuation]
+            exponent = check_number("attenuation", self.attenuation, low=0.0, high=2.0)
+        elif self.attenuation in EXPONENTS:
+            exponent = EXPONENTS[self.attenuation]
         else:
-            known = ", ".join(map(repr, POWERS))
+            known = ", ".join(map(repr, EXPONENTS))
             raise ArgumentError(
-                "attenuation", f"must be {known} or a power, not {self.attenuation!r}"
+                "attenuation", f"must be {known} or an exponent, not {self.attenuation!r}"
             )
-        set_("power", power)
+        set_("exponent", exponent)
 
     @property
     def impedance(self) -> float:
@@ -101,7 +102,7 @@ class Air:
     @property
     def singular(self) -> bool:
         """Whether the attenuation is infinite at a transducer."""
-        return self.power > 0.0
+        return self.exponent > 0.0
 
 
 def iso_9613_1(

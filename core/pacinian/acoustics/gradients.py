@@ -144,10 +144,10 @@ def compute_slope(array: Array, points: Floats, medium: Air) -> tuple[Complexes,
     r = np.maximum(np.sqrt((d * d).sum(axis=1)), MIN_DIVISOR)  # (M, N) [m]
     u = d / r[:, None]
     fading = medium.beta(kind.frequency) + 1j * medium.wavenumber(kind.frequency)  # [1/m]
-    B: Complexes = kind.pressure * r**-medium.power * np.exp(-fading * r)
+    B: Complexes = kind.pressure * r**-medium.exponent * np.exp(-fading * r)
     if array.response is not None:
         B = B * array.response
-    slope: Complexes = -(B * (fading + medium.power / r))[:, None] * u
+    slope: Complexes = -(B * (fading + medium.exponent / r))[:, None] * u
     if kind.directivity is not omni:
         n = array.normals.T
         cosine = (u * n).sum(axis=1)  # (M, N)

@@ -60,7 +60,7 @@ class KernelData:
         kind = array.transducer
         origin = array.centre
         turns = medium.wavenumber(kind.frequency) / (2.0 * np.pi)
-        law = [turns, medium.power, medium.beta(kind.frequency), kind.pressure]
+        law = [turns, medium.exponent, medium.beta(kind.frequency), kind.pressure]
         origin.flags.writeable = False
         return cls(
             array,
@@ -127,8 +127,8 @@ def matrix(array: Array, points: ArrayLike, medium: Air) -> Complexes:
     if medium.singular and (distance < TOUCHING_DISTANCE).any():
         raise PointOnTransducer(np.flatnonzero((distance < TOUCHING_DISTANCE).any(axis=1)).tolist())
     B: Complexes = kind.pressure * np.exp(-1j * medium.wavenumber(kind.frequency) * distance)
-    if medium.power:
-        B *= distance**-medium.power
+    if medium.exponent:
+        B *= distance**-medium.exponent
     if beta := medium.beta(kind.frequency):
         B *= np.exp(-beta * distance)
     if kind.directivity is not omni:

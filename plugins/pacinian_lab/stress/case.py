@@ -137,14 +137,14 @@ class Case:
         if self.precision == "double":
             R += np.abs(centre).max()  # double precision does not subtract the centre
         k, beta = self.medium.wavenumber(kind.frequency), self.medium.beta(kind.frequency)
-        steep = self.medium.power + (0.0 if kind.directivity is omni else 4.0)
+        steep = self.medium.exponent + (0.0 if kind.directivity is omni else 4.0)
         few = 72.0 if beta else 8.0  # roundings; the kernel computes exp(t) as exp(t / 64)^64
         relative = self.eps * (few + 2.0 * R * (steep / d + beta) + k * (2.0 * R + d))
         absorbed = np.exp(-beta * d)
         if self.precision == "single":
             relative += 0.0 if kind.directivity is omni else TABLE
             relative[absorbed < 2.0 * FAINT] = 1.0
-        return np.asarray(relative * kind.pressure * d**-self.medium.power * absorbed)
+        return np.asarray(relative * kind.pressure * d**-self.medium.exponent * absorbed)
 
     @functools.cached_property
     def blur(self) -> float:

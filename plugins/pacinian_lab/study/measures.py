@@ -94,7 +94,7 @@ def compute_emitted_power(array: pc.Array, gains: Complexes, medium: pc.Air) -> 
 
     NaN if sound does not decay as 1/r, because this power is then undefined.
     """
-    if medium.power != 1.0:
+    if medium.exponent != 1.0:
         return math.nan
     kind = array.transducer
     cosine = (np.arange(TURNS) + 0.5) / TURNS * 2.0 - 1.0

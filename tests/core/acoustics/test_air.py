@@ -122,7 +122,7 @@ def test_in_thin_air_without_vapour_only_classical_and_nitrogen_absorption_remai
 
 
 @pytest.mark.parametrize(
-    ("attenuation", "power", "singular"),
+    ("attenuation", "exponent", "singular"),
     [
         ("spherical", 1.0, True),
         ("none", 0.0, False),
@@ -131,11 +131,11 @@ def test_in_thin_air_without_vapour_only_classical_and_nitrogen_absorption_remai
         (0, 0.0, False),
     ],
 )
-def test_attenuation_gives_the_power_of_the_distance(
-    attenuation: Any, power: float, singular: bool
+def test_attenuation_gives_the_exponent_of_the_distance(
+    attenuation: Any, exponent: float, singular: bool
 ) -> None:
     air = pc.Air(attenuation=attenuation)
-    assert (air.power, air.singular) == (power, singular)
+    assert (air.exponent, air.singular) == (exponent, singular)
 
 
 def test_only_absorbing_air_absorbs_unless_told() -> None:

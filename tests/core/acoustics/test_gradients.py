@@ -84,7 +84,7 @@ def exact_pressure(array: pc.Array, q: Any, air: pc.Air, g: Any) -> Any:
             x = theta - 10 * segment
             D = sum(mpmath.mpf(float(c)) * x**i for i, c in enumerate(SEGMENTS[segment]))
         loss = mpmath.exp(-mpmath.mpf(air.beta(kind.frequency)) * distance)
-        B = mpmath.mpf(kind.pressure) * D * distance ** -mpmath.mpf(air.power) * loss
+        B = mpmath.mpf(kind.pressure) * D * distance ** -mpmath.mpf(air.exponent) * loss
         wave = mpmath.exp(-1j * k * distance)
         total += B * wave * mpmath.mpc(complex(s)) * mpmath.mpc(complex(gain))
     return total

@@ -101,7 +101,7 @@ def in_many_digits(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.nd
                 B[m, n] = complex(
                     mpmath.mpf(kind.pressure)
                     * directivity(kind, cosine)
-                    * distance ** -mpmath.mpf(medium.power)
+                    * distance ** -mpmath.mpf(medium.exponent)
                     * mpmath.exp(-beta * distance)
                     * mpmath.expj(-k * distance)
                 )
@@ -120,12 +120,12 @@ def bound(array: pc.Array, points: np.ndarray, medium: pc.Air) -> np.ndarray:
     r = np.linalg.norm(points[:, None] - array.positions, axis=2)
     k = medium.wavenumber(kind.frequency)
     beta = medium.beta(kind.frequency)
-    spread = kind.pressure * r**-medium.power
+    spread = kind.pressure * r**-medium.exponent
     a = spread * np.exp(-beta * r)
     extent = np.abs(points - array.centre).max(axis=1, initial=0.0)[:, None]
     extent = extent + np.abs(array.positions - array.centre).max()
     omni = kind.directivity is pc.omni
-    moved = 6e-8 * extent * (k + (medium.power + (0.0 if omni else 3.0)) / r)
+    moved = 6e-8 * extent * (k + (medium.exponent + (0.0 if omni else 3.0)) / r)
     rounded = moved + 4.0 * 6e-8 * (k + beta) * r + 1e-5 + (0.0 if omni else 2e-5)
     absorbed = 64.0 / 720.0 * np.minimum(beta * r / 64.0, 0.5) ** 6
     return a * (rounded + absorbed) + spread * (math.exp(-32.0) if beta else 0.0)

@@ -37,7 +37,7 @@ def press(gains: Array, q: Array, weights: Array) -> Array:
     r = np.sqrt((d * d).sum(axis=2))
     D = kind.directivity(np.maximum((d * ONE.normals).sum(axis=2) / r, 0.0))
     k, beta = AIR.wavenumber(kind.frequency), AIR.beta(kind.frequency)
-    B = kind.pressure * D * np.exp((-1j * k - beta) * r) * r**-AIR.power
+    B = kind.pressure * D * np.exp((-1j * k - beta) * r) * r**-AIR.exponent
     p = np.abs((weights[heard] * B) @ gains.astype(complex))
     P[heard] = pc.radiation_pressure(p, AIR)
     return P

@@ -389,7 +389,12 @@ def test_the_array_and_the_medium_are_made(read: Any) -> None:
     assert np.array_equal(array.positions, expected.positions)
     assert np.array_equal(array.normals, expected.normals)
     air = file.medium.make()
-    assert (air.speed_of_sound, air.density, air.power, air.absorption) == (346.0, 1.18, 1.5, 0.2)
+    assert (air.speed_of_sound, air.density, air.exponent, air.absorption) == (
+        346.0,
+        1.18,
+        1.5,
+        0.2,
+    )
 
 
 def test_a_loaded_scene_is_sampled_in_its_workspace(read: Any) -> None:

@@ -273,7 +273,7 @@ def describe_sound(array: Array, medium: Air) -> Sound:
         response=b"" if response is None else pack(response.view(np.float64)),
         speed_of_sound=medium.speed_of_sound,
         density=medium.density,
-        power=medium.power,
+        power=medium.exponent,
         absorption=medium.beta(kind.frequency),
         temperature=medium.temperature,
     )
