@@ -10,6 +10,7 @@ import numpy as np
 
 from pacinian.rendering.field_steering import (
     MAX_INTERVAL,
+    MAX_JUMP,
     MIN_DISTANCE,
     MIN_INTERVAL,
     Motion,
@@ -54,6 +55,7 @@ class ContactFollower:
         continues = (
             len(steps) == len(places) == len(before)
             and float(np.ptp(steps, axis=0).max()) <= MAX_SPREAD
+            and float(np.linalg.norm(steps, axis=1).max()) <= MAX_JUMP
             and float(np.linalg.norm(self._transducers - centre, axis=1).min()) >= MIN_DISTANCE
         )
         velocity, seconds = np.zeros(3), t - self._time

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.rendering.background_schedule import BackgroundSchedule
 from pacinian.rendering.contact_follower import MAX_SPREAD, ContactFollower
+from pacinian.rendering.field_steering import MAX_JUMP
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.solving.problem import Limits
 from pacinian.testing import ManualClock
@@ -156,10 +157,13 @@ def test_steady_contacts_have_a_velocity_and_a_turn_has_none() -> None:
     assert not back.motion.velocity.any()
 
 
-def test_contacts_that_come_or_go_or_are_near_the_array_are_not_followed() -> None:
+def test_contacts_that_come_or_go_or_jump_or_are_near_the_array_are_not_followed() -> None:
     follower = ContactFollower(ARRAY)
     follower.follow(contacts(HERE), 0.0)
-    for solutions in (contacts(HERE, THERE), contacts(HERE), contacts([0.0, 0.0, 0.02])):
+    jump = np.add(HERE, (1.1 * MAX_JUMP, 0.0, 0.0))
+    for solutions in (
+        contacts(HERE, THERE), contacts(HERE), contacts(jump), contacts([0.0, 0.0, 0.02])
+    ):  # fmt: skip
         made = follower.follow(solutions, 0.01)
         assert made.motion is not None
         assert not made.motion.continues

@@ -15,8 +15,8 @@ namespace Pacinian
     public sealed class ServerProcess : IDisposable
     {
         private const double FirstPause = 2.0, LongestPause = 30.0; // [s] between two starts
-        private const double Well = 10.0; // [s] of running, after which the first pause applies again
-        private const int Tail = 2000; // [bytes] of a log
+        private const double StableTime = 10.0; // [s] of running, after which the first pause applies again
+        private const int MaxTail = 2000; // [bytes] that are read of a log
         private const int NotFound = 127, NotFoundByWindows = 9009; // exit codes of a shell
         private const int Killed = 128 + 9; // exit code of a program that SIGKILL ended
 
@@ -71,7 +71,7 @@ namespace Pacinian
             {
                 return Begin(SteadyClock.Now());
             }
-            Rest(SteadyClock.Now());
+            ScheduleStart(SteadyClock.Now());
             return true;
         }
 
@@ -88,16 +88,16 @@ namespace Pacinian
             }
             if (_process != null && _process.HasExited)
             {
-                Bury(now);
+                NoteExit(now);
             }
             Problem = connected ? "" : Problem;
-            if (connected || (_process != null && now > _started + Well))
+            if (connected || (_process != null && now > _started + StableTime))
             {
                 _pause = FirstPause;
             }
             if (connected && _process == null)
             {
-                Rest(now);
+                ScheduleStart(now);
             }
             if (!connected && _process == null && now >= _due)
             {
@@ -146,7 +146,7 @@ namespace Pacinian
             how.EnvironmentVariables["PACINIAN_LOG"] = _log;
             how.EnvironmentVariables[ConnectionFile.Variable] = ConnectionFile.FindPath(_connection);
             _started = now;
-            Rest(now);
+            ScheduleStart(now);
             try
             {
                 CreateTemporaryLog();
@@ -162,18 +162,18 @@ namespace Pacinian
         }
 
         /// <summary>Schedules the next start, after a longer pause each time.</summary>
-        private void Rest(double now)
+        private void ScheduleStart(double now)
         {
             _due = now + _pause;
             _pause = Math.Min(2.0 * _pause, LongestPause);
         }
 
-        private void Bury(double now)
+        private void NoteExit(double now)
         {
             string error = LastError();
             Problem = Describe(_process.ExitCode) + (error.Length > 0 ? ": " + error : "");
             Forget();
-            Rest(now);
+            ScheduleStart(now);
         }
 
         private string Describe(int code)
@@ -219,7 +219,7 @@ namespace Pacinian
                 using (FileStream file = new FileStream(_log, FileMode.Open, FileAccess.Read, FileShare.ReadWrite))
                 using (StreamReader reader = new StreamReader(file))
                 {
-                    file.Seek(-Math.Min(Tail, file.Length), SeekOrigin.End);
+                    file.Seek(-Math.Min(MaxTail, file.Length), SeekOrigin.End);
                     string[] lines = reader.ReadToEnd().Split('\n');
                     string last = Array.FindLast(lines, line => line.IndexOf("error", StringComparison.OrdinalIgnoreCase) >= 0);
                     return last == null ? "" : last.Trim();
