@@ -47,6 +47,10 @@ class ContactFollower:
     def follow(self, solutions: SolutionSequence, t: float) -> SolutionSequence:
         """Return the solutions with the motion of their samples, whose positions are those at time t [s]."""
         if solutions is self._solutions and self._moved is not None:
+            motion = self._moved.motion
+            if motion is not None and motion.velocity.any():  # the contact has come to rest
+                motion = motion._replace(velocity=np.zeros(3))
+                self._moved, self._velocity = replace(self._moved, motion=motion), np.zeros(3)
             return self._moved
         samples = solutions.samples
         places, before = _find_centres(samples), self._places

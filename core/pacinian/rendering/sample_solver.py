@@ -123,6 +123,7 @@ class SampleSolver:
                 self._move_frames,
             )
             if steered is not None:
+                self._contacts.reset()
                 return steered
         creeps = near > 0.0 and kept and self._is_near(samples, t, near)
         if creeps:
@@ -152,7 +153,8 @@ class SampleSolver:
         if samples.capsules is None or limits_join(limits) or limits.zones:
             return False
         one = not (solutions.cycle or solutions.each or solutions.brief)
-        return one and bool((samples.radiation_pressure[samples.regions >= 0] > 0.0).any())
+        pressed = samples.regions[samples.radiation_pressure > 0.0]
+        return one and len(pressed) > 0 and bool((pressed >= 0).all())
 
     def _move_frames(self, centre: Floats, place: Floats) -> None:
         """Steer what the frames of the cycle play from `centre` to `place`, (3,) [m]."""

@@ -148,11 +148,19 @@ def test_steady_contacts_have_a_velocity_and_a_turn_has_none() -> None:
         made = follower.follow(contacts(HERE + 0.01 * k * v), 0.01 * k)
     assert made.motion is not None
     np.testing.assert_allclose(made.motion.velocity, v)
-    same = follower.follow(made_again := contacts(HERE + 0.02 * v), 0.03)
+    assert made.motion.continues
+    rested = follower.follow(last := contacts(HERE + 0.03 * v), 0.03)
+    assert rested.motion is not None
+    assert rested.motion.velocity.any()
+    rested = follower.follow(last, 0.04)  # the same solutions once more: it has come to rest
+    assert rested.motion is not None
+    assert not rested.motion.velocity.any()
+    assert follower.follow(last, 0.05) is rested
+    same = follower.follow(made_again := contacts(HERE + 0.03 * v), 0.06)
     assert same.motion is not None
     assert not same.motion.velocity.any()
-    assert follower.follow(made_again, 0.04) is same  # nothing has changed
-    back = follower.follow(contacts(HERE), 0.05)
+    assert follower.follow(made_again, 0.07) is same  # nothing has changed
+    back = follower.follow(contacts(HERE), 0.08)
     assert back.motion is not None
     assert not back.motion.velocity.any()
 

@@ -86,16 +86,22 @@ class Contact:
         )  # fmt: skip
 
 
-def is_touched(item: Surface | Volume, pose: Pose, hand: PosedSkin) -> bool:
-    """Return whether any skin of a hand touches `item`, also skin that faces away from the array."""
+def touches_unseen(item: Surface | Volume, pose: Pose, hand: PosedSkin, viewpoints: Floats) -> bool:
+    """Return whether `item` touches skin of a hand, but only skin that faces away from the array.
+
+    viewpoints: positions of some transducers, (V, 3) [m].
+    """
     material = item.material
     which, local = hand.find_near(pose, item.bounding_radius + material.reach, ANYWHERE)
     if not len(which):
         return False
     d = item.distance(local, material.reach, material.compute_full_depth(item.pressure))
     stiffness = material.compute_stiffness(item.pressure)
-    pressed = hand.find_pressed(which, d, material.reach, stiffness, item.pressure, ANYWHERE)
-    return len(pressed[0]) > 0
+    seen, pressed = (
+        hand.find_pressed(which, d, material.reach, stiffness, item.pressure, places)[0]
+        for places in (viewpoints, ANYWHERE)
+    )
+    return len(pressed) > 0 and not len(seen)
 
 
 def find_contact(

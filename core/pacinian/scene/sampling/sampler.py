@@ -16,7 +16,7 @@ from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.contact import find_contact, is_touched
+from pacinian.scene.sampling.contact import find_contact, touches_unseen
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
@@ -290,10 +290,13 @@ class Sampler:
     def _note_unseen(
         self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]], counts: SampleCounts
     ) -> None:  # fmt: skip
-        """Note objects that touch only skin that faces away from the array: without this, silence would be as asked.
+        """Note objects that touch only skin that faces away from the array, where nothing is felt.
 
         found: indices of the objects near the hands; the first MAX_UNSEEN are checked.
         """
+        if self._resolving is None:
+            return
+        places = self._resolving.viewpoints
         for i in found[:MAX_UNSEEN]:
             item = scene.objects[i]
             if (
@@ -303,7 +306,7 @@ class Sampler:
             ):
                 continue
             pose = self._tracks.pose(item, t)
-            if any(is_touched(item, pose, hand) for hand, _ in hands):
+            if any(touches_unseen(item, pose, hand, places) for hand, _ in hands):
                 counts.note_object(FACES_AWAY, i)
 
     def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:
