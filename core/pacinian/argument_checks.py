@@ -60,7 +60,7 @@ def refuse_masked(name: str, value: object) -> None:
 def check_real(name: str, value: object) -> Floats:
     """Return what a user's function has returned as float64, not always finite. Raises ArgumentError."""
     array = np.asarray(value)
-    if array.dtype.kind == "c":
+    if array.dtype.kind in "cSU":
         raise ArgumentError(name, f"must return real numbers, not {array.dtype}")
     try:
         return array.astype(np.float64, copy=False)

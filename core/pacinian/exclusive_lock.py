@@ -8,9 +8,8 @@ import sys
 if sys.platform == "win32":
     import msvcrt
 
-    # Offset of the locked byte, which lies beyond the contents because a locked byte cannot be
-    # read.
-    FAR = 1 << 30
+    # Offset of the locked byte: as far as it can be, because a locked byte cannot be read.
+    FAR = (1 << 31) - 2
 
     def try_lock(file: int) -> bool:
         """Lock an open file until it is closed; return False if it is locked already. Raises OSError."""

@@ -37,7 +37,7 @@ from pacinian.solving.limit_enforcement import (
 )
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
-from pacinian.solving.quiet_subspace import Preparation, read
+from pacinian.solving.quiet_subspace import Preparation, evaluate
 from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.solution import Solution
 from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
@@ -83,7 +83,7 @@ class Session:
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self.clock = clock
-        self.note: Callable[[Callable[[], float]], float] = read
+        self.note: Callable[[Callable[[], float]], float] = evaluate
         """Returns what a function returns. Replace it to record decisions that depend on time."""
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""

@@ -141,6 +141,7 @@ namespace Pacinian.Haptics
         /// <summary>Allows arming again after an emergency stop or a fault.</summary>
         public bool ResetOutput()
         {
+            _unstopped = "";
             return Client != null && Client.Reset();
         }
 

@@ -26,8 +26,8 @@ MIN_FITTING, MAX_FITTING = 256, 4096
 PENALTY = 8
 # Time that a solve in the background may take before the scene loses samples [s].
 GOOD_SOLVE_TIME = 0.004
-# Longest time that a solve in the background is expected to take [s], and in ticks, if these are long.
-MAX_SOLVE_TIME, MIN_MAX_TICKS = 0.012, 3
+MAX_SOLVE_TIME = 0.012  # longest time that a solve in the background is expected to take [s]
+MIN_MAX_TICKS = 3  # the same in ticks, where these are so long that it is less
 # Shortest time from the beginning of a solve in the background to that of the next [s].
 MIN_INTERVAL = 0.008
 # Time after which a solve begins even if the scene has not changed; also the longest time over which a change is

@@ -131,7 +131,7 @@ class Recorder:
             return self.path.open("wb")
         file = self.path.open("ab")  # another run's recording stays until it is locked
         try:
-            if not try_lock(file.fileno()):
+            if not _lock(file):
                 raise RecordingError(
                     self.path, "is being recorded by another run: give another name"
                 )
@@ -410,6 +410,14 @@ class Recording:
 def _read_object_counts(values: Any) -> ObjectSampleCounts:
     asked, rendered, force, reasons = values
     return ObjectSampleCounts(int(asked), int(rendered), float(force), _read_counts(reasons))
+
+
+def _lock(file: IO[bytes]) -> bool:
+    """Lock a file; return False if another run has locked it. Some file systems have no locks."""
+    try:
+        return try_lock(file.fileno())
+    except OSError:
+        return True
 
 
 def _read_counts(values: Any) -> dict[str, int]:

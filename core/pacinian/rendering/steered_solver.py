@@ -71,7 +71,7 @@ class SteeredSolver:
                 motion = None
         goes_on = anchor is not None and motion is not None and self._late
         if anchor is None or motion is None:
-            motion = tracker.begin()
+            motion = tracker.begin()._replace(continues=anchor is not None)
             if anchor is not None and tracker.find_motion(samples, *anchor, MAX_LATE_SHIFT):
                 move(anchor.centre, motion.centre)
             anchor = self._anchor = Anchor(samples, motion.centre)

@@ -129,7 +129,7 @@ class QuietSubspace:
         return most - 1.0
 
 
-def read(function: Callable[[], float]) -> float:
+def evaluate(function: Callable[[], float]) -> float:
     """Return what a function returns."""
     return function()
 
@@ -147,7 +147,7 @@ class Preparation:
 
     def nulls(
         self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget,
-        note: Callable[[Callable[[], float]], float] = read,
+        note: Callable[[Callable[[], float]], float] = evaluate,
     ) -> QuietSubspace | None:  # fmt: skip
         """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`.
 

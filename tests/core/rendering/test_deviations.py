@@ -378,6 +378,26 @@ def test_an_object_that_touches_only_skin_that_faces_away_is_not_as_asked(side: 
         for k in range(5):
             renderer.tick(1e-3 * k)
         sounds = bool(renderer.last_frame.amplitude.any())
+    report = renderer.report
+    assert not (side == "above" and report.as_asked)
     named = FACES_AWAY in renderer.report.deviations.totals.get("ball", {})
     assert sounds is (side == "below")
     assert named is (side == "above")
+
+
+def test_the_valley_of_a_texture_is_not_skin_that_faces_away() -> None:
+    hand, flat = (
+        pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.2))),
+        pc.Texture(values=np.zeros((4, 4)), size=(0.02, 0.02)),
+    )
+    ball = pc.Volume(
+        name="ball",
+        shape=pc.Sphere(0.01),
+        pose=pc.Pose((0.0, 0.0, 0.2 - 0.0155 - 0.008)),
+        radiation_pressure=1.0,
+        texture=flat,
+    )
+    renderer, _, _ = make(pc.Scene((ball,), hands=(hand,)))
+    with renderer:
+        renderer.tick(0.0)
+    assert FACES_AWAY not in renderer.report.deviations.totals.get("ball", {})

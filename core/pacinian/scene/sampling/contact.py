@@ -86,20 +86,20 @@ class Contact:
         )  # fmt: skip
 
 
-def touches_unseen(item: Surface | Volume, pose: Pose, hand: PosedSkin, viewpoints: Floats) -> bool:
-    """Return whether `item` touches skin of a hand, but only skin that faces away from the array.
-
-    viewpoints: positions of some transducers, (V, 3) [m].
-    """
+def touches_unseen(
+    item: Surface | Volume, pose: Pose, name: int, hand: PosedSkin, resolving: ArrayResolution, distances: DistanceCache
+) -> bool:  # fmt: skip
+    """Return whether `item` touches skin of a hand, but only skin that faces away from the array."""
     material = item.material
     which, local = hand.find_near(pose, item.bounding_radius + material.reach, ANYWHERE)
     if not len(which):
         return False
-    d = item.distance(local, material.reach, material.compute_full_depth(item.pressure))
+    deep = material.compute_full_depth(item.pressure)
+    d = distances.of(item, name, hand, which, local, material.reach, deep)
     stiffness = material.compute_stiffness(item.pressure)
     seen, pressed = (
         hand.find_pressed(which, d, material.reach, stiffness, item.pressure, places)[0]
-        for places in (viewpoints, ANYWHERE)
+        for places in (resolving.viewpoints, ANYWHERE)
     )
     return len(pressed) > 0 and not len(seen)
 

@@ -294,9 +294,9 @@ class Sampler:
 
         found: indices of the objects near the hands; the first MAX_UNSEEN are checked.
         """
-        if self._resolving is None:
+        resolving = self._resolving
+        if resolving is None:
             return
-        places = self._resolving.viewpoints
         for i in found[:MAX_UNSEEN]:
             item = scene.objects[i]
             if (
@@ -306,7 +306,13 @@ class Sampler:
             ):
                 continue
             pose = self._tracks.pose(item, t)
-            if any(touches_unseen(item, pose, hand, places) for hand, _ in hands):
+            name = _name(item, i)
+            if any(
+                touches_unseen(
+                    item, pose, (name + hand.salt) % NAMES, hand, resolving, self._distances
+                )
+                for hand, _ in hands
+            ):
                 counts.note_object(FACES_AWAY, i)
 
     def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:

@@ -35,10 +35,8 @@ class ContactDensity(NamedTuple):
 
 
 IN_TIME = ContactDensity(150, 0.08)  # if solves must be fast
-FINE_SHARE, FINE_LEAST = (
-    1.25,
-    0.06,
-)  # otherwise: number of samples relative to the budget (decision 80)
+# Otherwise: number of samples relative to the budget, and smallest spacing relative to the resolution (decision 80).
+FINE_SHARE, FINE_LEAST = 1.25, 0.06
 
 
 def compute_spacing(

@@ -116,7 +116,7 @@ class OutputLease:
             self.pass_time(now)
 
     def renew(self, session: ClientSession, now: float) -> None:
-        """Extend the lease of the session to `session.until`, or begin it again if it ran out and `resumes`."""
+        """Extend the lease of the session to `session.until`, or begin it again if it ran out and `may_resume`."""
         if session is self.owner and self.armed:
             self.permit = self.permit._replace(until=session.until)
         elif session is self.owner and self.may_resume and now < session.until:
@@ -181,7 +181,7 @@ class OutputLease:
         self.may_resume = False
 
     def _silence(self) -> None:
-        """Silence at once. No renewal arms the output again, unless `pass_time` sets `resumes` afterwards."""
+        """Silence at once. No renewal arms the output again, unless `pass_time` sets `may_resume` afterwards."""
         self.permit = self.permit._replace(armed=SILENT, until=0.0)
         self.may_resume = False
 

@@ -163,6 +163,7 @@ void UHapticServerComponent::EmergencyStop() {
 }
 
 void UHapticServerComponent::ResetOutput() {
+  Unstopped.Reset();
   if (Link) Link->Client.reset();
 }
 
