@@ -2,7 +2,7 @@
 
 client.py                 `pacinian.Client`, the user's API: put, move, hands, arm, renew, stop, select
 reconnecting_client.py    arguments of a client and their defaults; connects, and reconnects after a lost session
-server_session.py         one session, from hello to bye: sequence numbers, replies, renewal at a quarter of the lease
+server_session.py         one session, from hello to bye: sequence numbers, replies, renewal at an eighth of the lease
 link.py                   the ZeroMQ socket: heartbeats, limits of the time to connect, why a connection ended
 messages.py               arguments of the API as wire messages, in batches that fit a message
 outbox.py                 commands that wait for room; newer ones replace older ones

@@ -185,12 +185,14 @@ class Client(ReconnectingClient):
     def hold(self, seconds: float, every: float | None = None) -> None:
         """Renew the lease repeatedly for `seconds` [s], in a script.
 
-        every: interval [s]; a quarter of the lease by default. Ctrl-C, or a notebook's stop button, disarms. Raises as
+        every: interval [s]; an eighth of the lease by default. Ctrl-C, or a notebook's stop button, disarms. Raises as
         `renew`.
         """
         end = self._clock() + check_number("seconds", seconds, low=0.0)
         live = self._live(again=False)
-        every = check_number("every", live.every if every is None else every, low=0.0, above=True)
+        every = check_number(
+            "every", live.renewal_interval if every is None else every, low=0.0, above=True
+        )
         due = self._clock()
         try:
             while (now := self._clock()) < end:
@@ -267,8 +269,8 @@ class Client(ReconnectingClient):
     def decode_felt(state: State) -> dict[str, FeltRegion]:
         """Return what is felt of each surface and volume in a state, by name.
 
-        It is measured between the samples, against the targets. Points and paths are left out; in silence, all objects
-        are.
+        It is measured over all touched skin or, in free air, between the samples, against the targets. Points and paths
+        are left out; in silence, all objects are.
         """
         from pacinian.wire.state_wording import read_felt
 

@@ -25,7 +25,8 @@ from pacinian.wire.commands import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-OUTDOES: dict[type[AnyCommand], tuple[type[AnyCommand], ...]] = {
+# Kinds of waiting commands that a newer command of each kind removes, or removes from, for the objects that it names.
+SUPERSEDES: dict[type[AnyCommand], tuple[type[AnyCommand], ...]] = {
     Put: (Put, Move, Remove, Envelopes),
     Move: (Move,),
     Remove: (Put, Move, Remove, Envelopes),
@@ -46,7 +47,7 @@ class Outbox:
 
     def add(self, command: AnyCommand) -> None:
         """Add a command, and remove what it supersedes from the waiting ones."""
-        kinds, names = OUTDOES[type(command)], _names(command)
+        kinds, names = SUPERSEDES[type(command)], _names(command)
         kept: list[AnyCommand] = []
         for old in self.waiting:
             left: AnyCommand | None = old

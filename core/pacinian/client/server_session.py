@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 R = TypeVar("R", bound="AnyReply | State")
 
-RENEWAL_SHARE = 0.25  # interval between renewals, as a fraction of the lease
+RENEWAL_SHARE = 0.125  # interval between renewals, as a fraction of the lease
 BYE_TIMEOUT = 0.2  # time limit for a bye [s]
 MAX_ERRORS = 100  # number of errors kept of commands that did not wait
 # Codes of unsolicited errors that end an owner's sound.
@@ -78,7 +78,7 @@ class ServerSession:
                 self._poller.register(self._links[-1].monitor, zmq.POLLIN)
             self._control, self._command = self._links
             self.welcome = self._hello(hello)
-            self._due = self.clock() + self.every
+            self._due = self.clock() + self.renewal_interval
             for link in self._links:
                 link.known = True
         except BaseException:
@@ -101,7 +101,7 @@ class ServerSession:
         return welcome
 
     @property
-    def every(self) -> float:
+    def renewal_interval(self) -> float:
         """Interval between two renewals [s]."""
         return RENEWAL_SHARE * self.welcome.lease
 
@@ -191,7 +191,10 @@ class ServerSession:
             left = end - self.clock()
             if found or left <= 0.0:
                 return found
-            if not watched.poll(milliseconds(min(left, self.every))) and left <= self.every:
+            if (
+                not watched.poll(milliseconds(min(left, self.renewal_interval)))
+                and left <= self.renewal_interval
+            ):
                 return None
             self.look()
 
@@ -256,7 +259,7 @@ class ServerSession:
             sequence=next(self._sequence),
             time=self.clock(),
         )
-        self._due = self.clock() + self.every
+        self._due = self.clock() + self.renewal_interval
         self._send(self._control, encode(renew))
 
     def _receive(self, wait: float, lease: bool = False) -> bool:

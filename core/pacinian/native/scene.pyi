@@ -86,7 +86,7 @@ def press(d: Floats, which: Longs, reach: float, stiffness: float, max_pressure:
     d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], max_pressure [Pa]: of a material.
     points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper
     than the slack, there is no skin; none for a mesh. viewpoints: positions of transducers, (V, 3); none: all skin is pressed.
-    blocked, full: mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).
+    blocked, full: weighted mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).
     """
 
 def stale(which: Longs, local: Floats, places: Floats, known: Floats, beyond: float, deep: float, d: Floats, ask: Longs) -> int:

@@ -39,8 +39,9 @@ What is reported
     deviation_log.py          what was left out or changed, by object and reason, over time
     frame_deviations.py       what one frame leaves out or changes
     scene_warnings.py         what to warn about before a run
+    felt_monitor.py           keeps what some ticks have emitted, and measures it beside the ticks
     measurement_schedule.py   when the emitted field is measured
-    emitted_measurement.py    the emitted field between the samples
+    emitted_measurement.py    the emitted field between the samples, and on touched skin
     audibility.py             how audible the frames are
 Recordings
     recording.py              the file: written tick by tick, read up to its last whole tick

@@ -17,17 +17,19 @@ TICKS_SEEN = 64  # number of recent ticks with a solve that are considered
 MIN_LONG_TICKS = 8
 # Two successive ticks of more than this duration, relative to the period, move solves into the background at once.
 FAR_TOO_LONG = 2.0
-# Duration below which a solve in the background would fit into a tick again, relative to the period.
+# Duration of a background solve below which the solve would fit into a tick, relative to the period.
 SHORT_SHARE = 0.5
-# Number of short solves in the background after which solves return into the ticks: first, and largest value. It
-# doubles with each return.
+# Number of short background solves after which solves return into the ticks. It begins at MIN_FITTING, and doubles with
+# each return up to MAX_FITTING.
 MIN_FITTING, MAX_FITTING = 256, 4096
-# Number of short solves that a long one cancels. It does not cancel all, because the machine may have caused it.
+# Number of short solves that one long solve cancels. It does not cancel all of them, because another program may have
+# caused the long solve.
 PENALTY = 8
-# Time that a solve in the background may take before the scene loses samples [s].
+# Duration of a background solve above which the sample budget is reduced [s]; one period, if that is longer.
 GOOD_SOLVE_TIME = 0.004
-MAX_SOLVE_TIME = 0.012  # longest time that a solve in the background is expected to take [s]
-MIN_MAX_TICKS = 3  # the same in ticks, where these are so long that it is less
+# Longest expected duration of a background solve: the larger of MAX_SOLVE_TIME [s] and MIN_MAX_TICKS [ticks].
+MAX_SOLVE_TIME = 0.012
+MIN_MAX_TICKS = 3
 # Shortest time from the beginning of a solve in the background to that of the next [s].
 MIN_INTERVAL = 0.008
 # Time after which a solve begins even if the scene has not changed; also the longest time over which a change is
@@ -38,7 +40,7 @@ MAX_INTERVAL = 0.012
 REST_INTERVAL = 0.05
 # Time in which the last solution fades out before silence [s]. Clients wait 20 ms for silence.
 END_SPREAD = 0.006
-# Number of recent solves whose median durations and intervals are expected of the next one.
+# Number of recent solves whose median duration and interval predict those of the next solve.
 SOLVES_SEEN = 5
 
 
@@ -48,8 +50,8 @@ class BackgroundSchedule:
 
     It counts ticks that were long, and solves in the background that would have fitted into a tick.
 
-    period: of a tick [s]. beside: whether solves run in the background. ticks: expected duration of the next solve,
-    from the last ones [ticks]. interval: expected time from one solution to the next, from the last ones [ticks].
+    period: period of the ticks [s]. beside: whether solves run in the background. ticks: expected duration of the next
+    solve [ticks]. interval: expected time from one solution to the next [ticks]. Both are medians of recent solves.
     rests: whether the last solve has changed nothing, and nothing in the scene moves by itself.
     """
 

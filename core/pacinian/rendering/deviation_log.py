@@ -32,10 +32,11 @@ MISSED_TARGET = "weaker than asked"
 SLEW_LIMITED = "slew limited"
 SKIN_LIMITED = "limited on skin"
 FEWER_FRAMES = "in fewer frames"
+UNEVEN = "measured uneven"
 BY_TICK = frozenset(
     {
         LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
-        FEWER_FRAMES, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
+        FEWER_FRAMES, UNEVEN, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.neighbours import find_nearest
+from pacinian.acoustics.pressure import sound_pressure
+from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.samples import BESIDE
-from pacinian.solving.felt_regions import BESIDE as DISTANCES
+from pacinian.scene.sampling.touched_skin import stays_on_skin
 from pacinian.solving.felt_regions import FeltPlaces, FeltSums
 from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
-    from pacinian.acoustics.skin_facing import SkinFacing
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.types import Floats, Gains
 
-# Smallest distance from the samples of a region at which a silent sample counts as a place beside it [m].
-MIN_DISTANCE = DISTANCES[0]
 PLACES = 24  # number of places between samples in one measurement; many measurements are added
+PLACES_ON_SKIN = 48  # the same on touched skin, and beside it
 SAMPLES = 48  # number of samples of a steered field in one measurement
 
 
@@ -31,44 +32,54 @@ class Probe:
 
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
+        self._reach = ReachabilityFilter(self._propagator)
         self._chance = np.random.default_rng(0)
         # Copies of the last input of `compute_pressures`.
         self._asked: tuple[Floats | Gains, ...] = ()
         self._heard: Floats = np.empty(0)
 
-    def look(
-        self,
-        samples: Samples,
-        targets: Targets,
-        facing: SkinFacing | None,
-        gains: Gains,
-        p: Floats,
+    def look_between(
+        self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
     ) -> dict[str, FeltSums]:
-        """Return the sums from which felt pressures are computed, by the name of each object that has regions.
+        """Return the sums at some places between samples, by the name of each object that has regions.
 
-        On skin, the silent samples 3 mm and more beside a region count as places beside it, because the highest
-        pressure lies at few places. targets, facing: of the samples. gains: as emitted, (K, N), of the frames whose
-        mean is felt. p: pressure amplitudes at the samples, (M,) [Pa], as returned by `compute_pressures`.
+        Contacts that stay on skin are left out: see `look_on_skin`. targets, facing: of the samples. gains: (K, N), of
+        the frames whose mean is felt.
         """
-        if (regions := targets.regions) is None:
-            return {}
-        places = FeltPlaces.some(samples.positions, targets, facing, PLACES, self._chance)
-        if places is None:
-            return {}
         found: dict[str, FeltSums] = {}
-        for number, sums in enumerate(
-            places.sums(self._measure(places.points, places.facing, gains))
-        ):
-            item = samples.items[samples.objects[np.flatnonzero(regions == number)[0]]]
-            found[name_of(item)] = found.get(name_of(item), FeltSums()).plus(sums)
-        silent = np.flatnonzero(samples.regions == BESIDE)
-        pressing = samples.positions[(samples.regions >= 0) & (targets.amplitudes > 0.0)]
-        if len(silent) and len(pressing):
-            away = find_nearest(pressing, samples.positions[silent])[0]
-            for m in silent[away >= MIN_DISTANCE]:
-                name = name_of(samples.items[samples.objects[m]])
-                if name in found:
-                    found[name] = found[name].plus(FeltSums(beside=float(p[m] ** 2)))
+        regions = targets.regions
+        if regions is None:
+            return found
+        items, objects = samples.items, samples.objects
+        rest = regions >= 0
+        if facing is not None:
+            rest &= ~np.isin(objects, [i for i, item in enumerate(items) if stays_on_skin(item)])
+        if not rest.any():
+            return found
+        places = FeltPlaces.some(samples.positions, targets, facing, PLACES, self._chance, rest)
+        every = places.sums(self._measure(places.points, places.facing, gains))
+        for number in np.unique(regions[rest]).tolist():
+            name = name_of(items[objects[np.flatnonzero(regions == number)[0]]])
+            found[name] = found.get(name, FeltSums()).plus(every[number])
+        return found
+
+    def look_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
+        """Return the sums at places on touched skin and beside it, by the name of each object that touches it.
+
+        places: as returned by `Sampler.scatter_places`. gains: as for `look_between`.
+        """
+        found: dict[str, FeltSums] = {}
+        if not len(places) or places.capsules is None:
+            return found
+        facing = SkinFacing(places.normals, places.capsules)
+        P = places.radiation_pressure * self._reach.share(places.positions, facing, Counter())
+        p, t = self._hear(gains), sound_pressure(P, self._propagator.medium)
+        which, number = np.unique(places.objects, return_inverse=True)
+        beside = places.regions == BESIDE
+        measured = FeltPlaces(places.positions, t * t, number, beside, facing, len(which))
+        for i, sums in zip(which.tolist(), measured.sums(p), strict=True):
+            name = name_of(places.items[i])
+            found[name] = found.get(name, FeltSums()).plus(sums)
         return found
 
     def estimate_error(self, samples: Samples, targets: Targets, gains: Gains) -> float:
@@ -96,6 +107,10 @@ class Probe:
 
     def _measure(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         self._propagator.set_points(points, facing)
+        return self._hear(gains)
+
+    def _hear(self, gains: Gains) -> Floats:
+        """Return the root mean square over the frames at the points of the propagator, (M,) [Pa]."""
         p = np.array([self._propagator.apply(g) for g in gains])
         return np.asarray(np.sqrt((np.abs(p).astype(np.float64) ** 2).mean(axis=0)))
 

@@ -226,6 +226,10 @@ class Steering:
         share = (np.arange(1, K + 1, dtype=np.float32) / np.float32(K))[:, None]
         rows *= before + share * (self._factor - before)
 
+    def repeat(self, gains: Gains) -> Gains:
+        """Return gains, (K, N), steered like the last row."""
+        return gains if self._motion is None or self._factor is None else gains * self._factor
+
     def find_factors(self, centre: Floats, place: Floats) -> Gains:
         """Return the factor on each gain that moves the field around `centre` to `place`, (3,) [m]: (N,)."""
         return find_factors(self._array, self._medium, centre, place)

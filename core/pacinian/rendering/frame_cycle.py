@@ -101,7 +101,7 @@ class Cycle:
         """Largest number of samples in each band, if bands can achieve this. The loop sets it to the sampler's."""
         self.coarsens = True
         """Whether a region may have fewer samples than its spacing asks for; the loop sets this."""
-        self._first = Part(session, ReachabilityFilter(session))
+        self._first = Part(session, ReachabilityFilter(session.propagator))
         self.reset()
 
     def reset(self) -> None:
@@ -208,7 +208,7 @@ class Cycle:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
             session.note = first.note
             session.propagator.work = first.propagator.work
-            self.parts.append(Part(session, ReachabilityFilter(session)))
+            self.parts.append(Part(session, ReachabilityFilter(session.propagator)))
         for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
             part.rounds = part.tries = 0
             part.session.tilt = tilt

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.felt_regions import FeltSums
 
-TICKS_PER_LOOK = 64  # number of ticks between measurements of the emitted field
+TICKS_PER_LOOK = 64  # smallest number of ticks between measurements of the emitted field
+# Largest number of ticks that are added by chance, so that looks see all moments between two solutions.
+MAX_DELAY = 16
 # Number of ticks from silence to the first measurement, so that the first solves have more time.
 FIRST_LOOK = 4
+MAX_LOOKS_AT_REST = (
+    8  # largest number of measurements of regions that rest, at other places each time
+)
 
 
 class Measurement(NamedTuple):
@@ -25,27 +31,29 @@ class MeasurementSchedule:
     """Counts ticks, and knows what was measured last."""
 
     def __init__(self) -> None:
-        self._passed = TICKS_PER_LOOK - FIRST_LOOK  # ticks since the last measurement
-        self._measured: tuple[CachedSolution, ...] = ()
+        self._wait, self._chance = FIRST_LOOK, np.random.default_rng(0)  # ticks until the next look
+        self._measured: SolutionSequence | None = None
+        self._looks = 0  # at these solutions
 
     def pass_ticks(self, played: SolutionSequence, count: int) -> None:
         """Count ticks that play this result, including those that the loop left out because it rested."""
-        if len(played.samples):
-            self._passed += count
-        else:
-            self._passed = TICKS_PER_LOOK - FIRST_LOOK
+        self._wait = self._wait - count if len(played.samples) else FIRST_LOOK
 
     def begin(self, solutions: SolutionSequence) -> bool:
-        """Return whether to measure this now, and count it if so.
-
-        Regions are measured again and again, at other places each time; points only if they have a new solution.
-        """
-        if self._passed < TICKS_PER_LOOK or not solutions.complete:
+        """Return whether to measure what is played now, and count it if so."""
+        if self._wait > 0 or not solutions.complete:
             return False
         samples, targets = solutions.played_samples, solutions.targets
         if not samples or targets is None:
             return False
-        if targets.regions is None and solutions.rows == self._measured:
+        last = self._measured
+        same = last is not None and solutions.rows == last.rows
+        if targets.regions is None:
+            if same:
+                return False
+        elif solutions is last and self._looks >= MAX_LOOKS_AT_REST:
             return False
-        self._passed, self._measured = 0, solutions.rows
+        self._looks = self._looks + 1 if solutions is last else 1
+        self._wait = TICKS_PER_LOOK + int(self._chance.integers(MAX_DELAY))
+        self._measured = solutions
         return True

@@ -88,6 +88,12 @@ class Modulator:
             smoother.settled = False
         self.steady = False
 
+    def copy_carriers(self) -> Gains:
+        """Return the last gains of the frames that take turns, without envelopes, (K, N)."""
+        return np.array(
+            [of.gains for of in [slot.smoother for slot in self._slots] or [self.smoother]]
+        )
+
     @property
     def held_back(self) -> bool:
         """Whether the slew-rate limit keeps the last row from its solution, although the change should be over."""

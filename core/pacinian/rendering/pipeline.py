@@ -16,9 +16,10 @@ import numpy as np
 from pacinian.rendering.background_schedule import GOOD_SOLVE_TIME, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.emitted_measurement import Probe
+from pacinian.rendering.felt_monitor import FeltMonitor
 from pacinian.rendering.frame_cycle import Cycle, split_frames
 from pacinian.rendering.frame_deviations import FrameDeviations
-from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
+from pacinian.rendering.measurement_schedule import Measurement
 from pacinian.rendering.playback import Playback
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
@@ -31,7 +32,7 @@ from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, TOO_FAST, SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
-from pacinian.skip_reasons import NOT_DUE, NOTHING_CHANGED, UNDER_WAY
+from pacinian.skip_reasons import MEASUREMENTS_FAILED, NOT_DUE, NOTHING_CHANGED, UNDER_WAY
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
@@ -104,10 +105,10 @@ class Pipeline:
             SampleBudgetController(period, sampler.budget) if self._adaptive else None
         )
         self._allowed = sampler.budget  # number of samples that the next job may use
-        self.background = BackgroundSolve[SolveResult | Measurement](start_thread)
+        self.background = BackgroundSolve[SolveResult | Measurement | None](start_thread)
         self._job_stages = StageTimer(stages.now, stages.report)
         self.limits = Limits()  # of this tick
-        self.probe, self._job_probe = Probe(session), Probe(session)  # of the tick, and of the job
+        self.probe, self._monitor = Probe(session), FeltMonitor(session, sampler, self.playback)
         self.schedule, self._beside = BackgroundSchedule(period), False
         self._begin()
 
@@ -136,7 +137,6 @@ class Pipeline:
         self._deviations = FrameDeviations()
         # Time of the last tick [s]; whether its frame was the one before.
         self._time, self._repeated = math.nan, False
-        self._measuring = MeasurementSchedule()
         self.job_readings: list[float] = []
         """Clock readings of the jobs whose results this tick has taken [s]."""
 
@@ -178,6 +178,7 @@ class Pipeline:
         self.solver.reset()
         self.playback.reset()
         self.session.forget()
+        self._monitor.reset()
         self._job_recording_clock.take()
         # what a tick without a frame has counted is in no recording
         self.schedule = BackgroundSchedule(self.period, beside=self._beside)
@@ -212,7 +213,6 @@ class Pipeline:
             self._solve_beside(scene, limits, solver, t, ticks)
         else:
             self._solve_now(scene, limits, solver, t)
-        self._measuring.pass_ticks(self.played.solutions, ticks)
         self.lag = t - self.played.time
         play, inputs = self.played.solutions, (self.played.solutions.samples, limits, solver)
         spread = self.schedule.find_spread(ends=not len(play.samples)) if beside else 1
@@ -220,9 +220,12 @@ class Pipeline:
         self._repeated = same and not self._fresh
         if self._repeated:
             self.stages.report.skipped[NOTHING_CHANGED] += 1
-            return self.playback.repeat(sequence, due)
-        self.stages.enter("drive")
-        return self.playback.make_frame(play, limits, inputs, t, spread, sequence, due)
+            frame = self.playback.repeat(sequence, due)
+        else:
+            self.stages.enter("drive")
+            frame = self.playback.make_frame(play, limits, inputs, t, spread, sequence, due)
+        self._monitor.watch(scene, self.played, limits, t, ticks)
+        return frame
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""
@@ -245,12 +248,12 @@ class Pipeline:
         self.stages.enter("sample")
         self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
         # the last measurement may still be under way, with the propagator that the next one needs
-        if self.background.running or (measure := self._find_measuring(limits)) is None:
+        if self.background.running or (measure := self._monitor.take_job()) is None:
             return
         if self._adaptive and not self._recording_clock.replays:
             self._start_job(measure, measures=True)
         else:
-            self.stages.report.add_measurement(*measure())
+            self._count_measurement(measure())
 
     def _solve_beside(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, ticks: int
@@ -272,7 +275,7 @@ class Pipeline:
                 self._solve_now(scene, limits, solver, t)
                 return
         # measure in the pause between two solves, so that no solution waits for the measurement
-        if (measure := self._find_measuring(limits)) is not None:
+        if (measure := self._monitor.take_job()) is not None:
             self._start_job(measure, measures=True)
         elif self.schedule.begin_solve(self._changed, not scene.objects):
             job = self._make_job(scene, limits, solver, t, self._job_stages, beside=True)
@@ -281,7 +284,7 @@ class Pipeline:
             self.stages.report.skipped[NOT_DUE] += 1
 
     def _start_job(
-        self, job: Callable[[], SolveResult] | Callable[[], Measurement], *, measures: bool
+        self, job: Callable[[], SolveResult | Measurement | None], *, measures: bool
     ) -> None:
         """Start a job beside the ticks. measures: whether it only measures, so that it may run beside a solve."""
         # a thread must not enter the tick's stages
@@ -298,11 +301,18 @@ class Pipeline:
         except BaseException:
             self.stages.stage = self._job_stages.stage
             raise
-        if isinstance(result, Measurement):
-            self.stages.report.add_measurement(*result)
-            return None
-        self._play(result)
-        return result
+        if isinstance(result, SolveResult):
+            self._play(result)
+            return result
+        self._count_measurement(result)
+        return None
+
+    def _count_measurement(self, measured: Measurement | None) -> None:
+        """Add a measurement to the report; None if it has failed."""
+        if measured is None:
+            self.stages.report.skipped[MEASUREMENTS_FAILED] += 1
+        else:
+            self.stages.report.add_measurement(*measured)
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
@@ -346,12 +356,12 @@ class Pipeline:
             counts = self.sampler.sample_counts
             if counts is not known and len(counts.samples):
                 self._note_unreachable(counts)
-                self._note_too_fast(counts)
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
+            self._note_too_fast(counts, solutions)
             fresh, pressures = tuple(self.solver.fresh), None
             if beside:  # a steered field makes at its samples what it made where it was solved for
                 same = (
@@ -490,34 +500,10 @@ class Pipeline:
             if found.any():
                 counts.drop(reason, found)
 
-    def _note_too_fast(self, counts: SampleCounts) -> None:
-        """Note the objects whose vibration the device cannot play."""
-        items, rate = counts.samples.items, self.playback.capability.rate
+    def _note_too_fast(self, counts: SampleCounts, play: SolutionSequence) -> None:
+        """Note the objects whose vibration the device cannot play, if each frame of a cycle has only every K-th row."""
+        items = counts.samples.items
+        rate = self.playback.capability.rate / (len(play.rows) if play.cycle else 1)
         for i in np.unique(counts.samples.objects).tolist():
             if is_too_fast(items[i], rate):
                 counts.note_object(TOO_FAST, i)
-
-    def _find_measuring(self, limits: Limits) -> Callable[[], Measurement] | None:
-        """Return a function that measures the result that this tick has taken, at the samples and between them.
-
-        None if it is too early, or if there is nothing new to measure.
-        """
-        if self._taken is None or not self._measuring.begin(self._taken.solutions):
-            return None
-        play, pressures = self._taken.solutions, self._taken.sample_pressures
-        samples, targets = play.played_samples, play.targets
-        assert samples is not None
-        assert targets is not None
-
-        def measure() -> Measurement:
-            facing, gains = play.facing, self.playback.quantise_frames(play, limits)
-            probe, p = self._job_probe, pressures
-            if p is None:
-                p = probe.compute_pressures(samples.positions, facing, gains)
-            if play.motion is not None and play.motion.shift.any():
-                error = probe.estimate_error(samples, targets, gains)
-            else:
-                error = targets.relative_error(p)
-            return Measurement(error, probe.look(samples, targets, facing, gains, p))
-
-        return measure

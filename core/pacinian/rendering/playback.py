@@ -108,6 +108,10 @@ class Playback:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
+    def copy_carriers(self) -> Gains:
+        """Return the last gains of the frames that take turns, without envelopes and before rounding, (K, N)."""
+        return self._steering.repeat(self.modulator.copy_carriers())
+
     def quantise_gains(self, gains: Gains, limits: Limits) -> Gains:
         """Return gains, (N,), as rounded by the device."""
         power = limits.power is not None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections import Counter
 
     from pacinian.acoustics.skin_facing import SkinFacing
-    from pacinian.session import Session
+    from pacinian.solving.propagator import Propagator
     from pacinian.types import Flags, Floats, Longs
 
 TOUCHING_DISTANCE = 1e-5  # a sample this close to a transducer counts as on it [m]
@@ -30,11 +30,11 @@ WEAKENED_BELOW = 0.5  # share of a target below which its sample counts as weake
 
 
 class ReachabilityFilter:
-    """Drops or weakens samples that the array of a session cannot reach."""
+    """Drops or weakens samples that the array of a propagator cannot reach. Sets the propagator's points."""
 
-    def __init__(self, session: Session) -> None:
-        array = session.array
-        self._array, self._medium, self._propagator = array, session.medium, session.propagator
+    def __init__(self, propagator: Propagator) -> None:
+        array = propagator.array
+        self._array, self._medium, self._propagator = array, propagator.medium, propagator
         self._some = _choose_subset(array)
         self._cells: Longs = np.empty(0, np.int64)  # known cells, ascending
         self._powers: Floats = np.empty(0)  # in these cells [Pa^2]

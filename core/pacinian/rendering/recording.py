@@ -96,7 +96,7 @@ class Recorder:
         except (OSError, ValueError) as error:
             raise RecordingError(self.path, f"cannot be written: {error}") from error
         if used and not is_recording(self.path):
-            problem = "is no recording, and is not overwritten: give another name, or delete it"
+            problem = "exists but is not a recording, so Pacinian does not overwrite it: use another name, or delete it"
             raise RecordingError(self.path, problem)
 
     def begin(self, array: Array, capability: Capability, settings: dict[str, Any]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
-from pacinian.rendering.deviation_log import NOTHING, Deviations, describe_totals
+from pacinian.rendering.deviation_log import NOTHING, UNEVEN, Deviations, describe_totals, mark
 from pacinian.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MAX_LISTED = 4  # largest number of objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
+# A measurement at this many places or more whose force or rms error exceeds these is a deviation.
+MIN_PLACES, MAX_FORCE_ERROR, MAX_RMS = 16, 0.15, 0.25
 LOOKS = 1000  # number of recent measurements of the felt pressure that are kept
 # Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors are kept.
 REMEMBERED = 100_000
@@ -78,11 +80,16 @@ class Report:
     _felt: deque[dict[str, FeltSums]] = field(
         default_factory=lambda: deque(maxlen=LOOKS), repr=False
     )
+    _uneven: list[str] = field(
+        default_factory=list, repr=False
+    )  # by the measurements since the last tick
 
     def tick(
         self, seconds: float, late: bool, time: float = 0.0, deviations: Reasons = NOTHING
     ) -> None:
         """Count a tick that took `seconds` [s]. time: of the scene [s]. deviations: of this tick, by object."""
+        if self._uneven:
+            deviations, self._uneven = mark(deviations, self._uneven, UNEVEN), []
         self.deviations.add(self.ticks, time, deviations)
         self._times[self.ticks % REMEMBERED] = seconds
         self.ticks += 1
@@ -100,17 +107,20 @@ class Report:
     def add_measurement(self, error: float, felt: dict[str, FeltSums]) -> None:
         """Add a measurement of the emitted field, computed from the quantised gains.
 
-        error: relative error of the sound pressures at the samples. felt: sums between the samples, for each object
-        that has regions.
+        error: relative error of the sound pressures at the samples. felt: sums between the samples or on touched skin,
+        for each object that has regions.
         """
         self._errors[self._measured % REMEMBERED] = error
         self._measured += 1
         self._felt.append(felt)
+        self._uneven += [name for name, sums in felt.items() if _is_uneven(sums)]
 
     def compute_felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
-        """Return what was felt between the samples of each object that has regions, over the last measurements.
+        """Return what was felt of each object that has regions, by name, over the last measurements.
 
-        looks: number of measurements; the loop makes one every 64 ticks, at some 24 places.
+        In free air, it is measured between the samples of solutions. On skin, it is measured over all touched skin at
+        moments between and during solutions, against the pressures that the material asks for there, and on skin 3 to
+        30 mm beside. looks: number of measurements; the loop makes one every 64 to 79 ticks, at 24 to some 50 places.
         """
         sums: dict[str, FeltSums] = {}
         for found in list(self._felt)[-looks:]:
@@ -148,7 +158,7 @@ class Report:
 
     @property
     def errors(self) -> Floats:
-        """Relative errors of the emitted sound pressures at the samples, measured every 64 ticks, oldest first."""
+        """Relative errors of the emitted sound pressures at the samples, at each measurement, oldest first."""
         count = min(self._measured, REMEMBERED)
         return self._errors[np.arange(self._measured - count, self._measured) % REMEMBERED]
 
@@ -224,6 +234,13 @@ class Report:
         """Plot a histogram of the tick times."""
         panel.hist(1e3 * self.recent(REMEMBERED), bins=50)
         panel.set(xlabel="tick time [ms]", ylabel="ticks", yscale="log")
+
+
+def _is_uneven(sums: FeltSums) -> bool:
+    """Return whether a measurement shows clearly more or less than the target, or great unevenness."""
+    felt = sums.felt
+    wrong = abs(felt.force - 1.0) > MAX_FORCE_ERROR or felt.rms > MAX_RMS
+    return sums.places >= MIN_PLACES and wrong
 
 
 class StageTimer:

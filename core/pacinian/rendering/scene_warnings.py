@@ -1,4 +1,4 @@
-"""What to warn about before a scene is rendered, by the name of the object."""
+"""Find objects that cannot be rendered as requested, before a scene is rendered. A warning names its objects."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MAX_NAMED = 3  # largest number of objects named in one warning
 def find_warnings(
     scene: Scene, sampler: Sampler, session: Session, gain: float, rate: float
 ) -> Iterator[str]:
-    """Yield a sentence about the objects of a scene that cannot be rendered as they ask, for each reason.
+    """Yield one sentence for each reason why some objects cannot be rendered as requested; it names these objects.
 
     gain: largest amplitude of a transducer, 0..1. rate: of the device [Hz]. Raises ArgumentError if a texture's file
     cannot be read.
@@ -53,43 +53,44 @@ def find_warnings(
             far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
             unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
             weak.append(
-                f"{label} ({item.pressure:.3g} Pa, where the array makes at most {most:.2g} Pa{unit})"
+                f"{label} ({item.pressure:.3g} Pa, where the array produces at most {most:.2g} Pa{unit})"
             )
     if outside:
         yield (
-            f"outside the workspace, and so not rendered: {_name(outside)}. Move what should be felt, or widen the "
-            "workspace"
+            f"outside the workspace, and therefore not rendered: {_name(outside)}. Move these objects into the "
+            "workspace, or enlarge the workspace"
         )
     if weak:
         yield (
-            f"stronger than the array can be at that place: {_name(weak)}. Move nearer to the array, ask for less, or "
-            "add units"
+            f"stronger than the array can produce at the place of the object: {_name(weak)}. Move the object nearer to "
+            "the array, reduce its `pressure`, or add units to the array"
         )
     if empty:
         yield (
-            f"without a surface: {_name(empty)}. An `SDF` must be 0 somewhere within its `extent`, in "
-            "metres; an intersection needs parts that overlap, and a difference something that is left"
+            f"without a surface: {_name(empty)}. The distance of an `SDF` must be 0 somewhere within its `extent` [m]. "
+            "The parts of an intersection must overlap. A difference must leave a part of its solid `of`"
         )
     if fast:
         yield (
             f"faster than the device can play: {_name(fast)}. With {rate:.4g} frames a second, a frequency of "
-            f"{rate / 2.0:.4g} Hz or more becomes another one, or none. Use a lower one, or a faster device"
+            f"{rate / 2.0:.4g} Hz or more is played at a wrong, lower frequency (aliasing), or not at all. Use a lower "
+            "frequency, or a faster device"
         )
     for i, period, resolved in sampler.find_fine_textures(scene):
         yield (
             f"the texture of {label_object(scene.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
-            f"the array resolves {1e3 * resolved:.1f} mm there: its ridges will blur. Use a longer period, a "
-            "wider array, or a place nearer to it"
+            f"the array resolves only {1e3 * resolved:.1f} mm there, so the ridges will blur. Use a longer period or a "
+            "wider array, or move the object nearer to the array"
         )
 
 
 def is_too_fast(item: Object, rate: float) -> bool:
-    """Return whether a device of `rate` [Hz] cannot play the vibration of an object: from half of the rate on."""
+    """Return whether an object vibrates at half the device's `rate` [Hz] or faster, which the device cannot play."""
     return find_highest_frequency(item) >= 0.5 * rate
 
 
 def find_highest_frequency(item: Object) -> float:
-    """Return the highest frequency of an object's envelope and technique [Hz]; 0 if it is not known, as of waves."""
+    """Return the highest frequency of an object's envelope and technique [Hz]; 0 if unknown, for example for a wave."""
     return max(
         float(getattr(each, name, 0.0))
         for each in (item.envelope, item.technique)
@@ -98,14 +99,14 @@ def find_highest_frequency(item: Object) -> float:
 
 
 def _name(labels: list[str]) -> str:
-    """List the first of the labels, and say how many more there are."""
+    """Return the first `MAX_NAMED` labels as text, with the number of further labels."""
     more = len(labels) - MAX_NAMED
     return ", ".join(labels[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def _focus(item: Object, session: Session, gain: float) -> float:
-    """Return the radiation pressure of the strongest focus [Pa] at the object's place, or at the weakest of several."""
-    places = np.zeros((1, 3))  # of a body, whose samples may lie on the far side
+    """Return the radiation pressure [Pa] of the strongest focus at an object, or at the weakest of several places."""
+    places = np.zeros((1, 3))  # the centre of a body, because its samples may lie on the far side
     if isinstance(item, Particles) and item.positions:
         places = np.array(item.positions[:: -(-len(item.positions) // PLACES)])
     elif isinstance(item, Path):

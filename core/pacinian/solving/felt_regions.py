@@ -39,8 +39,8 @@ class FeltRegion(NamedTuple):
 
     force: relative to the target force; 1 is right. rms: root mean square error, relative to the root mean square of
     the target. holes: fraction of the region with less than half the target. spill: highest pressure 3 to 5 mm beside
-    the region, relative to the mean target; in a loop on skin, also at silent samples up to 7 mm beside it. Evaluated
-    between the samples. For a region with target 0: 1, 0, 0, 0.
+    the region, relative to the mean target. Evaluated between the samples; by a loop on skin, over all touched skin and 3
+    to 30 mm beside it. For a region with target 0: 1, 0, 0, 0.
     """
 
     force: float = 1.0
@@ -63,7 +63,7 @@ class FeltRegion(NamedTuple):
 class FeltSums(NamedTuple):
     """Sums from which `FeltRegion` is computed; the sums of several points in time can be added.
 
-    places: number of places, half way between samples. made, asked: sums of squared sound pressure amplitudes, achieved
+    places: number of places in the region. made, asked: sums of squared sound pressure amplitudes, achieved
     and target [Pa^2]. errors, squares: sums of squares of their difference, and of `asked` [Pa^4]. holes: number of
     places with less than half the target. beside: highest squared amplitude beside the region [Pa^2].
     """
@@ -147,16 +147,16 @@ class FeltPlaces:
         facing: SkinFacing | None,
         count: int,
         chance: Generator,
-    ) -> FeltPlaces | None:
-        """Return a random subset of such places: `count` half way, at most as many beside; None if there is no region.
+        of: Flags,
+    ) -> FeltPlaces:
+        """Return a random subset of such places: `count` half way, at most as many beside.
 
-        A place beside a region lies outward from a sample and its neighbour. Takes 0.1 ms, where `of` takes tens of ms.
+        of: which samples, (M,), to take places of: one at least, all of them with regions. A place beside a region lies
+        outward from a sample and its neighbour. Takes 0.1 ms, where `of` takes tens of ms.
         """
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
-        own = np.flatnonzero(targets.regions[sounding] >= 0)
-        if not len(own):
-            return None
+        own = np.flatnonzero(of[sounding])
         first = chance.choice(own, 2 * count)
         d = points[sounding[first]][:, None] - points[sounding]
         square = np.einsum("mok,mok->mo", d, d)

@@ -95,9 +95,9 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     the gains as emitted, (M,) float32 [Pa]; while the field is steered with an object, where it was solved for.
     index: index into `objects` of each sample, (M,) little-endian int32. objects: names of the rendered objects.
     hands: joints of the rendered hands, (hands, 26, 3) float32 [m]. error: relative error of the sound pressures at
-    the samples, as emitted. felt: quality of each of `objects` between its samples, (objects, 4) little-endian
-    float32: force over target force; rms error over rms target; share of the region with less than half of its
-    target; highest radiation pressure 3 to 7 mm beside the region over the mean target. Computed from the gains as
+    the samples, as emitted. felt: quality of each of `objects` over all touched skin or, in free
+    air, between its samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the region with less than half of its
+    target; highest radiation pressure 3 to 30 mm beside the region over the mean target. Computed from the gains as
     emitted at the last evaluations; NaN for an object without a region; since protocol 1.1. status: status of the
     last tick. ticks: number of ticks so far. late: number of late ticks. rate: ticks per second [Hz]. tick_ms:
     median, 99th percentile and maximum of the tick times of the last second [ms]. frames: number of frames that the

@@ -52,7 +52,7 @@ class Contact(NamedTuple):
     """One contact, made in one way.
 
     pressure: requested where it is full [Pa]. samples: number of points that the solver was given. force, rms, holes,
-    beside: over the whole touched skin, and the skin 3 to 10 mm beside it (`regions.skin`). saturation: fraction of
+    beside: over the whole touched skin, and the skin 3 to 30 mm beside it (`regions.skin`). saturation: fraction of
     the transducers at their limit.
     """
 

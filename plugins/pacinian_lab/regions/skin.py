@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SPACING, GRAIN = 7.5e-4, 3.75e-4
 BUDGET = 1_000_000  # samples; more than a hand has points
 # [m] distances from touched skin between which skin is beside it
-BESIDE_FROM, BESIDE_TO = 3e-3, 10e-3
+BESIDE_FROM, BESIDE_TO = 3e-3, 30e-3
 
 
 def measure_felt(
@@ -38,7 +38,7 @@ def measure_felt(
 
     The figures cover the whole touched skin, weighted by its area, at points 1 mm apart that are not those of the
     sampler. gains: as emitted, (N,), or of frames whose mean counts, (K, N). Spill is the highest pressure on skin 3
-    to 10 mm beside the touched skin.
+    to 30 mm beside the touched skin.
     """
     sampler = Sampler(BUDGET, MIN_SAMPLE_SPACING, perception=False)
     sampler.skin = _fine()
@@ -49,7 +49,7 @@ def measure_felt(
         return None
     session = Session(array, medium)
     q, facing = samples.positions, SkinFacing(samples.normals, samples.capsules)
-    asked = samples.radiation_pressure * ReachabilityFilter(session).share(q, facing, Counter())
+    asked = samples.radiation_pressure * ReachabilityFilter(session.propagator).share(q, facing, Counter())
     if not asked.any():
         return None
     session.propagator.set_points(q, facing)

@@ -350,7 +350,7 @@ def test_a_texture_finer_than_the_array_resolves_is_a_warning_with_figures(
     assert total.get(TOO_FINE, Total(0, 0, 0.0, 0.0)).ticks == 2 * (period < 1.0)
     for text in warnings:
         assert re.search(rf"'plate' has a period of {1e3 * period * resolved:.1f} mm", text)
-        assert re.search(r"resolves \d+\.\d mm there.*longer period", text)
+        assert re.search(r"resolves only \d+\.\d mm there.*longer period", text)
 
 
 def test_spans_that_name_many_objects_are_fewer() -> None:

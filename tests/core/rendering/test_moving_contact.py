@@ -18,6 +18,7 @@ from pacinian.rendering.field_steering import MAX_JUMP
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.solving.problem import Limits
 from pacinian.testing import ManualClock
+from pacinian_lab.regions.skin import measure_felt
 from pacinian_plugins.backends.simulated import Simulated
 
 from .manual_background import ManualBackground
@@ -106,6 +107,43 @@ def test_a_contact_that_moves_steadily_presses_steadily(velocity: Any) -> None:
     k = np.arange(len(power))
     trend = np.polynomial.Polynomial.fit(k, power, 2)(k)  # the hand is seen from another direction
     np.testing.assert_allclose(power, trend, rtol=0.2)
+
+
+def test_the_report_tells_what_is_felt_between_solutions() -> None:
+    """Each solution alone is right to 5 %, but a ball that swings under a still hand is not where it was predicted."""
+
+    @cache
+    def find_update(n: int) -> pc.Scene:
+        t, w = n / TRACKED, 2.0 * np.pi * 3.0
+        hand = pc.Hand.open("right", pc.Pose((X, Y, PALM + 0.0155)))
+        ball = pc.Volume(
+            name="ball",
+            shape=pc.Sphere(0.02),
+            pose=pc.Pose((X + 0.012 * np.sin(w * t), Y, PALM - 0.017)),
+            radiation_pressure=2.0,
+            motion=pc.Motion(velocity=(0.012 * w * np.cos(w * t), 0.0, 0.0), time=t),
+        )
+        return pc.Scene((ball,), hands=(hand,))
+
+    def scene(t: float) -> pc.Scene:
+        return find_update(int(t * TRACKED + 1e-9))
+
+    clock, device = ManualClock(), Simulated(amplitudes=1 << 16, phases=1 << 16)
+    renderer, felt = pc.Renderer(ARRAY, scene, backend=device, clock=clock), list[Any]()
+    with renderer:
+        renderer._pipeline.background = Delayed(clock)
+        renderer._pipeline.schedule = Beside(TICK, True, SOLVE_TICKS, SOLVE_TICKS)
+        for k in range(1000):
+            clock.time = renderer.start + k * TICK
+            renderer.tick(clock.time)
+            if k > BEGIN / TICK and k % 13 == 0:
+                g = renderer.last_frame.gains(device.capability)[-1]
+                felt.append(measure_felt(ARRAY, AIR, scene(k * TICK), k * TICK, g))
+        told = renderer.report.compute_felt()["ball"]
+    force, rms = np.mean([f.force for f in felt]), np.sqrt(np.mean([f.rms**2 for f in felt]))
+    assert rms > 0.15
+    assert told.force == pytest.approx(force, abs=0.06)
+    assert told.rms == pytest.approx(rms, rel=0.25)
 
 
 def contacts(*centres: Any) -> Any:

@@ -39,7 +39,7 @@ def test_cells_are_looked_up_by_their_numbers(seed, M):
 def test_powers_are_those_at_the_middles_of_the_cells_however_they_are_asked():
     rng = np.random.default_rng(5)
     session = pc.Session(ARRAY)
-    reach = ReachabilityFilter(session)
+    reach = ReachabilityFilter(session.propagator)
     q = np.c_[rng.uniform(-0.1, 0.1, (200, 2)), rng.uniform(0.05, 0.3, 200)]
     pieces = np.concatenate([reach._free(part) for part in np.array_split(q, 7)])
     middles = CELL_SIZE * (np.floor(q / CELL_SIZE) + 0.5)
@@ -52,7 +52,7 @@ def test_powers_are_those_at_the_middles_of_the_cells_however_they_are_asked():
 
 def test_points_far_away_and_on_transducers_are_left_out():
     skipped = Counter()
-    reach = ReachabilityFilter(pc.Session(ARRAY))
+    reach = ReachabilityFilter(pc.Session(ARRAY).propagator)
     q = np.array([[0.0, 0.0, 0.2], [1e6, 0.0, 0.0], ARRAY.positions[7]])
     assert reach.find_reachable(q, skipped).tolist() == [True, False, False]
     assert skipped == {"samples too far from the array": 1, "samples on a transducer": 1}

@@ -423,12 +423,12 @@ def test_an_earlier_recording_stays_until_a_run_begins_and_other_files_are_not_t
     late = pc.Recorder(link)
     assert link.is_symlink()
     (tmp_path / "never").write_text("made meanwhile")
-    with pytest.raises(pc.RecordingError, match="is not overwritten"):
+    with pytest.raises(pc.RecordingError, match="does not overwrite it"):
         late.begin(pc.autd(), renderer.backend.capability, {})
     with pytest.raises(pc.RecordingError, match="cannot be written"):
         pc.Recorder(tmp_path / ("x" * 300))
     scene.write_text("[[objects]]\n")
-    with pytest.raises(pc.RecordingError, match="is not overwritten"):
+    with pytest.raises(pc.RecordingError, match="does not overwrite it"):
         pc.Recorder(scene)
     assert scene.read_text() == "[[objects]]\n"
 

@@ -80,7 +80,8 @@ def test_an_object_that_asks_for_more_than_one_focus_is_named(
     assert len(found) == (share > 1.0)
     for text in found:
         assert (
-            f"'ball' ({share * most:.3g} Pa, where the array makes at most {most:.2g} Pa)" in text
+            f"'ball' ({share * most:.3g} Pa, where the array produces at most {most:.2g} Pa)"
+            in text
         )
         assert "nearer" in text
 
@@ -106,7 +107,7 @@ def test_paths_and_particles_are_named_too(make: Any) -> None:
     most = pc.radiation_pressure(np.abs(pc.matrix(ARRAY, at, AIR)).sum(axis=1).min(), AIR)
     assert warn(make(0.2, 0.8 * most)) == ()
     (text,) = warn(make(0.2, 1.2 * most))
-    assert "stronger than the array can be" in text
+    assert "stronger than the array can produce" in text
 
 
 def test_a_place_in_millimetres_is_answered_with_the_unit() -> None:

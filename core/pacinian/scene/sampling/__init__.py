@@ -13,6 +13,7 @@ Where
     array_resolution.py       resolution of the array by place; how much of its sound reaches skin of some orientation
     small_region_spacing.py   closer samples for small regions
     silent_samples.py         silent samples beside touched regions, against spill of pressure
+    touched_skin.py           random places on touched skin and beside it, where the loop measures
     region_bands.py           parts of a large region that sound in turn
 How many, how strong
     sample_budget.py          divides the budget among objects by priority; coarsens spacing

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 LEVEL_RATIO = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
-MAX_SUBSET = 8  # number of transducers that represent the array for visibility
+MAX_SUBSET = 32  # number of transducers that represent the array for visibility
 # Mean cos^2 of the angle of incidence at which skin gets no pressure, or its full pressure (cosines 0.14 and 0.32).
 BLOCKED_COS2, FULL_PRESSURE_COS2 = 0.02, 0.1
-MIN_LENGTH = 1e-30
+MIN_AREA = 1e-30  # smallest squared distance used as a divisor [m^2]
 CELL = 0.02  # size of the grid cells for each of which the resolution is computed once [m]
 MAX_CELLS = 10_000  # largest number of cached cells
 
@@ -34,7 +34,7 @@ class ArrayResolution:
         self.wavelength = medium.speed_of_sound / array.transducer.frequency  # [m]
         picked = np.unique(np.linspace(0, len(array) - 1, MAX_SUBSET).round().astype(np.intp))
         self.viewpoints = np.ascontiguousarray(array.positions[picked])
-        """Positions of up to 8 transducers spread over the array, (V, 3) [m]."""
+        """Positions of up to 32 transducers spread over the array, (V, 3) [m]."""
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
         ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
         self.corners = np.unique(np.stack(ends, axis=-1).reshape(-1, 3), axis=0)
@@ -87,10 +87,14 @@ class ArrayResolution:
         return np.where(np.isfinite(areas), areas, np.nan)
 
     def compute_incidence(self, positions: Floats, normals: Floats) -> Floats:
-        """Return the mean cos^2 of the angle of incidence on skin at points (M, 3) [m], over the transducers: (M,)."""
+        """Return the mean cos^2 of the angle of incidence on skin at points (M, 3) [m], over the transducers: (M,).
+
+        The weights are 1 / distance^2, because near transducers are louder.
+        """
         d = self.viewpoints[:, None] - positions  # (V, M, 3)
-        cosine = (d * normals).sum(axis=2) / np.sqrt((d * d).sum(axis=2) + MIN_LENGTH)
-        return np.asarray((np.maximum(cosine, 0.0) ** 2).mean(axis=0))
+        weights = 1.0 / np.maximum((d * d).sum(axis=2), MIN_AREA)
+        along = np.maximum((d * normals).sum(axis=2), 0.0)
+        return np.asarray((along**2 * weights**2).sum(axis=0) / weights.sum(axis=0))
 
 
 def weigh_incidence(seen: Floats) -> Floats:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native.scene import press_on
+from pacinian.neighbours import find_nearest
 from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING
+from pacinian.scene.objects import Surface
 from pacinian.scene.sampling.sample_sources import number_region
 from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.shapes.texture import apply_texture
@@ -17,12 +19,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.pose import Pose
-    from pacinian.scene.objects import Object, Surface, Volume
+    from pacinian.scene.objects import Object, Volume
     from pacinian.scene.sampling.array_resolution import ArrayResolution
     from pacinian.scene.sampling.distance_cache import DistanceCache
     from pacinian.scene.sampling.posed_skin import FineSkin, PosedSkin
     from pacinian.types import Floats, Indices
 
+# Largest distance of neighbouring points of a skin [m].
+NEIGHBOUR_DISTANCE = 1.5 * FINEST_SKIN_SPACING
 ANYWHERE = np.empty((0, 3))  # no places that skin must face
 
 
@@ -30,11 +34,12 @@ ANYWHERE = np.empty((0, 3))  # no places that skin must face
 class Contact:
     """The part of a hand's skin that is inside a surface or a volume, or within reach of it.
 
-    touched: indices of the skin's points. force: on each of them [N]. finely: presses the points of a level between
-    these. fine: largest spacing at which each sample presses as the material does there [m]. At a coarser spacing, the
-    force of each point is distributed among the nodes of one level of detail of the skin. This keeps the total, and
-    nothing jumps as the contact moves. least: pressure below which nobody feels a sample [Pa]. faint: number of nodes
-    left out for that reason.
+    touched: indices of the skin's points. force: on each of them [N]. near: indices of the skin's points that may have
+    touched points beside them. press: presses points between those of the skin as the material does; returns the
+    indices of those that are pressed, and the force on each [N]. fine: largest spacing at which each sample presses as
+    the material does there [m]. At a coarser spacing, the force of each point is distributed among the nodes of one
+    level of detail of the skin. This keeps the total, and nothing jumps as the contact moves. least: pressure below
+    which nobody feels a sample [Pa]. faint: number of nodes left out for that reason.
     """
 
     item: Surface | Volume
@@ -45,7 +50,8 @@ class Contact:
     touched: Indices
     force: Floats
     least: float
-    finely: Callable[[int], tuple[FineSkin, Indices, Floats]]
+    near: Indices
+    press: Callable[[FineSkin], tuple[Indices, Floats]]
     fine: float = 0.0
     faint: int = 0
 
@@ -53,6 +59,11 @@ class Contact:
     def place(self) -> tuple[float, float, float]:
         """See `SampleSource`."""
         return self.hand.centre
+
+    @property
+    def region(self) -> int:
+        """Region number of the samples."""
+        return number_region(self.item, self.name)
 
     @property
     def extent(self) -> float:
@@ -64,7 +75,8 @@ class Contact:
         hand, of, skin = self.hand, None, (self.hand.points, self.hand.normals)
         level = hand.find_fine_level(spacing) if spacing <= self.fine else None
         if level is not None:
-            of, nodes, force = self.finely(level)
+            of = hand.refine(self.near, level)
+            nodes, force = self.press(of)
             area, skin = of.area[nodes], (of.points, of.normals)
         else:
             among = hand.thin_forces if spacing <= self.fine else hand.share_forces
@@ -82,7 +94,7 @@ class Contact:
         return Samples(
             points[:kept], P[:kept], normals[:kept], extent[:kept], np.full(kept, self.index),
             keys[:kept], np.full(kept, self.item.pressure),
-            np.full(kept, number_region(self.item, self.name)), self.items, hand.capsules,
+            np.full(kept, self.region), self.items, hand.capsules,
         )  # fmt: skip
 
 
@@ -116,10 +128,12 @@ def find_contact(
     material, most = item.material, item.pressure
     reach = material.reach
     corners = ANYWHERE if resolving is None else resolving.corners
-    which, local = hand.find_near(pose, item.bounding_radius + reach, corners)
+    # a point between those of the skin may be touched although the nearest of those is not
+    margin = reach + FINEST_SKIN_SPACING
+    which, local = hand.find_near(pose, item.bounding_radius + margin, corners)
     if not len(which):
         return None
-    d = distances.of(item, name, hand, which, local, reach, material.compute_full_depth(most))
+    d = distances.of(item, name, hand, which, local, margin, material.compute_full_depth(most))
     viewpoints = ANYWHERE if resolving is None else resolving.viewpoints
     inside, force = hand.find_pressed(
         which, d, reach, material.compute_stiffness(most), most, viewpoints
@@ -132,8 +146,7 @@ def find_contact(
     if item.texture is not None and not force.any():
         return None
 
-    def finely(level: int) -> tuple[FineSkin, Indices, Floats]:
-        fine = hand.refine(which[d < reach + FINEST_SKIN_SPACING], level)
+    def press(fine: FineSkin) -> tuple[Indices, Floats]:
         at = (fine.points - pose.position) @ pose.matrix
         apart = distances.of(
             item, name, hand, fine.which, at, reach, material.compute_full_depth(most)
@@ -149,6 +162,10 @@ def find_contact(
         )
         apply_texture(item.texture, at[nodes], force)
         force *= share
-        return fine, nodes, force
+        return nodes, force
 
-    return Contact(item, index, name, hand, items, which[inside], force, least, finely)
+    close = d < margin
+    if isinstance(item, Surface):  # its distance jumps at its outline, behind it
+        close |= find_nearest(local[inside], local)[0] < NEIGHBOUR_DISTANCE
+    near = which[close]
+    return Contact(item, index, name, hand, items, which[inside], force, least, near, press)

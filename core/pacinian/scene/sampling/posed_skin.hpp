@@ -54,20 +54,22 @@ inline void box(View<const f8, 2> bounds, View<f8, 1> out) {
     }
 }
 
-// Return the mean cos^2 of the angle of incidence from places of the array, (V, 3). Stops early once it reaches `enough`.
-inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> viewpoints, f8 enough) {
-    const Index V = viewpoints.shape[0];
-    f8 total = 0.0;
-    for (Index v = 0; v < V && total < enough * V; ++v) {
+// Return the mean cos^2 of the angle of incidence from places of the array, (V, 3), with weights of 1 / distance^2.
+inline f8 seen(const f8* point, const f8* normal, View<const f8, 2> viewpoints) {
+    f8 total = 0.0, weights = 0.0;
+    for (Index v = 0; v < viewpoints.shape[0]; ++v) {
         f8 along = 0.0, away = 0.0;
         for (int k = 0; k < 3; ++k) {
             const f8 d = viewpoints(v, k) - point[k];
             along += normal[k] * d;
             away += d * d;
         }
-        if (along > 0.0) total += along * along / std::max(away, TINY);
+        const f8 weight = 1.0 / std::max(away, TINY);
+        along = std::max(along, 0.0);
+        total += along * along * weight * weight;
+        weights += weight;
     }
-    return total / static_cast<f8>(V);
+    return total / weights;
 }
 
 // Find the pressed points among `which`, and the force on each. The pressure at a depth is the same law as
@@ -100,7 +102,7 @@ inline Index press(View<const f8, 1> d, View<const i8, 1> which, f8 reach, f8 st
         const Index k = touched[n];
         f8 share = deep[n] ? 0.0 : 1.0;
         if (viewpoints.shape[0] && !deep[n]) {
-            f8 x = (seen(points.row(k), normals.row(k), viewpoints, full) - blocked) / (full - blocked);
+            f8 x = (seen(points.row(k), normals.row(k), viewpoints) - blocked) / (full - blocked);
             x = std::min(std::max(x, 0.0), 1.0);
             share = x * x * (3.0 - 2.0 * x);
         }
@@ -213,7 +215,7 @@ inline void define_contact(nb::module_& m) {
            "d: signed distance of the points `which`, (I,) [m]. reach [m], stiffness [Pa/m], max_pressure [Pa]: of a material.\n"
            "points, normals, area, bone, slack: of the skin, (K, 3), (K,). capsules: of the hand, (C, 8), inside of which, deeper\n"
            "than the slack, there is no skin; none for a mesh. viewpoints: positions of transducers, (V, 3); none: all skin is pressed.\n"
-           "blocked, full: mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).",
+           "blocked, full: weighted mean cos^2 of the angle of incidence at which skin is not pressed, and fully. inside: indices into `which`, (I,). force: of each [N], (I,).",
            "d", "which", "reach", "stiffness", "max_pressure", "points", "normals", "area", "bone", "slack", "capsules",
            "viewpoints", "blocked", "full", "inside", "force");
     kernel(m, "stale", &stale,

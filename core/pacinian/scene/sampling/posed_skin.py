@@ -39,6 +39,17 @@ class FineSkin(NamedTuple):
     bone: Indices
     slack: Floats
 
+    def only(self, kept: Indices) -> FineSkin:
+        """Return the points `kept`, in that order."""
+        return FineSkin(
+            self.which[kept],
+            self.points[kept],
+            self.normals[kept],
+            self.area[kept],
+            self.bone[kept],
+            self.slack[kept],
+        )
+
 
 class PosedSkin:
     """The skin of `hand` at its current pose.
@@ -105,6 +116,15 @@ class PosedSkin:
         levels = np.array([*between.levels, self.skin.levels[0]])
         nearest = int(np.abs(np.log(levels / spacing)).argmin())
         return nearest if nearest < len(between.levels) else None
+
+    def find_finest(self, near: Indices) -> tuple[FineSkin, float]:
+        """Return the finest points that there are at the points `near`, (N,), and their spacing [m]."""
+        skin = self.skin
+        if skin.between is not None:
+            return self.refine(near, 0), skin.between.levels[0]
+        every = np.arange(len(self.points))
+        fine = FineSkin(every, self.points, self.normals, self.area, skin.bone, skin.slack)
+        return fine.only(near), float(skin.levels[0])
 
     def refine(self, near: Indices, level: int) -> FineSkin:
         """Return the points `near`, (N,), and those of a fine level of which one of them is the nearest."""

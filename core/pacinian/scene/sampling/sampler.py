@@ -16,7 +16,7 @@ from pacinian.scene.modulation.technique import AM
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.contact import find_contact, touches_unseen
+from pacinian.scene.sampling.contact import Contact, find_contact, touches_unseen
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
@@ -56,7 +56,7 @@ from pacinian.scene.sampling.sample_sources import (
     lacks_surface,
 )
 from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
-from pacinian.scene.sampling.silent_samples import FINE_SILENT_SHARE, MAX_SILENT_SHARE, add_surround
+from pacinian.scene.sampling.silent_samples import FINE_SURROUND, SURROUND, add_surround
 from pacinian.scene.sampling.small_region_spacing import refine
 from pacinian.scene.sampling.spacing import (
     FINE_LEAST,
@@ -68,6 +68,7 @@ from pacinian.scene.sampling.spacing import (
     compute_spacing,
     space_contacts,
 )
+from pacinian.scene.sampling.touched_skin import scatter_places, stays_on_skin
 from pacinian.skip_reasons import (
     AWAY_FROM_HANDS,
     COARSENED_SAMPLES,
@@ -174,6 +175,7 @@ class Sampler:
         self._target = no_samples()
         # Hands of the last call, and its time [s].
         self._present: tuple[list[PosedSkin], float] = [], 0.0
+        self._chance = np.random.default_rng(0)
         self.frame_budget = self.budget
         """Maximum number of samples in one frame at the last call of `sample`."""
         self.sample_counts = SampleCounts()
@@ -220,6 +222,26 @@ class Sampler:
         """Return the skins of the hands at the last call of `sample`, as they were seen: not blended, and none lost."""
         hands, t = self._present
         return tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand in hands)
+
+    def scatter_places(self, scene: Scene, t: float, count: int) -> Samples:
+        """Return random places on the touched skin and beside it at time t [s], as `scatter_places` describes.
+
+        Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
+        Contacts of objects whose technique moves their samples are left out. count: of places, roughly. Forgets hands
+        and poses, so use a sampler of its own for it, without perception.
+        """
+        self._tracks, self._hands = PosePredictor(), {}
+        hands = self._track_hands(scene, t, SampleCounts(scene.objects))
+        if not hands or self._resolving is None:
+            return no_samples()
+        found = cull(scene.bounds, t, self._boxes(scene, hands, skin=True)).tolist()
+        contacts = [
+            source
+            for source, _ in self._sources(scene, t, found, hands, skin=True)
+            if isinstance(source, Contact) and stays_on_skin(source.item)
+        ]
+        places = scatter_places(contacts, count, self._resolving.corners, self._chance)
+        return self._cut(scene.workspace)(places)
 
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
@@ -283,8 +305,8 @@ class Sampler:
                 self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
             )
             left = allowance.find_limit(budget, 0) - len(parts[0])
-            share = FINE_SILENT_SHARE if self.fine else MAX_SILENT_SHARE
-            parts = [add_surround(parts[0], touching, centre, resolved, left, share)]
+            surround = FINE_SURROUND if self.fine else SURROUND
+            parts = [add_surround(parts[0], touching, centre, resolved, left, surround)]
         return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
 
     def _note_unseen(

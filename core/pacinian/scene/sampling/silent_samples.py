@@ -6,7 +6,7 @@ times the mean target pressure. A sparse ring of silent samples of low weight pr
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,32 +18,49 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats, Indices
 
-# Limits of the distance from a silent sample to its region, over the resolution.
-INNER, OUTER = 0.25, 1.2
+INNER = 0.25  # smallest distance from a silent sample to its region, over the resolution
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
-# maximum ratio of silent to pressing samples: if solves must be fast, and otherwise
-MAX_SILENT_SHARE, FINE_SILENT_SHARE = 1.0 / 3.0, 0.75
-MAX_OF_SMALL = 48  # maximum number of silent samples where that ratio allows fewer
+
+
+class Surround(NamedTuple):
+    """How many silent samples there are.
+
+    outer: largest distance from a silent sample to its region, over the resolution. share: maximum ratio of silent to
+    pressing samples.
+    """
+
+    outer: float
+    share: float
+
+
+SURROUND = Surround(1.2, 1.0 / 3.0)  # if solves must be fast
+# Otherwise. With more silent samples that lie farther away, the pressure 10 to 30 mm beside contacts is lower.
+FINE_SURROUND = Surround(2.0, 1.2)
+MAX_OF_SMALL = 48  # maximum number of silent samples where the ratio allows fewer
 
 
 def add_surround(
-    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int,
-    share: float = MAX_SILENT_SHARE,
+    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, most: int, surround: Surround
 ) -> Samples:  # fmt: skip
     """Add evenly spread silent samples on the skin beside the regions that touch it.
 
-    Their number is at most `share` of the pressing samples, or 48 if that is more. centre: of the array, (3,) [m]; skin
-    that faces away from it gets none. resolved: resolution of the array there [m]. most: a further limit of the
-    number of silent samples.
+    centre: of the array, (3,) [m]; skin that faces away from it gets none. resolved: resolution of the array there [m].
+    most: limit of the number of silent samples. surround: a further limit, or 48 if that is more, and how far away they
+    may be.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    most = min(most, max(MAX_OF_SMALL, int(share * len(of))))
+    most = min(most, max(MAX_OF_SMALL, int(surround.share * len(of))))
     if most <= 0 or not len(of):
         return samples
     q, every = samples.positions[of], [samples]
     for hand in hands:
         nodes, nearest = hand.around(
-            q, SURROUND_SPACING * resolved, INNER * resolved, OUTER * resolved, centre, most
+            q,
+            SURROUND_SPACING * resolved,
+            INNER * resolved,
+            surround.outer * resolved,
+            centre,
+            most,
         )
         if len(nodes):
             every.append(_silent(samples, of[nearest], hand, nodes, SURROUND_SPACING * resolved))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
@@ -54,11 +55,15 @@ class Solid(Protocol):
         ...
 
 
+# Held while the function of any `SDF` runs, because a loop samples and measures in different threads.
+ONE_AT_A_TIME = threading.RLock()
+
+
 class SDF(Struct, frozen=True, eq=False, dict=True):
     """A volume given by a signed-distance function.
 
-    function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside; it gets a copy, which it may change.
-    extent: half the size of a bounding box centred on the origin [m]. Raises ArgumentError.
+    function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside. It gets a copy, which it may change.
+    Several threads may call it, one at a time. extent: half the size of a bounding box centred on the origin [m]. Raises ArgumentError.
     """
 
     function: Callable[[Floats], Floats]
@@ -85,7 +90,8 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     def distance(self, points: Floats) -> Floats:
         """Return the signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
-        d = check_real("function", self.function(points.copy()))
+        with ONE_AT_A_TIME:
+            d = check_real("function", self.function(points.copy()))
         if d.shape != (len(points),) or not np.isfinite(d).all():
             raise ArgumentError(
                 "function",

@@ -95,7 +95,7 @@ def _zones(renderer: Renderer) -> dict[str, Any]:
 
 
 def _encode_felt(renderer: Renderer, items: list[Object]) -> bytes:
-    """Return force, rms, holes and spill of each object, measured between its samples."""
+    """Return force, rms, holes and spill of each object, over the last measurements."""
     felt = renderer.report.compute_felt(LOOKS)
     figures = [felt.get(name_of(item), UNKNOWN) for item in items]
     return np.array(figures, dtype="<f4").tobytes()

@@ -575,8 +575,9 @@ def share_seen(array: Any, points: Any, normals: Any) -> Any:
     """Return the share of pressure that skin gets: a smooth step from 2 % to 10 % of the power."""
     made = []
     for point, normal in zip(points, normals, strict=True):
-        cosines = [float(d @ normal) / math.hypot(*d) for d in array.positions - point]
-        seen = sum(max(c, 0.0) ** 2 for c in cosines) / len(cosines)
+        away = [(math.hypot(*d), float(d @ normal)) for d in array.positions - point]
+        powers = [max(along / r, 0.0) ** 2 / r**2 for r, along in away]
+        seen = sum(powers) / sum(1.0 / r**2 for r, _ in away)
         x = min(max((seen - 0.02) / 0.08, 0.0), 1.0)
         made.append(integrate.quad(lambda u: 6.0 * u * (1.0 - u), 0.0, x)[0])
     return np.array(made)
@@ -623,6 +624,17 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
         felt = sampler.sample(pc.Scene((rain,), hands=(hand.hand,)))
         assert np.array_equal(felt.keys, bare.keys[share > 0.0])
         assert felt.radiation_pressure == pytest.approx(5.0 * share[share > 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("units", "height"), [(1, 0.03), (3, 0.06), (4, 0.1)])
+def test_skin_close_to_a_wide_array_is_pressed_fully(units: int, height: float) -> None:
+    """Most transducers see it at grazing incidence, but those below it are much louder."""
+    array = pc.autd(units, units)
+    low, high = array.positions[:, :2].min(axis=0), array.positions[:, :2].max(axis=0)
+    places = low + (high - low) * np.random.default_rng(5).random((300, 2))
+    points = np.column_stack([places, np.full(300, height)])
+    seen = ArrayResolution(array, pc.Air()).compute_incidence(points, np.array([0.0, 0.0, -1.0]))
+    assert weigh_incidence(seen).min() == 1.0
 
 
 def test_skin_that_faces_away_from_the_array_is_not_asked_for() -> None:

@@ -12,7 +12,7 @@ import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.sample_budget import FINE_ON_SKIN, ON_SKIN
-from pacinian.scene.sampling.silent_samples import INNER, MAX_OF_SMALL, OUTER
+from pacinian.scene.sampling.silent_samples import FINE_SURROUND, INNER, MAX_OF_SMALL, SURROUND
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
 
@@ -46,7 +46,8 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(
     plain, both = (sampled(scene, budget, surround=around, fine=fine) for around in (False, True))
     silent = both.radiation_pressure == 0.0
     assert 0.1 * len(plain) < silent.sum()
-    assert silent.sum() <= max(MAX_OF_SMALL, len(plain) if fine else len(plain) / 3)
+    around = FINE_SURROUND if fine else SURROUND
+    assert silent.sum() <= max(MAX_OF_SMALL, around.share * len(plain))
     assert np.array_equal(both.positions[~silent], plain.positions)
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
     assert both.force == pytest.approx(plain.force)
@@ -54,7 +55,7 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(
     resolved = ArrayResolution(ARRAY, AIR).compute_isolated_spacing((0.0, 0.0, 0.205))
     away, nearest = KDTree(plain.positions).query(both.positions[silent])
     assert away.min() >= INNER * resolved
-    assert away.max() < OUTER * resolved
+    assert away.max() < around.outer * resolved
     assert (both.regions[silent] == -2).all()
     assert np.array_equal(both.objects[silent], plain.objects[nearest])
     towards = ((ARRAY.centre - both.positions[silent]) * both.normals[silent]).sum(axis=1)
@@ -110,7 +111,7 @@ def test_sound_keeps_off_the_skin_beside_a_ball(radius: float) -> None:
         felt.append(found)
     without, around = felt
     assert around.spill < 0.75 * without.spill
-    assert around.spill < 1.2
+    assert around.spill < 1.6
     assert around.rms < without.rms + 0.04
     assert around.rms < 0.1
     assert around.force == pytest.approx(1.0, abs=0.03)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -442,3 +443,24 @@ def test_a_signed_distance_may_be_computed_in_place() -> None:
     samples = solid.sample_surface(0.005)
     np.testing.assert_allclose(np.linalg.norm(samples.points, axis=1), 0.02, atol=1e-4)
     assert len(samples.points) > 100
+
+
+def test_the_function_of_an_sdf_is_called_by_one_thread_at_a_time() -> None:
+    inside, most = 0, 0
+    met = threading.Event()
+
+    def distance(points: Any) -> Any:
+        nonlocal inside, most
+        inside += 1
+        most = max(most, inside)
+        met.wait(0.01)  # another thread would come in
+        inside -= 1
+        return np.linalg.norm(points, axis=1) - 0.01
+
+    ball, points = pc.SDF(distance, (0.01, 0.01, 0.01)), np.zeros((3, 3))
+    threads = [threading.Thread(target=ball.distance, args=(points,)) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == 1

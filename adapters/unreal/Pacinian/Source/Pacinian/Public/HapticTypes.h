@@ -46,8 +46,8 @@ enum class EHapticStrength : uint8 {
 UENUM(BlueprintType)
 enum class EHapticSide : uint8 { Left, Right };
 
-/** The achieved pressure of a surface or volume, compared with the requested one, between its samples and over about
- * the last second. */
+/** The achieved pressure of a surface or volume, compared with the requested one, over about the last second and over
+ * all touched skin. In free air, it is measured between the samples. */
 USTRUCT(BlueprintType)
 struct PACINIAN_API FHapticRegionFelt {
   GENERATED_BODY()
@@ -68,7 +68,7 @@ struct PACINIAN_API FHapticRegionFelt {
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Holes = 0.0f;
 
-  /** The highest radiation pressure 3 to 7 mm outside the region, relative to the mean requested one. */
+  /** The highest radiation pressure 3 to 30 mm outside the region, relative to the mean requested one. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Spill = 0.0f;
 };

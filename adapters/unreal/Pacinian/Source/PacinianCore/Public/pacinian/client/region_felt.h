@@ -9,8 +9,8 @@
 
 namespace pacinian {
 
-/// The achieved pressure of an object's surface or volume, compared with the requested one, between its samples and
-/// over about the last second. All numbers are NaN if the server does not report them: for points and paths, and in
+/// The achieved pressure of an object's surface or volume, compared with the requested one, over about the last second
+/// and over all touched skin. In free air, it is measured between the samples. All numbers are NaN if the server does not report them: for points and paths, and in
 /// silence.
 struct RegionFelt {
   static constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
@@ -18,7 +18,7 @@ struct RegionFelt {
   float force = unknown;  ///< achieved force divided by the requested one; 1 is ideal
   float rms = unknown;    ///< error of the radiation pressure, relative to the requested one
   float holes = unknown;  ///< fraction of the region with less than half of the requested pressure
-  float spill = unknown;  ///< highest radiation pressure 3 to 7 mm outside the region, relative to the mean requested one
+  float spill = unknown;  ///< highest radiation pressure 3 to 30 mm outside the region, relative to the mean requested one
 
   /// Returns whether the server reports the numbers.
   bool known() const { return !std::isnan(force); }

@@ -1,0 +1,116 @@
+"""Measure now and then, beside the ticks, what is felt of the field that the ticks emit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.rendering.emitted_measurement import PLACES_ON_SKIN, Probe
+from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
+from pacinian.scene.sampling.sampler import Sampler
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.rendering.playback import Playback
+    from pacinian.rendering.solution_sequence import SolveResult
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.scene import Scene
+    from pacinian.session import Session
+    from pacinian.solving.problem import Limits
+    from pacinian.types import Gains
+
+
+class _Moment(NamedTuple):
+    """What a tick has emitted.
+
+    scene: in which it was emitted, at `time` [s]. result: that is played, within `limits`. gains: without envelopes,
+    before rounding, of the frames that take turns, (K, N).
+    """
+
+    scene: Scene
+    time: float
+    result: SolveResult
+    limits: Limits
+    gains: Gains
+
+
+class FeltMonitor:
+    """Keeps what some ticks have emitted, until there is time to measure it.
+
+    session: for whose array and medium. sampler: whose skin is measured. playback: makes the frames.
+    """
+
+    def __init__(self, session: Session, sampler: Sampler, playback: Playback) -> None:
+        self._session, self._sampler, self._playback = session, sampler, playback
+        self._probe = Probe(session)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what has been played and measured."""
+        self._schedule = MeasurementSchedule()
+        self._moment: _Moment | None = None
+        self._observer = Sampler(perception=False)
+        self._observer.prepare(self._session.array, self._session.medium)
+
+    def watch(
+        self, scene: Scene, result: SolveResult, limits: Limits, t: float, ticks: int
+    ) -> None:
+        """Keep what the tick at time t [s] has emitted, if it is time to measure.
+
+        result: that it played, within `limits`. ticks: number of ticks since the last call.
+        """
+        self._schedule.pass_ticks(result.solutions, ticks)
+        if self._moment is None and self._schedule.begin(result.solutions):
+            time = t + float(self._playback.times[-1])
+            gains = self._playback.copy_carriers()
+            self._moment = _Moment(scene, time, result, limits, gains)
+
+    def take_job(self) -> Callable[[], Measurement | None] | None:
+        """Return a function that measures what was kept, and forget it; None if nothing was kept.
+
+        The function returns None if it fails, for example in a user's function, because no frame depends on it.
+        """
+        if (moment := self._moment) is None:
+            return None
+        self._moment = None
+
+        def measure() -> Measurement | None:
+            try:
+                return self._measure(moment)
+            except Exception:
+                return None
+
+        return measure
+
+    def _measure(self, moment: _Moment) -> Measurement:
+        """Measure at the samples, between those in free air, and on touched skin."""
+        play, probe = moment.result.solutions, self._probe
+        samples, targets, facing = play.played_samples, play.targets, play.facing
+        assert samples is not None
+        assert targets is not None
+        solved = self._playback.quantise_frames(play, moment.limits)
+        if play.motion is not None and play.motion.shift.any():
+            error = probe.estimate_error(samples, targets, solved)
+        else:
+            p = moment.result.sample_pressures
+            if p is None:
+                p = probe.compute_pressures(samples.positions, facing, solved)
+            error = targets.relative_error(p)
+        felt = probe.look_between(samples, targets, facing, solved)
+        if facing is not None and targets.regions is not None:
+            emitted = [self._playback.quantise_gains(g, moment.limits) for g in moment.gains]
+            felt |= probe.look_on_skin(self._find_places(moment), np.array(emitted))
+        return Measurement(error, felt)
+
+    def _find_places(self, moment: _Moment) -> Samples:
+        """Return places on the skin that is touched at that moment, at the pressures after the ramps."""
+        self._observer.skin = self._sampler.skin
+        places = self._observer.scatter_places(moment.scene, moment.time, PLACES_ON_SKIN)
+        played, full = moment.result.solutions.samples, moment.result.sample_counts.samples
+        P = places.radiation_pressure.copy()
+        for number in set(places.regions.tolist()):
+            asked = full.sum_force(number)
+            P[places.regions == number] *= played.sum_force(number) / asked if asked > 0.0 else 0.0
+        return places.with_pressure(P).only((P > 0.0) | (places.radiation_pressure == 0.0))

@@ -1,0 +1,133 @@
+"""Random places on touched skin and beside it, where the loop measures what is felt."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.neighbours import find_nearest
+from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING
+from pacinian.scene.sampling.sample_sources import forms_region
+from pacinian.scene.sampling.samples import BESIDE, Samples, join_samples, no_samples
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.random import Generator
+
+    from pacinian.scene.haptic_object import HapticObject
+    from pacinian.scene.sampling.contact import Contact
+    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.types import Floats
+
+MIN_PLACES = 8  # smallest number of places on one contact
+MARGIN = (
+    FINEST_SKIN_SPACING / 4.0
+)  # how far touched skin goes on beyond its outer points, roughly [m]
+# Limits of the distance from the places beside a contact to the touched points of the skin [m]. Half of the places are
+# no farther away than CLOSE, because the pressure is mostly highest there.
+INNER, CLOSE, OUTER = 3e-3 + MARGIN, 10e-3, 30e-3
+
+
+def scatter_places(
+    contacts: Sequence[Contact], count: int, corners: Floats, chance: Generator
+) -> Samples:
+    """Return random places on the touched skin, with the pressures that the materials ask for there.
+
+    These places cover the whole touched skin evenly, also its rim. They are not those of samples. Where several
+    contacts press on the same skin, they ask for the mean of their pressures. Other places lie 3 to 30 mm beside the
+    touched skin. Their pressure is 0 and their region -2.
+
+    count: of the places on all contacts, roughly. At most as many lie close beside the contacts of each hand, and as
+    many farther away. corners: of the array, (V, 3) [m]; the places beside a contact face one of them.
+    """
+    total = sum(one.extent for one in contacts)
+    found = list[Samples]()
+    for one in contacts:
+        sharing = [other for other in contacts if _share_skin(one, other)]
+        wanted = max(MIN_PLACES, round(count * one.extent / total))
+        found.append(_scatter_within(one, sharing, wanted, chance))
+    for hand in {id(one.hand): one.hand for one in contacts}.values():
+        touching = [one for one in contacts if one.hand is hand]
+        found.append(_scatter_beside(hand, touching, count, corners, chance))
+    return join_samples(found) if found else no_samples()
+
+
+def stays_on_skin(item: HapticObject) -> bool:
+    """Return whether an object presses as a region where it touches skin, and no technique moves it away."""
+    return forms_region(item) and item.technique.still
+
+
+def _share_skin(one: Contact, other: Contact) -> bool:
+    """Return whether two different contacts share touched skin."""
+    if one is other or one.hand is not other.hand:
+        return False
+    return len(np.intersect1d(one.touched, other.touched, assume_unique=True)) > 0
+
+
+def _scatter_within(
+    contact: Contact, sharing: list[Contact], count: int, chance: Generator
+) -> Samples:
+    """Return random places on the touched skin, at most `count`."""
+    hand = contact.hand
+    some = np.sort(chance.choice(contact.near, min(count, len(contact.near)), replace=False))
+    fine, spacing = hand.find_finest(some)
+    fine = fine.only(chance.choice(len(fine.area), count, p=fine.area / fine.area.sum()))
+    # move each place within its cell, along the skin
+    turn, r = chance.uniform(0.0, 2.0 * np.pi, count), spacing / 2.0 * np.sqrt(chance.random(count))
+    across = np.cross(fine.normals, np.eye(3)[np.abs(fine.normals).argmin(axis=1)])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    aside = np.cross(fine.normals, across)
+    moved = np.cos(turn)[:, None] * across + np.sin(turn)[:, None] * aside
+    fine = fine._replace(points=fine.points + r[:, None] * moved)
+    own, total, pressing = np.zeros(count), np.zeros(count), np.zeros(count)
+    for one in (contact, *sharing):
+        nodes, force = one.press(fine)
+        total[nodes] += force / fine.area[nodes]
+        pressing[nodes] += force > 0.0
+        if one is contact:
+            own[:] = total
+    nodes = np.flatnonzero(own)
+    P, K = total[nodes] / pressing[nodes], len(nodes)
+    return no_samples(contact.items, hand.capsules).changed(
+        positions=fine.points[nodes],
+        radiation_pressure=P,
+        normals=fine.normals[nodes],
+        area=np.full(K, contact.extent / max(K, 1)),
+        objects=np.full(K, contact.index),
+        keys=np.arange(K),
+        most=np.full(K, contact.item.pressure),
+        regions=np.full(K, contact.region),
+    )
+
+
+def _scatter_beside(
+    hand: PosedSkin, touching: list[Contact], count: int, corners: Floats, chance: Generator
+) -> Samples:
+    """Return random places beside the skin that contacts touch: at most `count` close to it, and as many others."""
+    touched = [one.touched for one in touching]
+    q = hand.points[np.concatenate(touched)]
+    low, high = q.min(axis=0) - OUTER, q.max(axis=0) + OUTER
+    x, y, z = ((low < hand.points) & (hand.points < high)).T
+    some = chance.permutation(np.flatnonzero(x & y & z))[: 16 * count]
+    away = corners - hand.points[some, None]
+    some = some[(np.einsum("kj,kvj->kv", hand.normals[some], away) > 0.0).any(axis=1)]
+    some, nearest = some[hand.find_exposed(some)], np.zeros(0, np.intp)
+    if len(some):
+        away, nearest = find_nearest(q, hand.points[some])
+        close = np.flatnonzero((away > INNER) & (away < CLOSE))[:count]
+        far = np.flatnonzero((away >= CLOSE) & (away < OUTER))[:count]
+        kept = np.concatenate([close, far])
+        some, nearest = some[kept], nearest[kept]
+    K, of = len(some), np.repeat(np.arange(len(touching)), [len(part) for part in touched])[nearest]
+    return no_samples(touching[0].items, hand.capsules).changed(
+        positions=hand.points[some],
+        radiation_pressure=np.zeros(K),
+        normals=hand.normals[some],
+        area=np.zeros(K),
+        objects=np.array([one.index for one in touching])[of],
+        keys=np.arange(K),
+        most=np.array([one.item.pressure for one in touching])[of],
+        regions=np.full(K, BESIDE),
+    )
