@@ -18,6 +18,7 @@ SAMPLES_ON_TRANSDUCER = "samples on a transducer"
 FORCES_LIMITED = "forces above the pressure limit"
 HANDS_LOST = "hands lost"
 TICKS_HALTED = "halted"
+MEASUREMENTS_FAILED = "measurements failed"
 # Work that was not needed
 NOTHING_MOVED = "solve, nothing moved"
 UNDER_WAY = "solve, still under way"

@@ -304,7 +304,7 @@ def test_only_the_page_that_asked_is_told_that_it_is_refused(fake: Fake, url: st
 
 @pytest.fixture
 def long_lease(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The lease outlasts a machine that stops for a second, and is still renewed soon: after a quarter of it."""
+    """The lease outlasts a machine that stops for a second, and is still renewed soon: after an eighth of it."""
     monkeypatch.setattr(fake_server, "LEASE", 6.0)
 
 

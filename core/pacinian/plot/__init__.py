@@ -4,7 +4,7 @@
 
 fields.py           `field`, `slices`: the field in planes, and which quantity they draw by default
 planes.py           which planes are drawn: size, grid, axes
-quantities.py       radiation pressure, sound pressure, level, phase: units, limits, colour maps
+quantities.py       radiation pressure, sound pressure, level, phase: units, limits, which colour map each has
 volumes.py          `volume`, `isosurface`: the field in a box
 scenes.py           `scene`: scene, samples and field on one page
 boards.py           `boards`: a device's boards, channel order, dead transducers
@@ -22,7 +22,7 @@ mesh_colours.py     colours of these meshes, colour wheels and strips
 discs.py            objects in space as shaded discs
 outlines.py         outlines of hands, and of objects in a plane
 labels.py           labels beside points, where there is room
-style.py            widths, font sizes, colours safe for the colour-blind
+style.py            widths, font sizes, colours safe for the colour-blind; the default colour maps, `MAP` and `CYCLIC`
 page.py             figures and panels; saves them; needs the extra `plot`
 notebook_figure.py  a figure that notebooks show
 """

@@ -58,8 +58,8 @@ def export(
     isosurface at `level` of the maximum, 0..1. ".vti", VTK image data: sound and radiation pressure on a grid.
 
     gains: (N,), and medium, the air: for a field. box: lower and upper corner of the field [m]; default: around the
-    samples, or 0.2 m before the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser to stay
-    within a million points. Raises ArgumentError, MissingExtra, OSError.
+    samples, or 0.2 m in front of the array. spacing: of the grid [m]; default: a quarter of a wavelength, or coarser
+    to stay within a million points. Raises ArgumentError, MissingExtra, OSError.
     """
     check_kind("array", array, Array)
     check_kind("scene", scene, Scene, NoneType)

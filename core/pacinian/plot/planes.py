@@ -21,8 +21,8 @@ GRID = 240  # points along the longer edge
 MARGIN, HALF_WIDTH = 0.03, 0.08  # margin around samples; the same without samples [m]
 MAX_PLANE_DISTANCE = 0.012  # distance up to which samples are marked in a plane [m]
 MAX_CIRCLES = 24  # samples up to which circles mark them; more are dots, which hide less
-AHEAD = 0.2  # distance before the array to look at without samples [m]
-BEFORE = 0.005  # [m] before the array a plane along the way of its sound begins
+AHEAD = 0.2  # distance in front of the array of what is drawn if there are no samples [m]
+BEFORE = 0.005  # distance in front of the array at which a plane along the sound begins [m]
 AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 

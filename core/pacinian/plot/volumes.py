@@ -75,7 +75,7 @@ def volume(
 
 
 def around(array: Array, points: Floats) -> tuple[Floats, Floats]:
-    """Return the corners [m] of the box around points (M, 3) [m], or before the array if there are none."""
+    """Return the corners [m] of the box around points (M, 3) [m], or in front of the array if there are none."""
     if len(points):
         return points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     middle = middle_of(array, points)

@@ -19,7 +19,7 @@ from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_check import REGION_TOLERANCE
 from pacinian.solving.solution_status import Status
 from pacinian.testing.conformance import a, call_with_limit, check_class, check_rules, require
-from pacinian.testing.problems import Problem, make_ordinary, make_problems, make_regions
+from pacinian.testing.problems import Problem, make_problems, make_random_points, make_regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,7 +82,7 @@ class _Kit:
 
     def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
         """Make an ordinary problem for the kit's array."""
-        return make_ordinary(self.array, count, level, seed, fixed)
+        return make_random_points(self.array, count, level, seed, fixed)
 
     def problems(self) -> list[tuple[str, Problem]]:
         """Make all test problems."""

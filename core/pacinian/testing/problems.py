@@ -44,12 +44,12 @@ class Problem:
         return Targets.make_checked(len(self.q), self.t, self.phases, "exact", self.regions)
 
 
-def make_ordinary(
+def make_random_points(
     array: Array, count: int, level: float, seed: int = 0, fixed: bool = False
 ) -> Problem:
     """Make a problem of random points above the array, with phases that are `fixed` or free.
 
-    level: norm of the amplitudes, relative to the pressure of a single focus at full drive.
+    level: root of the sum of the squared amplitudes, relative to the pressure of a single focus at full drive.
     """
     rng = np.random.default_rng(seed)
     q = array.centre + np.c_[rng.uniform(-0.05, 0.05, (count, 2)), rng.uniform(0.12, 0.2, count)]
@@ -101,13 +101,13 @@ def make_regions(array: Array) -> list[tuple[str, Problem]]:
 
 
 def make_problems(array: Array) -> list[tuple[str, Problem]]:
-    """Make 12 ordinary problems, then awkward ones, then regions, each with a name."""
+    """Make 12 problems of random points, then special cases, then regions, each with a name."""
     made = [
-        (f"{count} points at level {level:g}", make_ordinary(array, count, level, fixed=fixed))
+        (f"{count} points at level {level:g}", make_random_points(array, count, level, fixed=fixed))
         for count, level in ((1, 0.5), (1, 3.0), (4, 0.1), (16, 0.8), (16, 1e3), (150, 0.5))
         for fixed in (False, True)
     ]
-    four = make_ordinary(array, 4, 0.3)
+    four = make_random_points(array, 4, 0.3)
     made.append(("coincident points", replace(four, q=four.q[[0, 0, 1, 1]])))
     made.append(("a point of pressure 0", replace(four, t=four.t * [0.0, 1.0, 1.0, 1.0])))
     made.append(("a tiny target", replace(four, t=four.t * 1e-25)))

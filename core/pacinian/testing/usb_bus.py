@@ -81,7 +81,7 @@ class UsbBus:
         )  # fmt: skip
 
     def open_device(self, dev: UsbDevice) -> Any:
-        if dev.driverless:
+        if dev.no_user_driver:
             raise NotImplementedError("Operation not supported or unimplemented on this platform")
         if dev.denied:
             raise error(errno.EACCES)
@@ -111,15 +111,15 @@ class UsbBus:
         _there(handle).holder = None
 
     def is_kernel_driver_active(self, handle: Any, intf: int) -> bool:
-        return bool(handle.dev.driver)
+        return bool(handle.dev.kernel_driver_bound)
 
     def detach_kernel_driver(self, handle: Any, intf: int) -> None:
         self.calls.append("detach")
-        handle.dev.driver = False
+        handle.dev.kernel_driver_bound = False
 
     def attach_kernel_driver(self, handle: Any, intf: int) -> None:
         self.calls.append("attach")
-        handle.dev.driver = True
+        handle.dev.kernel_driver_bound = True
 
     def clear_halt(self, handle: Any, ep: int) -> None:
         _there(handle).halted = False
@@ -165,7 +165,7 @@ class UsbBus:
 
     def _free(self, handle: Any) -> UsbDevice:
         dev = _there(handle)
-        if dev.driver or (dev.holder is not None and dev.holder is not handle):
+        if dev.kernel_driver_bound or (dev.holder is not None and dev.holder is not handle):
             raise error(errno.EBUSY)
         return dev
 

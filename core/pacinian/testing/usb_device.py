@@ -28,10 +28,11 @@ class UsbDevice:
     """A simulated device. Derived classes override `take` and `control`.
 
     serial: serial number; None if it has none. fault: fault of the next bulk write: "unplug", "stall", "timeout",
-    "hang" (control requests also time out), or a number of bytes after which the write ends. The last raises nothing,
-    because pyusb reports neither a short write nor a timeout after some bytes. denied: whether users may not open it.
-    driverless: whether no driver lets programs use it (Windows). driver: whether a kernel driver holds it. mute:
-    whether it answers no control request. writes: size [bytes] and timeout [ms] of each bulk write.
+    "hang" (control requests also time out), or a number of bytes after which the write ends. A write that ends early
+    raises nothing, because pyusb reports neither a short write nor a timeout after some bytes. denied: whether users
+    lack the permission to open the device. no_user_driver: whether it lacks a driver that lets programs use it
+    (Windows). kernel_driver_bound: whether a kernel driver holds it. mute: whether it answers no control request.
+    writes: size [bytes] and timeout [ms] of each bulk write.
     """
 
     vendor, product = 0x1209, 0x0001
@@ -45,7 +46,7 @@ class UsbDevice:
         self.address = 0  # assigned by the bus
         self.fault: str | int | None = None
         self.halted = self.gone = self.configured = False
-        self.denied = self.driverless = self.driver = self.mute = False
+        self.denied = self.no_user_driver = self.kernel_driver_bound = self.mute = False
         self.holder: object = None  # the handle that has claimed it
         self.writes: list[tuple[int, int]] = []
 

@@ -61,7 +61,7 @@ def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
 @click.option(
     "--levels",
     callback=several(float),
-    help="2-norm of the targets over what one focus could reach.  [default: 0.5,1.0]",
+    help="2-norm of the targets, relative to the pressure of a single focus at full drive.  [default: 0.5,1.0]",
 )
 @click.option(
     "--seeds", type=click.IntRange(1), help="Number of problems of each kind.  [default: 3]"
@@ -167,12 +167,12 @@ def _root(given: str | None) -> Path | None:
 
     if given is None:
         return None
-    root = Path(given) if given else peers.folder()
-    missing = [peer for peer in peers.PEERS if peers.python(root, peer) is None]
+    root = Path(given) if given else peers.find_folder()
+    missing = [peer for peer in peers.PEERS if peers.find_python(root, peer) is None]
     if len(missing) == len(peers.PEERS):
-        raise click.UsageError(peers.advice(root, missing))
+        raise click.UsageError(peers.describe_missing(root, missing))
     if missing:
-        click.echo(peers.advice(root, missing), err=True)
+        click.echo(peers.describe_missing(root, missing), err=True)
     return root
 
 

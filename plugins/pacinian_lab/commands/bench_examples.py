@@ -43,10 +43,10 @@ def examples(
     from pacinian_lab.solvers import peers as environments
     from pacinian_lab.solvers.run import workers as make_workers
 
-    root = Path(peers) if peers else environments.folder()
-    missing = [peer for peer in environments.PEERS if environments.python(root, peer) is None]
+    root = Path(peers) if peers else environments.find_folder()
+    missing = [peer for peer in environments.PEERS if environments.find_python(root, peer) is None]
     if missing:
-        click.echo(environments.advice(root, missing), err=True)
+        click.echo(environments.describe_missing(root, missing), err=True)
     todo = make_examples()
     workers = make_workers([threads], root, run.WORKERS)
     try:

@@ -121,10 +121,10 @@ def _start_peers(given: str, side: int) -> Peers:
     from pacinian_lab.solvers import peers
     from pacinian_lab.solvers.worker_process import Worker
 
-    root = Path(given) if given else peers.folder()
-    python = peers.python(root, PEER)
+    root = Path(given) if given else peers.find_folder()
+    python = peers.find_python(root, PEER)
     if python is None:
-        raise click.UsageError(peers.advice(root, [PEER]))
+        raise click.UsageError(peers.describe_missing(root, [PEER]))
     return Peers(Worker.of(PEER, str(python), threads=1), side)
 
 

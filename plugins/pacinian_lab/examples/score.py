@@ -1,7 +1,7 @@
-"""What the gains of an example make: peaks near its foci, and sound in its quiet place.
+"""Evaluate the gains of an example: peaks near its foci, and sound in its quiet place.
 
-The field is plain NumPy and SciPy in double precision, which no solver uses. It is searched for peaks, so that no place
-counts only because a solver was given it.
+The field is computed with NumPy and SciPy in double precision, by code that no solver uses. The peaks are searched, so
+that a solver gains nothing from being exact only at the given points.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ LOOKS, ROUNDS = 100, 5  # places of one search; searches, each in a third of the
 
 @dataclass(frozen=True)
 class Score:
-    """How well gains make the foci.
+    """The quality of the foci that gains produce.
 
-    strength: mean height of the peaks in the horizontal planes of the foci [Pa]. error: their rms deviation from the
-    amplitude asked; if as strong as possible, from the mean of the foci made at once, or else of all. offset: largest
-    distance of a peak from its focus [m]. quiet: highest pressure in the quiet place, relative to `strength`; NaN if
-    there is none.
+    strength: mean height of the peaks in the horizontal planes of the foci [Pa]. error: rms deviation of the peaks from
+    the requested amplitude. If the example requests as much as possible: from the mean of the foci of one pattern, or
+    of all patterns if each has one focus. offset: largest distance of a peak from its focus [m]. quiet: highest
+    pressure in the quiet place, relative to `strength`; NaN if there is none.
     """
 
     strength: float

@@ -1,4 +1,4 @@
-"""The rows as a table, for a terminal or for a document."""
+"""Tables of the rows, for a terminal or for a document."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def write_markdown(rows: Sequence[Row], examples: Sequence[Example]) -> str:
         for made in examples
         for k, cells in enumerate(_cells(rows, made))
     ]
-    return markdown_table(["example", "made by", *HEAD[1:]], lines)
+    return markdown_table(["example", "solved by", *HEAD[1:]], lines)
 
 
 def _cells(rows: Sequence[Row], example: Example) -> list[list[str]]:

@@ -25,9 +25,9 @@ STEPS = 2 + sum(
 )
 
 EXPERIMENT_NOTES = (
-    'The paper\'s text gives the array as "20mm in x axis and 40mm in y axis": 15 transducers, which make'
-    " no pattern. Here it is 200 mm x 400 mm, folded about the x axis with each half raised by 45 degrees,"
-    " which reproduces the paper's findings.",
+    'The paper\'s text gives the array as "20mm in x axis and 40mm in y axis": room for only 15 transducers,'
+    " which cannot form a pattern. Here it is 200 mm x 400 mm, folded about the x axis with each half raised by 45"
+    " degrees. This array reproduces the paper's findings.",
     "1a and 1b differ less than 2a and 2b do; 2a is worse than 2b in correlation and in maximum.",
     "Equation (9) as printed cannot be evaluated in 2a and 2b: the array is mirror-symmetric about the"
     " region's plane, so columns of B are equal in pairs and B^H B has no inverse. The condition"

@@ -10,7 +10,7 @@ PEERS = ("autd3", "acoustools", "levitate")
 VARIABLE = "PACINIAN_PEERS"
 
 
-def folder() -> Path:
+def find_folder() -> Path:
     """Return the folder of the environments: `$PACINIAN_PEERS`, or `pacinian/peers` in the user's cache."""
     if given := os.environ.get(VARIABLE):
         return Path(given)
@@ -24,7 +24,7 @@ def folder() -> Path:
     return cache / "pacinian" / "peers"
 
 
-def python(root: Path, peer: str) -> Path | None:
+def find_python(root: Path, peer: str) -> Path | None:
     """Return the Python of a peer's environment, or None if it has not been built."""
     for place in ("bin/python", "Scripts/python.exe"):
         if (found := root / peer / place).exists():
@@ -32,7 +32,7 @@ def python(root: Path, peer: str) -> Path | None:
     return None
 
 
-def advice(root: Path, missing: list[str]) -> str:
+def describe_missing(root: Path, missing: list[str]) -> str:
     """Return a message that explains how to build missing environments."""
     return (
         f"no environment for {', '.join(missing)} in {root}: "

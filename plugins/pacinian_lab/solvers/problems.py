@@ -36,9 +36,9 @@ def matrix(positions: Floats, points: Floats) -> Complexes:
 class Problem:
     """M points in front of an array.
 
-    units: AUTD units, 1, 4, 9, ... (in a square). level: 2-norm of the targets relative to what one focus could
-    reach. seed: of the points and of the proportions. positions: of the transducers [m], (N, 3). points: [m], (M, 3).
-    targets: sound pressures [Pa], (M,).
+    units: AUTD units, 1, 4, 9, ... (in a square). level: root of the sum of the squared targets, relative to the
+    pressure of a single focus at full drive. seed: of the points and of the proportions. positions: of the transducers
+    [m], (N, 3). points: [m], (M, 3). targets: sound pressures [Pa], (M,).
     """
 
     units: int

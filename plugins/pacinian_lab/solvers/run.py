@@ -58,7 +58,7 @@ def workers(threads: Iterable[int], root: Path | None, folder: Path = WORKERS) -
     """
     pythons = {OURS: sys.executable}
     if root is not None:
-        found = {peer: peers.python(root, peer) for peer in peers.PEERS}
+        found = {peer: peers.find_python(root, peer) for peer in peers.PEERS}
         pythons |= {peer: str(python) for peer, python in found.items() if python}
     return [Worker.of(name, python, n, folder) for name, python in pythons.items() for n in threads]
 
@@ -144,7 +144,7 @@ def evaluate_answer(row: Row, problem: Problem, reply: dict[str, Any]) -> Row:
         row,
         error=found.error,
         error_8bit=rounded.error,
-        scale=found.scale,
+        scale=found.best_multiple,
         mean_pressure=found.mean_pressure,
         drive=float(np.abs(g).max()),
     )

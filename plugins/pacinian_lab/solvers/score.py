@@ -1,4 +1,4 @@
-"""The evaluator of all contestants: the error of the sound pressures that gains produce."""
+"""Evaluate gains: the error of the sound pressures that they produce. Used for all packages of the benchmark."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ LEVELS = 256  # phase and amplitude levels of an AUTD3
 class Score:
     """The quality of gains, after clipping to |g| <= 1.
 
-    error: ||(|p| - s t)|| / ||s t||, where s is the best multiple of the targets; NaN for silence. scale: s.
-    mean_pressure: mean of |p| over the points [Pa].
+    error: ||(|p| - s t)|| / ||s t||, where s t is the multiple of the targets t that is nearest to |p|; NaN for
+    silence. best_multiple: s. mean_pressure: mean of |p| over the points [Pa].
     """
 
     error: float
-    scale: float
+    best_multiple: float
     mean_pressure: float
 
 
@@ -34,12 +34,12 @@ def score(positions: Floats, points: Floats, targets: Floats, gains: Complexes) 
     g = np.asarray(gains, dtype=np.complex128)
     g = g / np.maximum(1.0, np.abs(g))
     p = np.abs(matrix(positions, points) @ g)
-    scale = float(p @ targets / (targets @ targets))
-    if not scale > 0.0:
+    best_multiple = float(p @ targets / (targets @ targets))
+    if not best_multiple > 0.0:
         return Score(math.nan, 0.0, 0.0)
-    wanted = scale * targets
-    error = float(np.linalg.norm(p - wanted) / np.linalg.norm(wanted))
-    return Score(error, scale, float(p.mean()))
+    scaled_targets = best_multiple * targets
+    error = float(np.linalg.norm(p - scaled_targets) / np.linalg.norm(scaled_targets))
+    return Score(error, best_multiple, float(p.mean()))
 
 
 def eight_bit(gains: Complexes) -> Complexes:

@@ -328,7 +328,7 @@ def test_of_what_sounds_or_would_sound_again_no_other_call_renews_the_lease(
         server.until(lambda: client.connected and not client.armed)
     before = len(server.of(control.Renew))
     server.answers[control.Reset] = lambda message: None
-    client._server_session.timeout = 4.0 * client._server_session.every
+    client._server_session.timeout = 8.0 * client._server_session.renewal_interval
     with pytest.raises(pc.ConnectionLost, match="hangs"):
         client.reset()
     assert len(server.of(control.Renew)) == before

@@ -92,7 +92,7 @@ def test_one_that_is_listed_and_answers_nothing(trouble: dict[str, Any]) -> None
 
 def test_without_the_right_or_a_driver_the_problem_says_what_to_do() -> None:
     bus, (denied, driverless, _) = plugged("A", "B", "C")
-    denied.denied = driverless.driverless = True
+    denied.denied = driverless.no_user_driver = True
     driver = (
         "it has no driver that programs may use: give it WinUSB with Zadig (https://zadig.akeo.ie)"
     )

@@ -157,21 +157,21 @@ def test_another_program_has_it_and_is_not_disturbed(bus: UsbBus, pad: Pad) -> N
 def test_a_driver_that_has_it_gives_way_and_is_back_afterwards(
     bus: UsbBus, pad: Pad, configured: bool
 ) -> None:
-    pad.driver, pad.configured = True, configured
+    pad.kernel_driver_bound, pad.configured = True, configured
     link = linked(bus)
     assert bus.calls == ["detach"] + ["set_configuration"] * (not configured)
     link.write(FRAME, 0.01)
     link.close()
     assert bus.calls[-1] == "attach"
-    assert pad.driver
+    assert pad.kernel_driver_bound
     link.close()
     assert bus.calls.count("attach") == 1
 
 
 def test_a_driver_is_back_also_where_it_could_not_be_claimed(bus: UsbBus, pad: Pad) -> None:
-    pad.driver, pad.configured, pad.holder = True, True, "another program"
+    pad.kernel_driver_bound, pad.configured, pad.holder = True, True, "another program"
     refused(lambda: linked(bus), BUSY)
-    assert (bus.calls, pad.driver) == (["detach", "attach"], True)
+    assert (bus.calls, pad.kernel_driver_bound) == (["detach", "attach"], True)
 
 
 def test_systems_that_know_of_no_drivers(bus: UsbBus, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -221,11 +221,11 @@ def test_an_interruption_gives_it_back(
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    pad.driver = True
+    pad.kernel_driver_bound = True
     monkeypatch.setattr(bus, "claim_interface", interrupted)
     with pytest.raises(KeyboardInterrupt):
         linked(bus)
-    assert (bus.open, pad.driver) == (0, True)
+    assert (bus.open, pad.kernel_driver_bound) == (0, True)
 
 
 def test_errors_name_the_device_of_several() -> None:

@@ -79,7 +79,7 @@ def test_levels_that_the_units_do_not_have_are_refused(phase: object, amplitude:
         np.full(one[:2], one[2]) if isinstance(one, tuple) else np.zeros((1, 249))
         for one in (phase, amplitude)
     ]
-    with pytest.raises(pc.BackendError, match="levels that the units do not have"):
+    with pytest.raises(pc.BackendError, match="levels that the units cannot emit"):
         it.send(*rows)
 
 

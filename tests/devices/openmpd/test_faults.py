@@ -226,11 +226,12 @@ def test_a_loop_that_is_too_slow_is_told() -> None:
     it.backend.send(it.frame(rows=16))
     it.refused(
         lambda: it.backend.send(it.frame(rows=17)),
-        "openmpd: a tick has 17 frames, and the boards room for 16: run the loop at 125 Hz or more, or lower `rate`",
+        "openmpd: a tick has 17 frames, but the boards can hold only 16: "
+        "run the loop at 125 Hz or more, or lower `rate`",
     )
     for frame in (it.frame(level=65), it.frame(phase=128)):
         it.refused(
             lambda frame=frame: it.backend.send(frame),
-            "openmpd: a frame has levels that the boards do not have",
+            "openmpd: a frame contains levels that the boards cannot emit",
         )
     it.backend.close()

@@ -157,11 +157,11 @@ def test_a_loop_that_is_too_slow_for_the_buffer_is_told() -> None:
     it = Setup().open()
     it.refused(
         lambda: it.backend.send(frame(rows=20)),
-        "usb-autd: a tick has 20 rows, and the device room for 12: run the loop at 167 Hz or more, or with a "
+        "usb-autd: a tick has 20 rows, but the device can hold only 12: run the loop at 167 Hz or more, or with a "
         "shorter `lead`",
     )
     it.refused(
         lambda: it.backend.send(frame(level=320)),
-        "usb-autd: a frame has levels that the device does not have",
+        "usb-autd: a frame contains levels that the device cannot emit",
     )
     it.backend.close()

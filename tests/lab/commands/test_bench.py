@@ -92,7 +92,7 @@ def test_missing_peers_are_told_with_the_command_to_run(
     result = run("--peers", "--quick", "--out", str(tmp_path))  # the value may be left out
     assert f".ci/peers {tmp_path / 'elsewhere'}" in result.stderr
     monkeypatch.delenv(peers.VARIABLE)
-    assert peers.folder().parts[-2:] == ("pacinian", "peers")
+    assert peers.find_folder().parts[-2:] == ("pacinian", "peers")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell script stands for Python")

@@ -236,7 +236,7 @@ def test_without_autd3_the_command_says_how_to_install_it(tmp_path: Path) -> Non
 
 
 def test_autd3_itself_on_a_disc() -> None:
-    python = environments.python(environments.folder(), "autd3")
+    python = environments.find_python(environments.find_folder(), "autd3")
     if python is None:
         pytest.skip("no environment of autd3: .ci/peers builds it")
     told = invoke("--units", "1", "--shape", DISC, "--strength", "0.5", "--peers", "--json")

@@ -21,7 +21,7 @@ def test_exact_gains_have_no_error_and_a_scale_of_one() -> None:
     assert np.abs(EXACT).max() < 0.5
     found = score(*ASK, EXACT)
     assert found.error < 1e-12
-    assert found.scale == pytest.approx(1.0, rel=1e-12)
+    assert found.best_multiple == pytest.approx(1.0, rel=1e-12)
     assert found.mean_pressure == pytest.approx(PROBLEM.targets.mean(), rel=1e-12)
 
 
@@ -29,7 +29,7 @@ def test_exact_gains_have_no_error_and_a_scale_of_one() -> None:
 def test_strength_is_scale_and_phase_is_nothing(scale: float, phase: float) -> None:
     found = score(*ASK, scale * np.exp(1j * phase) * EXACT)
     assert found.error < 1e-11
-    assert found.scale == pytest.approx(scale, rel=1e-9)
+    assert found.best_multiple == pytest.approx(scale, rel=1e-9)
 
 
 @given(seed=st.integers(0, 10_000))
@@ -39,8 +39,8 @@ def test_the_multiple_is_the_best_one(seed: int) -> None:
     found = score(*ASK, g)
     p = np.abs(B @ (g / np.maximum(1.0, np.abs(g))))
     best = np.linalg.lstsq(PROBLEM.targets[:, None], p, rcond=None)
-    assert found.scale == pytest.approx(best[0][0], rel=1e-9)
-    assert found.error * found.scale * np.linalg.norm(PROBLEM.targets) == pytest.approx(
+    assert found.best_multiple == pytest.approx(best[0][0], rel=1e-9)
+    assert found.error * found.best_multiple * np.linalg.norm(PROBLEM.targets) == pytest.approx(
         math.sqrt(best[1][0]), rel=1e-6
     )
 
@@ -56,7 +56,7 @@ def test_gains_are_clipped_each_by_itself() -> None:
 def test_silence_has_no_error() -> None:
     found = score(*ASK, np.zeros(249))
     assert math.isnan(found.error)
-    assert (found.scale, found.mean_pressure) == (0.0, 0.0)
+    assert (found.best_multiple, found.mean_pressure) == (0.0, 0.0)
 
 
 def test_a_known_solver_is_judged_as_it_judges_itself() -> None:
@@ -66,7 +66,7 @@ def test_a_known_solver_is_judged_as_it_judges_itself() -> None:
     found = score(*ASK, solution.gains)
     assert found.error == pytest.approx(solution.shape_error, abs=1e-4)
     assert found.error < 1e-4
-    assert found.scale == pytest.approx(1.0, abs=1e-3)
+    assert found.best_multiple == pytest.approx(1.0, abs=1e-3)
 
 
 @given(seed=st.integers(0, 10_000))

@@ -91,7 +91,7 @@ class Autd3(pc.Backend):
         line, rows = self._line(), frame.phase.shape
         if rows[0] > MAX_ROWS:
             raise pc.BackendError(
-                f"{NAME}: a tick has {rows[0]} rows, and the units room for {MAX_ROWS}: "
+                f"{NAME}: a tick has {rows[0]} rows, but the units can hold only {MAX_ROWS}: "
                 f"run the loop at {self.rate / MAX_ROWS:.0f} Hz or more, or lower `rate`"
             )
         line.check()
@@ -102,7 +102,7 @@ class Autd3(pc.Backend):
             phase, intensity = self._packer.pack(frame.phase, frame.amplitude)
         except ValueError as error:
             raise pc.BackendError(
-                f"{NAME}: a frame has levels that the units do not have"
+                f"{NAME}: a frame contains levels that the units cannot emit"
             ) from error
         self._first = frame.time if self._first is None else self._first
         first, now = round((frame.time - self._first) * self.rate), line.time + self.lead

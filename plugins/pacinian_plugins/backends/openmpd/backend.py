@@ -113,11 +113,11 @@ class OpenMpd(pc.Backend):
         phase, amplitude = frame.phase, frame.amplitude
         if len(phase) > MAX_FRAMES:
             raise pc.BackendError(
-                f"{NAME}: a tick has {len(phase)} frames, and the boards room for {MAX_FRAMES}: "
+                f"{NAME}: a tick has {len(phase)} frames, but the boards can hold only {MAX_FRAMES}: "
                 f"run the loop at {self.rate / MAX_FRAMES:.0f} Hz or more, or lower `rate`"
             )
         if phase.shape[1] != self._columns or phase.max() >= PHASES or amplitude.max() > MAX_PULSE:
-            raise pc.BackendError(f"{NAME}: a frame has levels that the boards do not have")
+            raise pc.BackendError(f"{NAME}: a frame contains levels that the boards cannot emit")
         return self._packer.pack(phase, amplitude)
 
     def silence(self) -> None:

@@ -87,7 +87,9 @@ class SonicSurface(pc.Backend):
             raise pc.BackendError(f"{self.name} is not open")
         phase, amplitude = frame.phase[-1], frame.amplitude[-1]
         if len(phase) != self._columns or phase.max() >= PHASES or amplitude.max() > 1:
-            raise pc.BackendError(f"{self.name}: a frame has levels that the array does not have")
+            raise pc.BackendError(
+                f"{self.name}: a frame contains levels that the array cannot emit"
+            )
         self._line.show(self._packer.pack(phase, amplitude))
 
     def silence(self) -> None:

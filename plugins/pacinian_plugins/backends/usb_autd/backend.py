@@ -116,11 +116,11 @@ class UsbAutd(pc.Backend):
         room = min(board.can.queue for board in self.boards) - self._lead
         if steps > room:
             raise pc.BackendError(
-                f"{NAME}: a tick has {steps} rows, and the device room for {room}: "
+                f"{NAME}: a tick has {steps} rows, but the device can hold only {room}: "
                 f"run the loop at {RATE / max(room, 1):.0f} Hz or more, or with a shorter `lead`"
             )
         if phase.max() >= PHASES or amplitude.max() >= AMPLITUDES:
-            raise pc.BackendError(f"{NAME}: a frame has levels that the device does not have")
+            raise pc.BackendError(f"{NAME}: a frame contains levels that the device cannot emit")
         same = bool((phase[1:] == phase[0]).all() and (amplitude[1:] == amplitude[0]).all())
         if same:
             phase, amplitude = phase[:1], amplitude[:1]
