@@ -88,13 +88,22 @@ class Session:
         self.tilt = 0.0
         """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
         self.refines = True
-        """Whether solves for regions without a deadline relax the phases on skin, and make corrections."""
+        """Whether solves for regions relax the phases on skin, and make corrections.
+
+        Without a deadline, they do both. With one, they relax the phases if those of one wave need more than the array
+        can make.
+        """
         self.corrections = MAX_CORRECTIONS
         """Most solves that correct what a solve for regions has left missing; 0 for its optimum in least squares."""
         self.last: Solution | None = None
         self._solving = threading.Lock()
         self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
+        self._relaxes = (
+            False  # whether the next solve relaxes phases on skin although it has a deadline
+        )
+        self.unsettled = False
+        """Whether another solve for the same problem may come nearer to the targets, because it relaxes the phases."""
         self._base: Solution | None = None  # solved by a solver; its gains are in _work
         self._solved_with: tuple[Solver, Limits, int, float, bool] | None = None
 
@@ -177,7 +186,11 @@ class Session:
         out = self._check_out_array(out)
         warm, self.last = self.last, None
         ready = self._place(q, facing, limits, budget, solver)
-        if warm is not None and (c := self._multiple(targets, limits, solver)) == c:
+        if (
+            not self.unsettled
+            and warm is not None
+            and (c := self._multiple(targets, limits, solver)) == c
+        ):
             self.last = self._scale_last(c, targets, out, start)
             return self.last
         if warm is not None:
@@ -186,12 +199,14 @@ class Session:
         if targets.regions is not None and budget.endless:
             made = self._correct_regions(made, limits, start, solver)
         self.last = self._base = made
+        self._choose_phases(made, budget)
         self._solved_with = solver, limits, self.propagator.version, self.tilt, self.refines
         return self.last
 
     def forget(self) -> None:
         """Discard the last solution and all caches, so that the next solve is a cold start."""
         self.last = self._base = self._solved_with = None
+        self._relaxes = self.unsettled = False
         self.propagator.forget()
 
     def certify(self, gains: ArrayLike, *, over_phases: bool = False) -> Solution:
@@ -295,6 +310,18 @@ class Session:
         held = strongest >= top or c * strongest >= top
         return c if not held and 1.0 / MAX_MULTIPLE < c < MAX_MULTIPLE else math.nan
 
+    def _choose_phases(self, made: Solution, budget: Budget) -> None:
+        """Decide from the last solution whether the next solves with a deadline relax the phases on skin.
+
+        They do once the phases of one wave need more than the array can make, until there is no contact with skin.
+        """
+        before = self._relaxes
+        if made.facing is None or made.targets.regions is None or made.status is Status.silent:
+            self._relaxes = False
+        elif made.status is Status.limited and self.refines and not budget.endless:
+            self._relaxes = True
+        self.unsettled = self._relaxes and not before
+
     def _scale_last(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
         """Return the last solved solution, scaled by c."""
         base, work = self._base, self.propagator.work
@@ -325,7 +352,7 @@ class Session:
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:
-                relax, keep = self.refines and budget.endless, False
+                relax, keep = self.refines and (budget.endless or self._relaxes), False
                 before = self._solved_with
                 if warm is not None and warm.asked_phases is not None and self._base and before:
                     # `carry_over` keeps the multipliers of samples that have not moved, or moved as one

@@ -40,7 +40,7 @@ def test_a_scene_plays_on_from_the_simulated_array_to_usb_devices_and_back(game:
         game.play(lambda solver=solver: game.states[-1].solver == solver)  # type: ignore[misc]
     game.sound()
     after, states = game.client.status(), game.states
-    late = "not done within"  # a slow machine is no fault of the swap
+    late = "did not finish within"  # a slow machine is no fault of the swap
     assert not [error for error in (*game.told, *game.client.errors) if late not in str(error)]
     # silent between two devices for a moment, stale where the machine is slow
     assert {s.output for s in states} - {"silent", "stale"} == {"sounding"}

@@ -25,11 +25,16 @@ def check_description(device: DeviceDescription) -> list[Finding]:
     """Check the description alone."""
     array = device.array()
     size = " x ".join(f"{1e3 * s:.0f}" for s in np.ptp(array.positions, axis=0))
-    text = f"{len(array)} transducers on {len(device.boards)} boards, {size} mm"
+    count, boards = _count(len(array), "transducer"), _count(len(device.boards), "board")
+    text = f"{count} on {boards}, {size} mm"
     found = [Finding("array", "ok", text)]
     found += [_board(board) for board in device.boards]
     found += [_places(device), _frequency(device)]
     return found
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _board(board: Board) -> Finding:
@@ -38,7 +43,7 @@ def _board(board: Board) -> Finding:
     odd = board.alive[
         (size[board.alive] > MAX_STRENGTH_RATIO) | (size[board.alive] < 1.0 / MAX_STRENGTH_RATIO)
     ]
-    text = f"{L} channels"
+    text = _count(L, "channel")
     if len(dead):
         text += f", dead: {list_first(dead.tolist())}"
     if len(dead) != L and np.ptp(size[board.alive]):

@@ -16,14 +16,25 @@ if TYPE_CHECKING:
 def plugins(as_json: bool) -> None:
     """List solvers, backends and commands.
 
-    Also prints their settings and origin. Names plug-ins that do not load, or share a name, with the reason. The exit
-    code is then 1.
+    Also prints their settings and origin. Names plug-ins that do not load, or whose name is taken, with the reason. The
+    exit code is then 1.
     """
+    from pacinian.errors import PluginError
     from pacinian.plugins.registry import discover_plugins
 
     found = discover_plugins()
     found.load()
-    broken = {**found.failed, **found.clashes}
+    root = click.get_current_context().find_root().command
+    own = root.commands if isinstance(root, click.Group) else {}
+    hidden = {
+        name: PluginError(
+            f"plug-in {offer.plugin!r} ({offer.distribution}) offers the command {name!r}, which Pacinian itself has: "
+            "give it another name"
+        )
+        for name, offer in found.commands.items()
+        if name in own
+    }
+    broken = {**found.failed, **found.clashes, **hidden}
     offers = [found.offers[key] for key in sorted(found.offers) if key[1] not in found.clashes]
     commands = [
         {
@@ -32,6 +43,7 @@ def plugins(as_json: bool) -> None:
             "from": offer.distribution,
         }
         for name, offer in sorted(found.commands.items())
+        if name not in own
     ]
     if as_json:
         failed = {name: str(error) for name, error in broken.items()}

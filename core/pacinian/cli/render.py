@@ -54,7 +54,14 @@ def render(
     """
     from msgspec.structs import replace
 
-    from pacinian.cli.run_output import ProcessorMeter, picture, print_summary, progress, summary
+    from pacinian.cli.run_output import (
+        ProcessorMeter,
+        forbid_exit,
+        picture,
+        print_summary,
+        progress,
+        summary,
+    )
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.scene_renderer import make_renderer
     from pacinian.scene.file import load_scene_file
@@ -73,7 +80,7 @@ def render(
         "record": record,
         "strict": strict,
     }
-    with renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
+    with forbid_exit(), renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
         meter = ProcessorMeter()
         renderer.run(seconds or None, on_tick)
         others = meter.measure_others()

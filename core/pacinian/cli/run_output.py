@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 import os
 import time
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from pacinian.errors import PluginError
 from pacinian.skip_reasons import MISSED_TICKS, split_skips
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Generator
     from contextlib import AbstractContextManager
 
     from pacinian.rendering.renderer import Renderer
@@ -27,6 +28,17 @@ TIMELY_SHARE = 0.95  # share of ticks on time from which a run counts as on time
 # share of all processors from which other programs count as the cause of late ticks
 OTHERS_SHARE = 0.25
 ENDED_EARLY_SHARE = 0.5  # share of the solves from which it is said that they ended early
+
+
+@contextmanager
+def forbid_exit() -> Generator[None]:
+    """Take SystemExit for an error of a plug-in, which must not end the program. Raises PluginError."""
+    try:
+        yield
+    except SystemExit as error:
+        raise PluginError(
+            f"the solver or the backend ended the run by SystemExit({error.code!r}): it must raise another error"
+        ) from error
 
 
 def progress(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import uuid
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
 
 from pacinian.argument_checks import check_integer, check_number
+from pacinian.devices.atomic_file import replace_file
 from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.toml_json_files import read_bytes
@@ -87,16 +87,13 @@ def _row(path: Path, where: str, row: list[str], count: int) -> tuple[tuple[str,
 
 def write_calibration(path: Path, measured: Measured) -> None:
     """Write a calibration file, replacing an existing one atomically. Raises OSError."""
-    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-    try:
-        with beside.open("w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(COLUMNS + ERROR_COLUMNS)
-            for (serial, channel), values in measured.items():
-                rows.writerow([serial, channel, *(f"{value:.5f}" for value in values)])
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(COLUMNS + ERROR_COLUMNS)
+    for (serial, channel), values in measured.items():
+        rows.writerow([serial, channel, *(f"{value:.5f}" for value in values)])
+    with replace_file(path) as file:
+        file.write(text.getvalue().encode())
 
 
 def apply_calibration(path: Path, boards: tuple[Board, ...]) -> tuple[Board, ...]:

@@ -57,8 +57,8 @@ SIZES = {
 MAX_AMPLITUDE = 1e12  # reading, in the scan's unit
 MAX_CONDITION = 100.0  # condition number of the drives, by which noise may grow
 PHASELESS = (
-    "has no phases, and amplitudes alone do not tell them. Read amplitude and phase, with a lock-in amplifier, "
-    "or with an oscilloscope that the drive triggers"
+    "has no phases, and they cannot be computed from the amplitudes. Read amplitude and phase, with a lock-in "
+    "amplifier or with an oscilloscope that the drive triggers"
 )
 
 
@@ -88,9 +88,9 @@ class Scan:
 
 
 def merge_positions(scan: Scan) -> Scan:
-    """Return a scan with one row for each position, whose error its readings share.
+    """Return a scan with one row for each position, because all readings at a position share its error.
 
-    Raises ArgumentError if a channel was read twice at a position: its mean is the reading.
+    Raises ArgumentError if a channel was read twice at a position.
     """
     places, row = np.unique(scan.positions, axis=0, return_inverse=True)
     if len(places) == len(scan.positions):
@@ -103,8 +103,8 @@ def merge_positions(scan: Scan) -> Scan:
             place = " ".join(f"{x:g}" for x in places[m])
             raise ArgumentError(
                 "positions",
-                f"have {place} m twice, with {int(twice.sum())} channels read again: average these readings, or "
-                "give the second place its own coordinates, as measured",
+                f"contain {place} m twice, and {int(twice.sum())} channels were read both times: average these "
+                "readings, or give the second place its own measured coordinates",
             )
         merged[m, given] = values[given]
     return Scan(places, merged, scan.unit)
@@ -350,7 +350,7 @@ def decode_drives(drives: Complexes, readings: Complexes) -> Complexes:
     if not powers[0] * MAX_CONDITION**2 > powers[-1]:
         raise ArgumentError(
             "drives",
-            f"do not tell the {C} channels apart (condition number above {MAX_CONDITION:g}): use at least {C} "
+            f"do not distinguish the {C} channels (condition number above {MAX_CONDITION:g}): use at least {C} "
             f"orthogonal patterns, as a Hadamard matrix has, or {2 * C} random ones",
         )
     return np.asarray(np.linalg.solve(gram, drives.conj().T @ readings).T, np.complex128)

@@ -47,9 +47,9 @@ MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transduc
 OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
 MAX_OUTLIER_SHARE = 0.5  # share of outliers in a transducer's readings above which these are odd
 MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
-# information from the scan, relative to that from before; below, a parameter is unknown
+# information about a parameter from the scan, relative to its prior; below, the parameter is unknown
 MIN_INFORMATION = 0.1
-MIN_SHARE = 0.2  # share of a parameter in what is unknown, from which it is named
+MIN_SHARE = 0.2  # smallest share in an unknown combination for which a parameter is named
 SHARED = (
     "speed of sound",
     "absorption of the air",
@@ -57,9 +57,7 @@ SHARED = (
     *(f"turn of the array about {axis}" for axis in "xyz"),
 )  # what all positions have in common
 REMEDIES = {
-    SHARED[
-        0
-    ]: "give the temperature, or measure at distances of which the largest is twice the smallest",
+    SHARED[0]: "give the temperature, or measure at distances that differ by a factor of two",
     **dict.fromkeys(
         SHARED[2:5], "measure where the array is, or scan at more positions, at different heights"
     ),
@@ -78,9 +76,10 @@ class ScanFit:
     dead: weaker than a tenth of the mean, (N,). unseen: the scan does not determine the response, (N,). reversed: in
         antiphase to most others, (N,).
     positions: corrected positions of the microphone [m], (M, 3), with position_errors [m], (M, 3). residuals:
-        unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual: the
-        same for the whole scan. doubtful: the readings at a position fit half as well as those of the scan, (M,), as if
-        it were a wavelength off. outliers: number of readings that lost most of their weight.
+        unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual:
+        unexplained part of a typical reading of the whole scan, relative to its expected rms. doubtful: the misfit at a
+        position is more than twice the typical misfit, (M,); the position may be wrong by a wavelength. outliers:
+        number of readings that lost most of their weight.
     speed_of_sound: fitted or given speed [m/s]. speed_error: its error [m/s].
     pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
         its centre [m] and the turn about its centre as a rotation vector [rad], (3,) each. pose_errors: errors of both,
@@ -88,10 +87,11 @@ class ScanFit:
     pressure: mean P0 of the transducers that are not dead [microphone's unit x m]. pressure_error: its relative error,
         without that of the microphone's sensitivity.
     covariance: of the speed of sound, the absorption [1/m], the shift, the turn and ln P0, in this order, (9, 9).
-    widened: the errors of positions, shift and turn that the scan shows, relative to those that were given, (3,): above
-        1 where positions or pose are further off than was said. All errors include it.
-    odd: most readings of the transducer are outliers and hardly explained, (N,), as if they were another's.
-    vague: what the scan does not tell, or does not tell apart, each with the remedy. The errors include it.
+    widened: the errors of positions, shift and turn that the scan shows, relative to the given errors, (3,). Above 1,
+        the given error was too small. All errors include this factor.
+    odd: most readings of the transducer are outliers and hardly explained, (N,). They may be another transducer's.
+    vague: quantities that the scan does not determine, or cannot distinguish, each with a remedy. The errors include
+        their uncertainty.
     """
 
     responses: Complexes
@@ -133,10 +133,10 @@ def fit_scan(
     """Fit the response of each of N transducers to a scan at M positions.
 
     array: array as described, without responses. positions: positions of the microphone [m], (M, 3). readings: complex
-    readings in any unit, (M, N), of positive phase where the sound leads; NaN if missing. position_error: standard
+    readings in any unit, (M, N); NaN if missing. A phase is positive where the sound leads. position_error: standard
     error of each coordinate of a position [m]; above 1 mm the fit may converge a whole wavelength off. shift_error,
     turn_error: standard errors of the array's place [m] and tilt [rad] in the frame of the positions; 0 if they are
-    exact. All three widen if the scan shows that positions or pose are further off (`ScanFit.widened`).
+    exact. The fit increases these three errors if the scan shows that they are too small (`ScanFit.widened`).
     speed_of_sound: [m/s]; fitted by default. Raises ArgumentError, also if the scan does not fit the array, or has
     fewer readings than unknowns.
     """
@@ -169,7 +169,7 @@ def fit_scan(
         vague = _find_vague(fit_model(array, q0, X, read, prior)) if len(q0) else ()
         few = (
             f"must be {MIN_POSITIONS} to {MAX_POSITIONS}, better 12, not {len(q0)}: with fewer, errors of the "
-            "positions cannot be told apart from those of the phases"
+            "positions cannot be distinguished from errors of the phases"
         )
         raise ArgumentError("positions", "; ".join([few, *vague]))
     _check_count(read)
@@ -189,9 +189,9 @@ def fit_scan(
     if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
         raise ArgumentError(
             "positions",
-            f"fit an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
-            f"{np.linalg.norm(best.turn):.3f} rad, far more than its pose is wrong by: measure the pose again, and "
-            "check the order of the channels",
+            f"fit only an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
+            f"{np.linalg.norm(best.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
+            "again, and check the order of the channels",
         )
     return _finish(best, size, best.prior.widths / prior.widths)
 
@@ -204,8 +204,8 @@ def _check_count(read: Flags) -> None:
         raise ArgumentError(
             "readings",
             f"are {2 * count} numbers for {unknowns} unknowns (2 for each of {T} transducers, 3 for each of {M} "
-            f"positions, {len(SHARED)} for the air and the pose): the phases of the transducers cannot be told apart "
-            f"from the positions, the {SHARED[0]} and the pose. Read more transducers at each position: "
+            f"positions, {len(SHARED)} for the air and the pose): the phases of the transducers cannot be "
+            f"distinguished from the positions, the {SHARED[0]} and the pose. Read more transducers at each position: "
             f"{(unknowns // 2) // M + 1} or more",
         )
 
@@ -214,12 +214,13 @@ def _advise(residual: float, turned: float) -> str:
     text = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
     if turned <= MAX_RESIDUAL:
         return text + (
-            "They do with phases of the other sign: count them positive where sound leads. If they are, the channels "
-            "may be in reverse order"
+            "They fit if the sign of all phases is reversed. A phase must be positive where the sound leads the "
+            "reference. If your phases already follow this rule, the channels may be in reverse order"
         )
     return text + (
         "Check the positions (in metres, in the frame of the description), the order of the channels, the drive "
-        "frequency, that phases are in radians and have one reference, and the temperature; and that it is this array"
+        "frequency, and the temperature. Check that all phases are in radians and have the same reference, and that "
+        "the readings are from this array"
     )
 
 
@@ -234,9 +235,9 @@ def _residual(model: ScanModel) -> float:
 
 
 def _find_vague(model: ScanModel) -> tuple[str, ...]:
-    """Return which shared parameters the scan tells hardly better than they were known before, with remedies.
+    """Return the shared parameters that the scan determines hardly better than their priors, with remedies.
 
-    Parameters that only a combination of them is known of are named together.
+    If the scan determines only a combination of some parameters, they are named together.
     """
     first, prior = 3 * len(model.p), model.prior.shared
     asked = np.flatnonzero(
@@ -259,10 +260,11 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
         if len(names) == 1:
             alone.setdefault(fix, []).append(names[0])
     single = [
-        f"the scan does not tell the {', the '.join(names)}: {fix}" for fix, names in alone.items()
+        f"the scan does not determine the {', the '.join(names)}: {fix}"
+        for fix, names in alone.items()
     ]
     together = [
-        f"the scan does not tell apart the {', the '.join(names[:-1])} and the {names[-1]}: {fix}"
+        f"the scan cannot distinguish the {', the '.join(names[:-1])} and the {names[-1]}: {fix}"
         for fix, names in groups
         if len(names) > 1
     ]
@@ -282,7 +284,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
     if not seen.any():
         raise ArgumentError(
             "readings",
-            "show no transducer: place the microphone before the array, drive it harder",
+            "show the sound of no transducer: place the microphone in front of the array, and increase the drive",
         )
     unseen = noise > MAX_ERROR * mean
     s = model.s / mean

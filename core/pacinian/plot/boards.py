@@ -21,11 +21,12 @@ MAX_BOARDS = 16  # maximum number of boards drawn one by one
 DOT, RING = 0.7, 1.0  # diameters of a dot at full strength and of a ring, over the pitch
 ONE_PITCH = 10.0  # pitch of a board of one transducer [mm]
 ARROW = 0.06  # [m]
+MIN_SIDE = 0.02  # shortest side of the box around all boards, also around a single row [m]
 LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
 
 
 def boards(device: DeviceDescription, title: str = "") -> Figure:
-    """Plot all boards in their poses, and each one from the front. Raises MissingExtra.
+    """Plot all boards in their poses, and the first `MAX_BOARDS` from the front. Raises MissingExtra.
 
     The colour shows the channel number. The first channel is ringed; dead ones are crossed out. The area of a dot
     shows its strength.
@@ -49,6 +50,9 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
             panel.set_xlabel("x of the board [mm]", fontsize=8)
         if i % columns == 0:
             panel.set_ylabel("y of the board [mm]", fontsize=8)
+    if len(shown) < len(device.boards):
+        text = f"the first {len(shown)} of {len(device.boards)} boards; the others are only at the left"
+        right.suptitle(text, fontsize=8)
     most = max(board.layout.count for board in device.boards) - 1
     scale = ScalarMappable(Normalize(0, most), MAP)
     right.colorbar(scale, ax=panels.tolist(), label="channel", shrink=0.7)
@@ -72,12 +76,17 @@ def _space(panel: Any, boards: tuple[Board, ...]) -> None:
         tip = 1e3 * (middle + 1.15 * way)
         panel.text(*tip, board.serial, ha="center", fontsize=8, bbox=LABEL, zorder=9)
         corners += [r.min(axis=0), r.max(axis=0), middle + way]
-    low, high = 1e3 * np.min(corners, axis=0), 1e3 * np.max(corners, axis=0)
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    pad = np.maximum(0.0, 0.5 * (MIN_SIDE - (high - low)))
+    low, high = 1e3 * (low - pad), 1e3 * (high + pad)
     panel.set_proj_type("ortho")
     panel.view_init(*ANGLE)
     panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     panel.set_box_aspect(high - low, zoom=0.82)
     panel.computed_zorder = False
+    for axis, padded in zip("xyz", pad > 0.0, strict=True):
+        if padded:
+            panel.locator_params(axis=axis, nbins=1)
     panel.locator_params(axis="z", nbins=3)
     panel.tick_params(labelsize=7)
     panel.set(xlabel="x [mm]", ylabel="y [mm]")

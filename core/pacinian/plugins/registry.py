@@ -160,8 +160,11 @@ class Plugins:
                         f"register_{kind}s must return classes derived from {base.__name__}, not {cls!r}"
                     )
                 name = getattr(cls, "name", None)
-                if inspect.isabstract(cls) or not isinstance(name, str):
-                    raise TypeError(f"{cls.__name__} lacks a name or a method of {base.__name__}")
+                lacks = sorted(cls.__abstractmethods__)
+                if lacks or not isinstance(name, str):
+                    lacks += [] if isinstance(name, str) else ["name"]
+                    listed = ", ".join(f"`{one}`" for one in lacks)
+                    raise TypeError(f"{cls.__name__} lacks {listed} of {base.__name__}: define it")
                 if not 0 < len(name) <= MAX_NAME or not name.isprintable():
                     problem = f"must be 1 to {MAX_NAME} characters that can be printed"
                     raise TypeError(f"the name of {cls.__name__} {problem}: {shorten(repr(name))}")

@@ -374,7 +374,7 @@ class SampleSolver:
             solution.gains, sounding, parts, solution, samples, False, True, 0, averaged,
             whole, tuple(weakened.tolist()), tuple(missed.tolist()),
         )  # fmt: skip
-        final = not made.ran_out_of_time
+        final = not (made.ran_out_of_time or session.unsettled)
         made = replace(made, steady=groups.steady and final, final=final)
         return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
 

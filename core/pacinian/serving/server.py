@@ -15,7 +15,7 @@ import msgspec
 import zmq
 from msgspec.structs import replace
 
-from pacinian.errors import ServerError
+from pacinian.errors import SceneFileError, ServerError
 from pacinian.scene.config_sections import Device
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
@@ -32,6 +32,7 @@ from pacinian.serving.ipc.messages import (
     compute_frame_capacity,
     open_wakes,
 )
+from pacinian.serving.ipc.refused_setting import take_refused_setting
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection_file import (
     Connection,
@@ -65,11 +66,13 @@ def serve(
     ready: Callable[[Path], object] = lambda path: None,
     start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process] = child_process.start,
     ending: threading.Event | None = None,
+    source: str | Path = "settings",
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
 
-    ready: called with the connection file once clients can connect. start: starts one of the other processes. Raises
-    ServerError.
+    ready: called with the connection file once clients can connect. start: starts one of the other processes. source:
+    file that the settings are from, for errors. Raises ServerError; SceneFileError for settings that a solver or a
+    backend refuses.
     """
     ending = ending or threading.Event()
     _hold_standard_files()
@@ -84,6 +87,7 @@ def serve(
         secrets = make_secrets(settings)
         _check_ports(settings)
         folder = stack.enter_context(shared_memory.folder())
+        stack.enter_context(_name_refused_setting(folder, source))
         settings = _keep_description(settings, folder)
         capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
         files = {
@@ -106,15 +110,11 @@ def serve(
         )
         config = child_process.LaunchConfig(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
-
-        def begin(name: str, spare: int) -> Process:
-            if name == SPARE:
-                return start(GUARD, replace(config, spare=spare), pipes.take())
-            # The other processes have no socket.
-            told = replace(config, secrets=secrets) if name == "bus" else config
-            return start(name, told, pipes.take())
-
-        supervisor = Supervisor(begin, settings.safety.hang_timeout)
+        supervisor = Supervisor(
+            functools.partial(_begin, start, config, secrets, pipes),
+            settings.safety.hang_timeout,
+            plugins=_name_plugins(settings),
+        )
         stack.callback(_end, supervisor, files["device"])
         control = ControlLoop(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
@@ -134,6 +134,43 @@ def serve(
             control.let_go()
             doors.close()  # the files of connections are needed to remove the connection file
             log().info("end")
+
+
+def _begin(
+    start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process],
+    config: child_process.LaunchConfig,
+    secrets: dict[str, str],
+    pipes: ChildPipes,
+    name: str,
+    spare: int,
+) -> Process:
+    """Start one of the other processes, as `Supervisor` asks for it."""
+    if refused := take_refused_setting(config.path):  # by the process that is started again
+        log().error("setting refused", key=refused.key, problem=refused.problem)
+    if name == SPARE:
+        return start(GUARD, replace(config, spare=spare), pipes.take())
+    # Only the bus has sockets.
+    return start(name, replace(config, secrets=secrets) if name == "bus" else config, pipes.take())
+
+
+@contextlib.contextmanager
+def _name_refused_setting(folder: Path, source: str | Path) -> Generator[None]:
+    """If a process ended because of a setting, raise SceneFileError, which names it, instead of ServerError."""
+    try:
+        yield
+    except ServerError:
+        if refused := take_refused_setting(folder):
+            raise SceneFileError(source, f"$.{refused.key}", refused.problem) from None
+        raise
+
+
+def _name_plugins(settings: Settings) -> dict[str, str]:
+    """Return the plug-ins that processes start with, by process, for messages."""
+    solver, backend = (
+        choice if isinstance(choice, str) else choice.name
+        for choice in (settings.solver, settings.backend)
+    )
+    return {"guard": f"the backend {backend!r}", "render": f"the solver {solver!r}"}
 
 
 def _keep_description(settings: Settings, folder: Path) -> Settings:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ipaddress
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from msgspec import Meta, Struct
 from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.argument_checks import HEAD_RADIUS, check_number
+from pacinian.argument_checks import HEAD_RADIUS, MAX_LENGTH, check_number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,
@@ -24,6 +25,9 @@ from pacinian.scene.config_sections import (
 )
 from pacinian.toml_json_files import decode_document
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
+
+if TYPE_CHECKING:
+    from pacinian.acoustics.array import Array
 
 METRICS_HOST = "127.0.0.1"
 Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
@@ -68,6 +72,23 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
         force_setattr(self, "position", vector("position", self.position))
         check_number("pressure", self.pressure, low=0.0, above=True)
         check_number("radius", self.radius, low=0.0, high=1.0)
+
+    def check_place(self, array: Array) -> None:
+        """Check that the zone is near the array and contains no transducer. Raises ArgumentError."""
+        away = float(np.linalg.norm(array.centre - self.position))
+        if away > MAX_LENGTH:
+            raise ArgumentError(
+                "position",
+                f"is {away:.4g} m from the array's centre, more than {MAX_LENGTH:g} m: "
+                "give metres, not millimetres",
+            )
+        nearest = float(np.linalg.norm(array.positions - self.position, axis=1).min())
+        if nearest <= self.radius:
+            raise ArgumentError(
+                "radius",
+                f"is {self.radius:g} m, but a transducer is {nearest:.3g} m from the centre of the zone: "
+                "make the zone smaller, or move it away from the array",
+            )
 
 
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):
@@ -189,9 +210,17 @@ def load(path: str | Path) -> Settings:
         settings = replace(settings, security=Security(str(path.parent / keys)))
     if settings.connection:
         settings = replace(settings, connection=str(path.parent / settings.connection))
-    for key, made in (("$.array", settings.array.make), ("$.medium", settings.medium.make)):
+    try:
+        settings.medium.make()
+    except ArgumentError as error:
+        raise SceneFileError(path, "$.medium", str(error)) from error
+    try:
+        array = settings.array.make()
+    except (ArgumentError, SceneFileError) as error:  # the latter of a device's file
+        raise SceneFileError(path, "$.array", str(error)) from error
+    for i, zone in enumerate(settings.safety.zones):
         try:
-            made()
-        except (ArgumentError, SceneFileError) as error:  # the latter of a device's file
-            raise SceneFileError(path, key, str(error)) from error
+            zone.check_place(array)
+        except ArgumentError as error:
+            raise SceneFileError(path, f"$.safety.zones[{i}]", str(error)) from error
     return settings

@@ -39,8 +39,8 @@ class FeltRegion(NamedTuple):
 
     force: relative to the target force; 1 is right. rms: root mean square error, relative to the root mean square of
     the target. holes: fraction of the region with less than half the target. spill: highest pressure 3 to 5 mm beside
-    the region, relative to the mean target. Evaluated between the samples; by a loop on skin, over all touched skin and 3
-    to 30 mm beside it. For a region with target 0: 1, 0, 0, 0.
+    the region, relative to the mean target. Evaluated between the samples; by a loop on skin, over all touched skin
+    and 3 to 30 mm beside it. For a region with target 0: 1, 0, 0, 0.
     """
 
     force: float = 1.0

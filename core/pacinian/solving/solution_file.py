@@ -22,6 +22,7 @@ from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.argument_checks import check_near, check_numbers
+from pacinian.devices.atomic_file import replace_file
 from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets
@@ -154,7 +155,7 @@ PLAIN = (
 
 
 def save_values(solution: SolutionMetrics, path: str | Path) -> None:
-    """Write a solution to a file.
+    """Write a solution to a file, which replaces an existing one as a whole.
 
     Raises ArgumentError if a part cannot be stored, SolutionFileError if the file cannot be written.
     """
@@ -199,9 +200,11 @@ def save_values(solution: SolutionMetrics, path: str | Path) -> None:
     if len(data) > MAX_BYTES:
         raise SolutionFileError(path, f"would be larger than {MAX_BYTES >> 20} MiB")
     try:
-        Path(path).write_bytes(data)
-    except (OSError, ValueError) as error:
-        raise SolutionFileError(path, f"cannot be written: {error}") from error
+        with replace_file(Path(path)) as file:
+            file.write(data)
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        problem = getattr(error, "strerror", None) or error
+        raise SolutionFileError(path, f"cannot be written: {problem}") from error
 
 
 def load_values(path: str | Path) -> dict[str, Any]:

@@ -95,23 +95,23 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     the gains as emitted, (M,) float32 [Pa]; while the field is steered with an object, where it was solved for.
     index: index into `objects` of each sample, (M,) little-endian int32. objects: names of the rendered objects.
     hands: joints of the rendered hands, (hands, 26, 3) float32 [m]. error: relative error of the sound pressures at
-    the samples, as emitted. felt: quality of each of `objects` over all touched skin or, in free
-    air, between its samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the region with less than half of its
-    target; highest radiation pressure 3 to 30 mm beside the region over the mean target. Computed from the gains as
-    emitted at the last evaluations; NaN for an object without a region; since protocol 1.1. status: status of the
-    last tick. ticks: number of ticks so far. late: number of late ticks. rate: ticks per second [Hz]. tick_ms:
-    median, 99th percentile and maximum of the tick times of the last second [ms]. frames: number of frames that the
-    device has accepted. longest_gap: longest time between two frames while armed [s]. skipped: counts of work that
-    was left out, by reason. faults: objects that could not be put, and the last faults, newest last. fault_count:
-    number of all faults. restarts: number of restarts of each process of the server, by name. inputs: each hand
-    update that reached the device since the last state, (K, 4) little-endian float64: sequence, client's time, and
-    times of receipt and emission by the server's clock [s]. clients: clients that are connected. tick_counts:
-    histogram of the tick times of the last second, (64,) little-endian uint32; bin k counts ticks of 10^(k/16 - 2)
-    to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since protocol 1.1. cause: why the
-    output is silent, for programs, as in the table below; empty if it sounds; since protocol 1.1. why: the same
-    with what to do, for people; since protocol 1.1. touches: hands that feel an object, computed as if every
-    envelope were at its maximum, so that the list does not flicker with the modulation; since protocol 1.1.
-    presentation: the technique in use with its parameters; since protocol 1.1.
+    the samples, as emitted. felt: quality of each of `objects` over all touched skin or, in free air, between its
+    samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the
+    region with less than half of its target; highest radiation pressure 3 to 30 mm beside the region over the mean
+    target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since
+    protocol 1.1. status: status of the last tick. ticks: number of ticks so far. late: number of late ticks. rate:
+    ticks per second [Hz]. tick_ms: median, 99th percentile and maximum of the tick times of the last second [ms].
+    frames: number of frames that the device has accepted. longest_gap: longest time between two frames while armed
+    [s]. skipped: counts of work that was left out, by reason. faults: objects that could not be put, and the last
+    faults, newest last. fault_count: number of all faults. restarts: number of restarts of each process of the
+    server, by name. inputs: each hand update that reached the device since the last state, (K, 4) little-endian
+    float64: sequence, client's time, and times of receipt and emission by the server's clock [s]. clients: clients
+    that are connected. tick_counts: histogram of the tick times of the last second, (64,) little-endian uint32; bin k
+    counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since
+    protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it sounds; since
+    protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel an object,
+    computed as if every envelope were at its maximum, so that the list does not flicker with the modulation; since
+    protocol 1.1. presentation: the technique in use with its parameters; since protocol 1.1.
     """
 
     id: Id = 0

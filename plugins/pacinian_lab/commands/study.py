@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +13,8 @@ import click
 if TYPE_CHECKING:
     from pacinian_lab.study.store import Folder, Table
     from pacinian_lab.study.tasks import Plan
+
+MAX_REASONS = 5  # largest number of reasons that are printed why tasks failed
 
 
 @click.command()
@@ -84,6 +88,8 @@ def study(
     files = [folder.path / "results.parquet"]
     if not no_pictures:
         files += _report(plan, table, folder)
+    elif (old := folder.path / "report.md").exists():
+        click.echo(f"{old} and its pictures are of an earlier run", err=True)
     failures = len(table) - table.column("failure").null_count
     if as_json:
         result = {"tasks": len(table), "done_now": missing, "failures": failures}
@@ -93,6 +99,11 @@ def study(
         for made in files:
             click.echo(f"wrote {made}")
     if failures:
+        reasons = Counter(filter(None, table.column("failure").to_pylist()))
+        for reason, count in reasons.most_common(MAX_REASONS):
+            click.echo(f"{count} failed: {reason}", err=True)
+        if len(reasons) > MAX_REASONS:
+            click.echo(f"and {len(reasons) - MAX_REASONS} other reasons", err=True)
         raise SystemExit(1)
 
 
@@ -101,7 +112,9 @@ def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
 
     rows, done = [describe_task(task) for task in plan.tasks], folder.rows()
     if as_json:
-        click.echo(json.dumps({"tasks": rows, "missing": missing}))
+        for row in rows:  # JSON has no infinity: write it as in the study's file
+            row["level"] = "inf" if row["level"] == math.inf else row["level"]
+        click.echo(json.dumps({"tasks": rows, "missing": missing}, allow_nan=False))
         return
     for row in rows:
         mark = " " if row["key"] not in done else "-" if done[row["key"]]["failure"] else "+"
@@ -113,8 +126,8 @@ def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
 def _changes(plan: Plan, folder: Folder, missing: int) -> None:
     """Print which results in the folder are still valid."""
     before, keys = folder.read_asked()
-    for problem in folder.unreadable:
-        click.echo(f"cannot read results, so their tasks run again: {problem}", err=True)
+    for part, problem in folder.unreadable.items():
+        click.echo(f"cannot read results, so their tasks run again: {part}: {problem}", err=True)
     if before and before != plan.digest:
         now = {task.key for task in plan.tasks}
         click.echo(

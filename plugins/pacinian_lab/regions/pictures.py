@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.plot import figure, save
-from pacinian.plot.style import BLUE, GREY, LINE, MAP, RED, bar, dress
+from pacinian.plot.style import BLUE, GREY, LINE, MAP, RED, SMALL, bar, dress
 from pacinian_lab.regions.methods import FREE, OURS
 from pacinian_lab.regions.run import find_strongest, judge, make
 from pacinian_lab.regions.score import evaluate_pressure
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 STRENGTH = 0.5  # fraction of the strongest even field
 FOCI = next(iter(FREE))
 TOP = 1.5  # end of the pressure scale, relative to the request
+LEGEND = 2.6  # end of the axis of a cut, relative to the request: it leaves room for the legend
 DIFFERENCES = "RdBu_r"
 COLOURS = 256
 FRONT = "letter H", "disc, 30 mm"  # shapes of the overview
@@ -117,9 +118,9 @@ class Picture:
             panel.plot(x, made[middle], color=colour, linewidth=LINE, label=way)
         panel.set(
             xlabel=self.view.labels[0], ylabel="pressure [Pa]", title="along the middle",
-            xlim=(x[0], x[-1]), ylim=(0.0, 2.2 * self.pressure),
+            xlim=(x[0], x[-1]), ylim=(0.0, LEGEND * self.pressure),
         )  # fmt: skip
-        panel.legend(loc="upper center", frameon=False, ncols=2)
+        panel.legend(loc="upper center", frameon=False, fontsize=SMALL)
 
 
 def draw_overview(pictures: Sequence[Picture]) -> Figure:

@@ -49,7 +49,9 @@ def measure_felt(
         return None
     session = Session(array, medium)
     q, facing = samples.positions, SkinFacing(samples.normals, samples.capsules)
-    asked = samples.radiation_pressure * ReachabilityFilter(session.propagator).share(q, facing, Counter())
+    asked = samples.radiation_pressure * ReachabilityFilter(session.propagator).share(
+        q, facing, Counter()
+    )
     if not asked.any():
         return None
     session.propagator.set_points(q, facing)

@@ -31,7 +31,12 @@ def hexagonal(width: float, height: float, pitch: float) -> Floats:
 
 
 def sunflower(count: int, diameter: float) -> Floats:
-    """Return Fermat's spiral: number n at radius (diameter / 2) sqrt((n + 1/2) / count) and at n golden angles."""
+    """Return Fermat's spiral: number n at radius (diameter / 2) sqrt((n + 1/2) / count) and at n golden angles.
+
+    A single place is the origin.
+    """
+    if count == 1:
+        return np.zeros((1, 2))
     n = np.arange(count)
     radius, angle = diameter / 2.0 * np.sqrt((n + 0.5) / count), n * GOLDEN
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

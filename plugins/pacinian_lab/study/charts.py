@@ -31,6 +31,7 @@ MESSAGES = {
 }
 AGAINST = ("aperture", "spacing", "transducers")
 ACROSS = 3  # panels per row
+TIE = 1e-3  # relative difference up to which two medians are equally good
 SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}  # units that are drawn in another unit
 LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across_x", *AGAINST)
 
@@ -38,7 +39,7 @@ LOGARITHMIC = ("yield", "shape_error", "condition", "width_along", "width_across
 def measures(rows: Sequence[Row], path: Path) -> None:
     """Draw each measure by layout: a dot for every task, a mark at the median, a colour for each plane.
 
-    A ring is around the best median of the first plane.
+    A ring is around the best median of the first plane, or around all that differ from it by at most `TIE`.
     """
     at = _group_rows(rows)
     names, planes = (list(dict.fromkeys(labels)) for labels in zip(*at, strict=True))
@@ -55,12 +56,15 @@ def measures(rows: Sequence[Row], path: Path) -> None:
             if (found := values(at.get((name, planes[0]), ()), measure))
         }
         if middles:
-            best = max if MEASURES[measure].better == "high" else min
-            y = best(middles, key=lambda y: middles[y])
-            panel.set_title(f"{message}\nbest: {names[y]}", fontsize=SMALL)
-            panel.plot(
-                middles[y], _height(y, 0, len(planes)), "o", ms=10, mfc="none", mec="0.2", mew=1.0
-            )
+            best = (max if MEASURES[measure].better == "high" else min)(middles.values())
+            winners = [y for y in middles if abs(middles[y] - best) <= TIE * abs(best)]
+            title = f"{message}\nbest: {_list_names([names[y] for y in reversed(winners)])}"
+            panel.set_title(title, fontsize=SMALL)
+            for y in winners:
+                height = _height(y, 0, len(planes))
+                panel.plot(
+                    middles[y], height, "o", ms=10, mfc="none", mec="0.2", mew=1.0, clip_on=False
+                )
         for k, plane in enumerate(planes):
             colour = CURVES[k % len(CURVES)]
             for y, name in enumerate(names):
@@ -68,6 +72,8 @@ def measures(rows: Sequence[Row], path: Path) -> None:
                     height = _height(y, k, len(planes))
                     panel.plot(found, [height] * len(found), ".", color=colour, ms=3, alpha=0.25)
                     panel.plot(median(found), height, "|", color=colour, ms=6, mew=1.6)
+        if not panel.lines:
+            _note_empty(panel)
         _axis(panel, "x", measure)
         panel.grid(color="0.93", linewidth=0.5)
         panel.tick_params(labelsize=SMALL_FONT)
@@ -77,6 +83,19 @@ def measures(rows: Sequence[Row], path: Path) -> None:
         grid[0, 0].plot([], [], "|", color=CURVES[k % len(CURVES)], mew=2, label=plane)
     page.legend(loc="outside upper center", ncols=len(planes), fontsize=SMALL, frameon=False)
     save(page, path, 64)
+
+
+def _list_names(names: Sequence[str]) -> str:
+    """Return up to two names, or one and the number of the others."""
+    if len(names) <= 2:
+        return " and ".join(names)
+    return f"{names[0]} and {len(names) - 1} others"
+
+
+def _note_empty(panel: Panel) -> None:
+    """Say in a panel that it has nothing to show."""
+    place = {"transform": panel.transAxes, "ha": "center", "va": "center"}
+    panel.text(0.5, 0.5, "no values", color="0.5", fontsize=SMALL, **place)
 
 
 def _height(y: int, k: int, planes: int) -> float:
@@ -98,6 +117,8 @@ def trends(rows: Sequence[Row], path: Path) -> None:
                 colour = CURVES[planes.index(plane) % len(CURVES)]
                 marker = MARKS[kinds.index(found[0]["layout.type"]) % len(MARKS)]
                 panel.plot(median(x), median(y), marker, color=colour, ms=4, alpha=0.7)
+        if not panel.lines:
+            _note_empty(panel)
         if j == 0:
             _axis(panel, "y", shown[i])
         if i == len(shown) - 1:

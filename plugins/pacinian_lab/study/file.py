@@ -82,10 +82,10 @@ class Picture(Struct, frozen=True, forbid_unknown_fields=True):
 class Study(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A study: every layout with every plane, pattern, solver and level.
 
-    levels: ||t||_2 relative to what one focus can reach, `gain` times the mean of sum_n |B_mn| over the points with a
-    target; `inf` means as strong as possible in these proportions. seed: of all random choices. gain: the limit of
-    |g_n|, `inf` for none. emitted: phases and amplitudes of a device, to which gains are quantised before they are
-    evaluated. picture: where the field is evaluated. Raises ArgumentError.
+    levels: ||t||_2 relative to the pressure of a single focus: `gain` times the mean of sum_n |B_mn| over the points
+    with a target; `inf` means as strong as possible in these proportions. seed: of all random choices. gain: the
+    limit of |g_n|, `inf` for none. emitted: phases and amplitudes of a device, to which gains are quantised before they
+    are evaluated. picture: where the field is evaluated. Raises ArgumentError.
     """
 
     layouts: tuple[AnyLayout, ...]

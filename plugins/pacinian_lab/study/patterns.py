@@ -13,9 +13,16 @@ from pacinian.errors import ArgumentError
 from pacinian_lab.study.sweep import Count, Number, Word, check_each, check_single
 
 if TYPE_CHECKING:
+    from PIL.ImageFont import FreeTypeFont, ImageFont
+
     from pacinian.types import Floats
 
+    Dots = np.ndarray[tuple[int, int], np.dtype[np.bool_]]
+
 MAX_POINTS = 10_000  # maximum number of points
+FONT_SIZE = 32  # size at which each character of a font looks different from the others [pixels]
+NO_CHARACTER = "\uffff"  # Unicode guarantees that this is no character, so no font has it
+EDGE = 1e-9  # by how much a point must be inside a shape, so that rounding does not take sides
 FORMS = ("ring", "disc", "cross", "square")
 
 PatternPoints = tuple["Floats", "Floats"]
@@ -159,10 +166,10 @@ class Shape(Pattern, frozen=True, tag="shape"):
         v, u = np.meshgrid(line, line, indexing="ij")
         r, far = np.hypot(u, v), np.maximum(np.abs(u), np.abs(v))
         asked = {
-            "ring": np.abs(r - 0.5) < 0.08,
-            "disc": r < 0.3,
-            "cross": ((np.abs(u) < 0.06) | (np.abs(v) < 0.06)) & (far < 0.6),
-            "square": np.abs(far - 0.5) < 0.08,
+            "ring": np.abs(r - 0.5) < 0.08 - EDGE,
+            "disc": r < 0.3 - EDGE,
+            "cross": (np.minimum(np.abs(u), np.abs(v)) < 0.06 - EDGE) & (far < 0.6 - EDGE),
+            "square": np.abs(far - 0.5) < 0.08 - EDGE,
         }[check_single(self.form)]
         return side / 2.0 * np.column_stack([u.ravel(), v.ravel()]), asked.ravel().astype(float)
 
@@ -195,12 +202,19 @@ class Points(Pattern, frozen=True, tag="points"):
 AnyPattern = Focus | Circle | PointGrid | Letters | RandomPoints | Shape | Points
 
 
-def _dots(text: str, height: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+def _dots(text: str, height: int) -> Dots:
     """Return a line of text as rows of dots, with capital letters `height` rows high."""
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import ImageFont
 
     fonts = (ImageFont.load_default(size) for size in range(height, 3 * height))
     font = next(f for f in fonts if _tall(f.getbbox("H")) >= height)
+    return _draw(text, font)
+
+
+def _draw(text: str, font: FreeTypeFont | ImageFont) -> Dots:
+    """Return a line of text as rows of dots, without empty rows around it."""
+    from PIL import Image, ImageDraw
+
     left, top, right, bottom = font.getbbox(text)
     picture = Image.new("1", (math.ceil(right - left), math.ceil(bottom - top)))
     draw = ImageDraw.Draw(picture)
@@ -216,6 +230,19 @@ def _tall(box: tuple[float, float, float, float]) -> float:
 def _check_printable(name: str, text: str) -> None:
     if not (text.isprintable() and text.strip() and len(text) <= 40):
         raise ArgumentError(name, f"must be 1 to 40 characters on one line, not {text!r}")
+    if missing := _find_missing(text):
+        raise ArgumentError(
+            name, f"has {missing!r}, which Pillow's default font lacks: leave it out"
+        )
+
+
+def _find_missing(text: str) -> str:
+    """Return the first character that the font would replace by a box, or ""."""
+    from PIL import ImageFont
+
+    font = ImageFont.load_default(FONT_SIZE)
+    box = _draw(NO_CHARACTER, font)
+    return next((c for c in text if c != " " and np.array_equal(_draw(c, font), box)), "")
 
 
 def _form(name: str, form: str) -> None:

@@ -3,15 +3,19 @@
 tasks.parquet     the tasks: a row for each, and the study's digest
 parts/*.parquet   the measurements: a row for each task, each file written once and atomically
 results.parquet   both, joined at the end of a run
+lock              locked during a run
 """
 
 from __future__ import annotations
 
-import os
+import contextlib
 import uuid
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pacinian.devices.atomic_file import replace_file
 from pacinian.errors import MissingExtra, RecordingError
+from pacinian.exclusive_lock import try_lock
 from pacinian_lab.study.measures import MEASURES
 
 try:
@@ -23,8 +27,7 @@ except ImportError as error:
 Table = Any  # pyarrow.Table; pyarrow has no type hints
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Generator, Sequence
 
     from pacinian_lab.study.tasks import Plan, Task
     from pacinian_lab.study.worker import Row
@@ -53,16 +56,33 @@ TIMES = ("run_time", "seconds")
 class Folder:
     """The stored results of a study.
 
-    unreadable: parts that could not be read, whose tasks will run again. Raises OSError.
+    unreadable: parts that could not be read, whose tasks will run again, and why. Raises OSError.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path, self.unreadable = path, list[str]()
+        self.path, self.unreadable = path, dict[Path, str]()
         self._parts = path / "parts"
 
     def open(self) -> None:
         """Make the folder if it does not exist."""
         self._parts.mkdir(parents=True, exist_ok=True)
+
+    @contextlib.contextmanager
+    def lock(self) -> Generator[None]:
+        """Open the folder for one run at a time. Raises RecordingError."""
+        try:
+            self.open()
+            file = (self.path / "lock").open("ab")
+        except OSError as error:
+            problem = f"cannot be made or written: {error.strerror or error}"
+            raise RecordingError(self.path, problem) from error
+        with file:
+            if not try_lock(file.fileno()):
+                raise RecordingError(
+                    self.path,
+                    "is in use by another run of a study: wait for its end, or use `--out`",
+                )
+            yield
 
     def rows(self) -> dict[str, Row]:
         """Return all measurements, by the tasks' keys."""
@@ -72,12 +92,18 @@ class Folder:
             try:
                 rows = pq.read_table(part).select(MEASURED.names).cast(MEASURED).to_pylist()
             except (pa.ArrowException, KeyError, OSError) as error:
-                self.unreadable.append(f"{part}: {error}")
+                self.unreadable[part] = str(error)
                 continue
             for row in rows:
                 if row["failure"] is None or row["key"] not in found:
                     found[row["key"]] = row
         return found
+
+    def set_aside_unreadable(self) -> None:
+        """Rename the parts that could not be read, so that no later run reads them again."""
+        for part in self.unreadable:
+            with contextlib.suppress(OSError):
+                part.rename(part.with_suffix(".unreadable"))
 
     def add(self, rows: Sequence[Row]) -> None:
         """Store rows atomically: after a crash, either all or none of them are there."""
@@ -121,15 +147,8 @@ class Folder:
         return table
 
     def _write(self, table: Table, path: Path) -> None:
-        beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-        try:
-            with beside.open("wb") as file:
-                pq.write_table(table, file)
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
+        with replace_file(path) as file:
+            pq.write_table(table, file)
 
 
 def describe_task(task: Task) -> dict[str, Any]:

@@ -38,20 +38,21 @@ def run(
     for no dashboard. advance: called with the number of tasks that have just finished.
 
     Local processes import the calling program, so guard it with `if __name__ == "__main__"`. Raises SceneFileError,
-    ArgumentError, ServerError, MissingExtra, OSError.
+    ArgumentError, RecordingError, ServerError, MissingExtra, OSError.
     """
     plan = study if isinstance(study, Plan) else make_plan(study)
     if workers is not None:
         check_integer("workers", workers, low=0)
     folder = Folder(Path(out))
-    folder.open()
-    batches = todo(plan, folder, retry=retry)
-    folder.ask(plan)
-    with closing(_work(plan, batches, workers, scheduler, dashboard)) as done:
-        for rows in done:
-            folder.add(rows)
-            advance(len(rows))
-    return folder.finish()
+    with folder.lock():
+        batches = todo(plan, folder, retry=retry)
+        folder.set_aside_unreadable()
+        folder.ask(plan)
+        with closing(_work(plan, batches, workers, scheduler, dashboard)) as done:
+            for rows in done:
+                folder.add(rows)
+                advance(len(rows))
+        return folder.finish()
 
 
 def load(out: str | Path) -> Table:

@@ -217,6 +217,15 @@ def test_replay_drives_the_array_as_it_was(tmp_path: Path, monkeypatch: Any) -> 
     np.testing.assert_array_equal(*fields)
 
 
+def test_a_solver_that_ends_the_program_is_an_error_and_not_silence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("pacinian.session.Session.solve", lambda *_, **__: sys.exit(3))
+    error = run("render", str(EXAMPLE), "--seconds", "0.05").exception
+    assert isinstance(error, pc.PluginError)
+    assert r"SystemExit(3)" in str(error)
+
+
 def test_render_lets_the_solver_be_chosen() -> None:
     seen = told("render", str(EXAMPLE), "--seconds", "0.05", "--solver", "gs-pat")
     assert seen["solver"] == "gs-pat"
@@ -401,7 +410,7 @@ def test_a_viewer_that_is_not_installed_is_told_before_the_server_starts(
     from pacinian.serving import server
 
     started: list[object] = []
-    monkeypatch.setattr(server, "serve", lambda *given, ending: started.append(given))
+    monkeypatch.setattr(server, "serve", lambda *given, **_: started.append(given))
     monkeypatch.setattr(util, "find_spec", lambda name: None if name == "uvicorn" else name)
     result = run("serve", "--view")
     assert isinstance(result.exception, pc.MissingExtra)
@@ -427,7 +436,7 @@ def test_a_plug_in_that_is_not_there_is_told_before_the_server_starts(
 ) -> None:
     from pacinian.serving import server
 
-    monkeypatch.setattr(server, "serve", lambda *given, ending: pytest.fail("it starts"))
+    monkeypatch.setattr(server, "serve", lambda *given, **_: pytest.fail("it starts"))
     result = run("serve", f"--{kind}", "nonsense")
     assert isinstance(result.exception, pc.UnknownPlugin)
     assert f"no {kind} is called 'nonsense'" in str(result.exception)
@@ -487,6 +496,11 @@ def test_plugins_add_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "play" in found["run"]
     assert "serve" in found["run"]
     assert "serve" not in found["start"]
+    listed = CliRunner().invoke(cli, ["plugins", "--json"])
+    told = json.loads(listed.stdout)
+    assert [command["name"] for command in told["commands"]] == ["play", "tune"]
+    assert "'serve', which Pacinian itself has: give it another name" in told["failed"]["serve"]
+    assert listed.exit_code == 1
     assert "Tune." not in CliRunner().invoke(cli, ["serve", "--help"]).stdout
 
 

@@ -23,6 +23,7 @@ from pacinian.cli.udev import make_rules
 from pacinian.devices.board import Board
 from pacinian.devices.layouts import Grid
 from pacinian.plot import boards as drawing
+from pacinian.plot.page import save
 from pacinian.plugins import device_discovery, registry
 from pacinian.plugins.registry import Offer
 
@@ -323,6 +324,38 @@ def test_no_transducer_of_a_small_board_is_cut_off_in_its_picture(need: Any) -> 
     assert panel.get_xlabel() == "x of the board [mm]"
     (space,) = (p for p in page.get_axes() if p.name == "3d")
     assert space.get_zlabel() == "z [mm]"
+
+
+def test_one_is_not_plural() -> None:
+    few = pc.DeviceDescription((Board(layout=Grid(columns=1, rows=1)),))
+    array, board, *_ = device_findings.check_description(few)
+    assert array.text.startswith("1 transducer on 1 board,")
+    assert board.text == "1 channel"
+
+
+@pytest.mark.parametrize("sides", [(1, 1), (8, 1), (1, 8)])
+@pytest.mark.parametrize("axis", [None, "x", "y"])
+def test_boards_of_one_row_are_drawn(
+    sides: tuple[int, int], axis: str | None, tmp_path: Path, need: Any
+) -> None:
+    need("matplotlib")
+    turn: Any = {"x": (0.5, 0.5, 0.5, 0.5), "y": (0.5**0.5, 0.0, 0.5**0.5, 0.0)}
+    pose = pc.Pose((0.1, 0.0, 0.0), turn[axis]) if axis else pc.Pose()
+    board = Board(layout=Grid(columns=sides[0], rows=sides[1]), pose=pose)
+    save(drawing.boards(pc.DeviceDescription((board,))), str(tmp_path / "row.png"))
+
+
+def test_boards_that_are_only_in_the_overview_are_counted(need: Any) -> None:
+    need("matplotlib")
+    few = [
+        Board(serial=str(i), layout=Grid(columns=1, rows=1), pose=pc.Pose((0.02 * i, 0.0, 0.0)))
+        for i in range(drawing.MAX_BOARDS + 1)
+    ]
+    page = drawing.boards(pc.DeviceDescription(tuple(few)))
+    words = f"the first {drawing.MAX_BOARDS} of {drawing.MAX_BOARDS + 1} boards"
+    assert any(words in text.get_text() for part in page.subfigs for text in part.texts)
+    page = drawing.boards(pc.DeviceDescription(tuple(few[:-1])))
+    assert not any(part.texts for part in page.subfigs)
 
 
 def test_the_rule_is_the_one_that_is_shipped() -> None:

@@ -4,16 +4,45 @@ from __future__ import annotations
 
 import errno
 import io
+import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import pytest
 
 from pacinian.cli import serve as module
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import pytest
+DEAF_ZONE = "[[safety.zones]]\nposition = [0, 0, 0.6]\nradius = 0.4\npressure = 1e-9"
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        ("solver = {name='gs', options={nosuch=1}}", "solver", "no option of solver 'gs'"),
+        ("solver = {name='gs', options={steps=-1}}", "solver", "`steps`"),
+        ("solver = {name='lagrange', options={mu='x'}}", "solver", "`mu` must be a number"),
+        ("backend = {name='simulated', options={nosuch=1}}", "backend", "no option of backend"),
+        ("backend = {name='simulated', options={phases='x'}}", "backend", "`phases`"),
+        ("rate = 1001", "rate", "must be 15.6 to 1000"),
+        ("rate = 15", "rate", "must be 15.6 to 1000"),
+        (DEAF_ZONE, "safety.zones", "nothing to sound with"),
+    ],
+)
+def test_settings_that_only_a_plug_in_can_check_end_the_start_by_file_and_key(
+    tmp_path: Path, text: str, key: str, words: str
+) -> None:
+    path = tmp_path / "server.toml"
+    path.write_text(f"connection = 'c.json'\n{text}")
+    command = [sys.executable, "-m", "pacinian", "serve", str(path), "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"error: {path}: $.{key}: ")
+    assert words in line
+    assert done.returncode == 2
 
 
 def test_a_server_runs_although_its_output_cannot_be_written(
@@ -21,7 +50,7 @@ def test_a_server_runs_although_its_output_cannot_be_written(
 ) -> None:
     ran: list[Path] = []
 
-    def run(settings: object, ready: Callable[[Path], None], ending: object) -> None:
+    def run(settings: object, ready: Callable[[Path], None], **_: object) -> None:
         ready(Path("connection.json"))
         ran.append(Path("connection.json"))
 

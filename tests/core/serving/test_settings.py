@@ -14,6 +14,7 @@ from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.serving.ipc.child_process import LaunchConfig
 from pacinian.serving.settings import Network, Security, Settings, load
 
+ZONE = "[[safety.zones]]\nposition = [0, 0, 0.2]\npressure = 1"
 EXAMPLE = Path(__file__).parents[3] / "packaging" / "server.toml"
 
 
@@ -79,6 +80,9 @@ def test_the_example_names_every_key() -> None:
         ("power = 0", "", "1e-12"),
         ("state_rate = 0", "", "1 or more"),
         ("[[safety.zones]]\nposition = [0, 0]\npressure = 1", "$.safety.zones", "length"),
+        (f"{ZONE}\n{ZONE.replace('0.2]', '200]')}", "$.safety.zones[1]", "not millimetres"),
+        (ZONE.replace("0.2]", "10.2]"), "$.safety.zones[0]", "10.2 m from the array's centre"),
+        (f"{ZONE}\nradius = 0.5", "$.safety.zones[0]", "make the zone smaller, or move it"),
         ("[array]\ntype = 'lattice'\nwidth = -1.0\nheight = 0.1", "$.array", "width"),
         ("[medium]\nhumidity = 7.0", "$.medium", "humidity"),
         ("rate = ", "", "is not TOML"),

@@ -80,6 +80,24 @@ def test_what_is_read_is_what_was_written(case: str, tmp_path: Path) -> None:
     assert (tmp_path / "again").read_bytes() == (tmp_path / "it.solution").read_bytes()
 
 
+def test_a_save_that_fails_leaves_the_earlier_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, before = tmp_path / "it.solution", solve()
+    before.save(path)
+
+    def fail(file: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", fail)
+    with pytest.raises(
+        pc.SolutionFileError, match=r"it\.solution: cannot be written: No space left"
+    ):
+        solve(amplitudes=1.0).save(path)
+    assert same(pc.Solution.load(path).gains, before.gains)
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_another_library_can_read_it(tmp_path: Path) -> None:
     import msgpack
 

@@ -13,6 +13,7 @@ import pacinian as pc
 import pacinian_lab.study as ps
 from pacinian_lab.commands.study import study
 from pacinian_lab.study import charts
+from pacinian_lab.study.store import Folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,6 +51,16 @@ def test_a_list_shows_the_tasks_and_does_nothing(
     assert told["tasks"][0]["layout.width"] == 0.02
 
 
+def test_a_list_is_json_at_the_highest_level(write: Callable[..., Path], tmp_path: Path) -> None:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    path = write(f"levels = [0.5, inf]\n{TINY}")
+    listed = run(path, "--out", tmp_path / "out", "--list", "--json").stdout
+    tasks = json.loads(listed, parse_constant=refuse)["tasks"]
+    assert {task["level"] for task in tasks} == {0.5, "inf"}
+
+
 def test_it_runs_reports_and_goes_on_after_a_change(
     write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -76,6 +87,7 @@ def test_a_failure_is_told_by_the_exit_code(write: Callable[..., Path], tmp_path
     result = run(path, "--out", tmp_path / "out", "--workers", 0, "--no-pictures")
     assert result.exit_code == 1
     assert "2 tasks, 2 of them run now, 1 failed" in result.stdout
+    assert "1 failed: " in result.stderr
 
 
 def test_a_part_that_cannot_be_read_is_told(write: Callable[..., Path], tmp_path: Path) -> None:
@@ -86,6 +98,38 @@ def test_a_part_that_cannot_be_read_is_told(write: Callable[..., Path], tmp_path
     result = run(path, "--out", out, "--workers", 0, "--no-pictures")
     assert f"cannot read results, so their tasks run again: {part}" in result.stderr
     assert "2 tasks, 1 of them run now" in result.stdout
+    assert part.with_suffix(".unreadable").read_text() == "no table"
+    result = run(path, "--out", out, "--workers", 0, "--no-pictures")
+    assert "cannot read results" not in result.stderr
+    assert "2 tasks, 0 of them run now" in result.stdout
+
+
+def test_a_second_run_in_the_same_folder_is_refused(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, out = write(TINY), tmp_path / "out"
+    with Folder(out).lock():
+        error = run(path, "--out", out, "--workers", 0, "--no-pictures").exception
+    assert isinstance(error, pc.RecordingError)
+    assert f"{out}: is in use by another run" in str(error)
+    assert run(path, "--out", out, "--workers", 0, "--no-pictures").exit_code == 0
+
+
+def test_a_folder_that_cannot_be_made_is_named(write: Callable[..., Path], tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    error = run(write(TINY), "--out", tmp_path / "file" / "out", "--workers", 0).exception
+    assert isinstance(error, pc.RecordingError)
+    assert f"{tmp_path / 'file' / 'out'}: cannot be made" in str(error)
+
+
+def test_a_report_that_was_not_written_again_is_called_old(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, out = write(TINY), tmp_path / "out"
+    out.mkdir()
+    (out / "report.md").touch()
+    result = run(path, "--out", out, "--workers", 0, "--no-pictures")
+    assert "report.md and its pictures are of an earlier run" in result.stderr
 
 
 def test_an_interruption_says_how_to_go_on(

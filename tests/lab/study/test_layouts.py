@@ -48,6 +48,10 @@ def test_all_but_the_outer_ones_of_a_hexagonal_one_have_six_neighbours() -> None
     assert (np.isclose(distances, 0.01, rtol=1e-9).sum(axis=1) == 6).all()
 
 
+def test_a_sunflower_of_one_is_the_origin() -> None:
+    assert np.array_equal(arrangements.sunflower(1, 0.1), [[0.0, 0.0]])
+
+
 @given(count=st.integers(1, 400), diameter=lengths)
 def test_a_sunflower_has_as_many_inside_any_circle_as_its_area_has_room(
     count: int, diameter: float

@@ -155,7 +155,7 @@ def test_pixels_at_a_transducer_do_not_count() -> None:
 
 @pytest.mark.parametrize(
     ("case", "form", "correlation", "maximum", "rank", "condition"),
-    [("1a", "ring", "0.82", "1.06", 861, "75"), ("2b", "disc", "0.62", "0.66", 451, "inf")],
+    [("1a", "ring", "0.82", "1.06", 861, "75"), ("2b", "cross", "0.61", "0.91", 451, "inf")],
 )  # fmt: skip
 def test_the_papers_experiment_comes_out_as_it_does_elsewhere(
     case: str, form: str, correlation: str, maximum: str, rank: int, condition: str

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian_lab.paper import experiment
 from pacinian_lab.study.patterns import (
+    FORMS,
     Circle,
     Focus,
     Letters,
@@ -35,6 +36,21 @@ def test_shapes_are_the_papers_sample_by_sample(form: str) -> None:
         (Plane(z=0.2, tilt=np.pi / 2.0, azimuth=np.pi / 2.0), "2a"),
     ):
         np.testing.assert_allclose(plane.points(uv), experiment.case(case).points, atol=1e-12)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@given(half=st.integers(10, 40), side=st.floats(0.05, 1.0))
+def test_shapes_look_the_same_from_four_sides(form: str, half: int, side: float) -> None:
+    _, proportions = made(Shape(form=form, side=side, pitch=side / (2 * half)))
+    image = proportions.reshape(2 * half + 1, -1)
+    for turned in (np.rot90(image), image[::-1], image.T):
+        assert np.array_equal(image, turned)
+
+
+def test_the_disc_has_the_samples_of_exact_arithmetic() -> None:
+    _, proportions = made(Shape(form="disc"))
+    steps = range(-20, 21)
+    assert proportions.sum() == sum(i * i + j * j < 6 * 6 for i in steps for j in steps) == 109
 
 
 @given(tilt=st.floats(-6.28, 6.28), azimuth=st.floats(-6.28, 6.28))
@@ -98,6 +114,7 @@ def test_points_of_ones_own() -> None:
         (lambda: Letters(text=" "), "characters"),
         (lambda: Letters(text="a\nb"), "characters"),
         (lambda: Letters(text="a", dots=3), "dots"),
+        (lambda: Letters(text="A漢字"), "has '漢', which Pillow"),
         (lambda: Shape(form="star"), "ring, disc"),
         (lambda: RandomPoints(count=3, low=0.0), "low"),
         (lambda: Points(points=()), "points"),

@@ -63,7 +63,8 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
     """A volume given by a signed-distance function.
 
     function: maps points, (K, 3) [m], to distances, (K,) [m], negative inside. It gets a copy, which it may change.
-    Several threads may call it, one at a time. extent: half the size of a bounding box centred on the origin [m]. Raises ArgumentError.
+    Several threads may call it, one at a time. extent: half the size of a bounding box centred on the origin [m].
+    Raises ArgumentError.
     """
 
     function: Callable[[Floats], Floats]

@@ -114,9 +114,7 @@ class CommandDispatcher:
     def _allows(self, message: Message) -> bool:
         allowed = self._peers.allows(message.peer, message.time)
         if not allowed:
-            problem = (
-                f"sends more than {self._settings.clients.max_rate:g} messages a second: slow down"
-            )
+            problem = f"the client sends more than {self._settings.clients.max_rate:g} messages a second: slow down"
             self._refuse(message.peer, message.data, "busy", problem, message.time)
         return allowed
 
@@ -128,11 +126,11 @@ class CommandDispatcher:
             return
         client = self._client(command.session)
         if client is None:
-            problem = "no session of that key: say hello first"
+            problem = "no session has that key: say hello first"
             self._refuse(peer, data, "session", problem, now, "$.session")
         elif not client.owns(peer, user):
             self._log.warning("replayed: a session's key was used on another connection", user=user)
-            problem = "belongs to another connection: say hello on this one"
+            problem = "the session belongs to another connection: say hello on this connection"
             self._refuse(peer, data, "session", problem, now, "$.session")
         else:
             self._answer(client, self._do(client, command, now, len(data)), now)

@@ -232,11 +232,11 @@ class SharedScene:
     def _require_all(self, names: tuple[str, ...]) -> None:
         for i, name in enumerate(names):
             if name not in self.objects:
-                problem = f"there is no object {name!r}; the others are done"
+                problem = f"there is no object {name!r}; the objects that exist were changed"
                 raise CommandRejected("unknown", problem, f"$.names[{i}]")
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove the objects of these names, as far as they exist."""
+        """Remove the objects with these names. Ignores names that do not exist."""
         for name in names:
             stored = self.objects.pop(name, None)
             if stored is not None:

@@ -21,7 +21,7 @@ SILENT, ARMED, FADING = 0, 1, 2  # values of `Permit.armed`
 class ClientSession:
     """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s].
 
-    number: of its scene, as in `Permit`.
+    number: number of its scene, as in `Permit`.
     """
 
     key: bytes
@@ -39,7 +39,7 @@ class ClientSession:
 
 
 class OutputLease:
-    """Lends the output to one session until it lets go or ends. The output is armed while the session's lease lasts.
+    """Lends the output to one session until the session disarms or ends. The output is armed while the lease lasts.
 
     takeover: whether a session may take the output from another. permit: for the guard and the renderer. fault: keeps
     the output silent until `reset`. replies: to peers; the caller sends and clears them.
@@ -53,7 +53,7 @@ class OutputLease:
         self._takeover = takeover
         self.may_resume = False
         """Whether the lease ran out and the owner's next renewal arms the output again."""
-        self._resume_requested = False  # the owner's last `arm` asked for that
+        self._resume_requested = False  # the owner's last `arm` had `resume`
         # Ids of the owner's pending `arm` requests, while another session's sound fades.
         self._pending_arms: list[int] = []
 
@@ -63,7 +63,7 @@ class OutputLease:
         return self.permit.armed == ARMED
 
     def pass_time(self, now: float) -> None:
-        """End what expires at `now` [s], and arm what waited for it. Call this before anything else at that time."""
+        """End a permit that expires at `now` [s], then carry out the waiting `arm`. Call this first at each time."""
         if self.permit.armed and now >= self.permit.until:
             expired = self.armed
             self._silence()
@@ -77,7 +77,7 @@ class OutputLease:
         if not self.permit.armed and self._pending_arms and self.owner is not None:
             if now >= self.owner.until:
                 self._refuse(
-                    "expired", "the lease was not renewed while the last owner's sound faded"
+                    "expired", "the lease was not renewed while the previous owner's sound faded"
                 )
                 return
             self._begin(self.owner)
@@ -93,7 +93,11 @@ class OutputLease:
         resume: whether a renewal after the lease ran out arms it again.
         """
         if self.permit.stopped or self.fault:
-            problem = f"a fault holds: {self.fault}" if self.fault else "an emergency stop holds"
+            problem = (
+                f"a fault has stopped the output: {self.fault}"
+                if self.fault
+                else "an emergency stop has stopped the output"
+            )
             self._error(session, request, "stopped", problem, "reset first")
             return
         if self.owner not in (None, session):

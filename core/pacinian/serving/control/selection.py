@@ -108,7 +108,8 @@ class Selection:
     def answers(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
         """Return the replies that are due, given all `results` by "kind number".
 
-        Orders of one kind end in their order. So one that has no result, although a newer one has, was never read.
+        Orders of one kind end in the order in which they were sent. If an order has no result although a newer order of
+        its kind has one, the process has never read it.
         """
         replies: list[tuple[bytes, Reply]] = []
         newest: dict[str, int] = {}
@@ -126,7 +127,7 @@ class Selection:
             self._waiting.remove(waiting)
             if waiting.missing and not problem:
                 names = ", ".join(sorted(name.split()[0] for name in waiting.missing))
-                problem = f"{names}: not done within {MAX_SELECTION_TIME:g} s"
+                problem = f"{names}: the selection did not finish within {MAX_SELECTION_TIME:g} s"
             reply = (
                 Error(id=waiting.request, code="fault", message=problem[:1000])
                 if problem

@@ -60,7 +60,7 @@ class ClientSessions:
         self.lease.pass_time(now)
         timeout = self._settings.safety.session_timeout
         for session in [s for s in self.all if now - s.renewed > timeout]:
-            problem = f"nothing was renewed for {timeout:g} s: the session is over"
+            problem = f"the session ended, because the client sent no renewal for {timeout:g} s"
             self._tell(session.peer, Error(code="session", message=problem, advice="say hello"))
             self._end(session, now)
 
@@ -103,7 +103,7 @@ class ClientSessions:
         if session is not None and session.peer == peer:
             return session
         self.replayed += session is not None
-        problem = "no session of that key on this connection"
+        problem = "this connection has no session with that key"
         self._error(peer, request, "session", problem, "say hello first")
         return None
 

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
 from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.logs import log
 from pacinian.serving.ipc.spawned_process import SystemProcess
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 START_ORDER = "guard", "bus", "render"  # the processes, in the order in which they start
 # Names of the guard, and of its spare, which waits to be called.
@@ -23,6 +24,8 @@ GUARD, SPARE = "guard", "spare"
 END_ORDER = "render", "bus", "guard"
 # Time limit for the first heartbeat of a process [s]. It is long because other processes may occupy the CPUs.
 MAX_FIRST_HEARTBEAT_TIME = 120.0
+# Time after which the log names a process that has not sent its first heartbeat [s].
+SLOW_START = 10.0
 # Time limit for the first heartbeat of a spare that takes over a device that may sound, if the spare has not waited for
 # long [s].
 SOUNDING_START = 5.0
@@ -54,8 +57,9 @@ class Child:
 
     started: when it was started, or called if it was a spare [s]. patience: time limit to its first heartbeat [s]. due:
     when to restart it [s]. wait: delay of the restart [s]. beat: its last heartbeat [s]. heard: time watched up to then
-    [s]. sounded: whether there may have been sound since it started. If so, its end delays nothing for longer: a device
-    without a watchdog sounds until the next guard has opened it.
+    [s]. named: whether the log has named it because it starts slowly. sounded: whether there may have been sound since
+    it started. If so, its end delays nothing for longer: a device without a watchdog sounds until the next guard has
+    opened it.
     """
 
     name: str
@@ -67,6 +71,7 @@ class Child:
     restarts: int = 0
     beat: float = 0.0
     heard: float = 0.0
+    named: bool = False
     sounded: bool = False
 
 
@@ -75,7 +80,8 @@ class Supervisor:
 
     start: starts a process by name; its second argument is the process id to stand by for (a spare), or 0.
     hang_timeout: time without a heartbeat after which a process is killed [s]. trusted: whether all have been ready
-    once. Until then, the end of a process is an error, because it would most likely end again.
+    once. Until then, the end of a process is an error, because it would most likely end again. plugins: the plug-in
+    that a process starts with, by process, for messages.
 
     Only time spent watching counts towards `hang_timeout`. If the whole machine stood still, or this process got no
     CPU, missing heartbeats prove nothing. (The permit's deadline silences the array in that case.)
@@ -89,7 +95,9 @@ class Supervisor:
         start: Callable[[str, int], Process],
         hang_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
+        plugins: Mapping[str, str] | None = None,
     ) -> None:
+        self._plugins = plugins or {}
         self._start, self._hang_timeout, self._clock = start, hang_timeout, clock
         self.trusted = False
         self._last = clock()  # time of the last check [s]
@@ -140,7 +148,11 @@ class Supervisor:
                 why = self._restart_or_promote_spare(child, now)
             elif why := self._check_child(child, beats.get(name, 0.0), limit):
                 if not self.trusted:
-                    raise ServerError(f"the process {name!r} {why} before the server was ready")
+                    plugin = self._plugins.get(name)
+                    starts = f", which starts {plugin}," if plugin else ""
+                    raise ServerError(
+                        f"the process {name!r}{starts} {why} before the server was ready"
+                    )
                 if now - child.started > BACKOFF_RESET_TIME:
                     child.wait = MIN_RESTART_DELAY
             if why:
@@ -196,7 +208,8 @@ class Supervisor:
                 child.process, child.patience = self._start(child.name, 0), MAX_FIRST_HEARTBEAT_TIME
             except (OSError, ServerError) as error:
                 return f"could not be started: {error}"
-        child.started, child.due, child.heard, child.sounded = now, None, self._watched, False
+        child.started, child.due, child.heard = now, None, self._watched
+        child.named = child.sounded = False
         child.restarts += 1
         return ""
 
@@ -206,7 +219,17 @@ class Supervisor:
         seen = beat >= child.started
         if beat != child.beat:
             child.beat, child.heard = beat, self._watched
-        if self._watched - child.heard <= (limit if seen else child.patience):
+        waited = self._watched - child.heard
+        if waited > SLOW_START and not (seen or child.named):
+            child.named = True
+            log().warning(
+                "a process starts slowly",
+                name=child.name,
+                plugin=self._plugins.get(child.name, "none"),
+                waited=f"{waited:.0f} s",
+                limit=f"{child.patience:g} s",
+            )
+        if waited <= (limit if seen else child.patience):
             return ""
         child.process.kill()
         return "hung, and was killed" if seen else "did not start, and was killed"

@@ -1,4 +1,4 @@
-"""The guard's devices: opened and closed in threads, so that the sounding device plays on meanwhile."""
+"""The guard's devices. Threads open and close them, so that the sounding device continues to play."""
 
 from __future__ import annotations
 
@@ -36,42 +36,47 @@ MAX_HANGING = 4
 RETRY_TIME, RETRY_INTERVAL = 1.0, 0.02
 
 
-class Opened(NamedTuple):
-    """The result of opening a device for `orders`. problem: why there is no device."""
+class OpenResult(NamedTuple):
+    """The result of opening a device for `orders`.
+
+    problem: why there is no device. wrong_setting: the setting, "backend" or "rate", that no device could accept.
+    """
 
     orders: tuple[str, ...]
     choice: Choice | PluginConfig
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
+    wrong_setting: str = ""
 
 
 @dataclass(eq=False)
-class Opening:
-    """A device that a thread is opening.
+class OpenAttempt:
+    """An attempt to open a device, in a thread.
 
-    olds: devices to close first. left: the device that another process left, which may sound; it is opened and closed
-    first. since: when opening began [s]. until: when to stop retrying [s].
+    devices_to_close: devices to close first. previous_guard_device: the device of the guard before this one, which may
+    still sound. The thread opens and closes it first, which silences it. since: when the attempt began [s]. until: when
+    to stop retrying [s].
     """
 
     orders: tuple[str, ...]
     choice: Choice | PluginConfig
-    olds: list[Backend]
-    left: PluginConfig | None
+    devices_to_close: list[Backend]
+    previous_guard_device: PluginConfig | None
     since: float
     until: float
 
 
-class PendingOpen:
+class NextDevice:
     """The next device to open. choice: selected by `order`; None reopens the current one.
 
-    resets: reset orders that wait for it too. olds: devices to close first.
+    resets: reset orders that also wait for this device. devices_to_close: devices to close first.
     """
 
     def __init__(self) -> None:
         self.choice: Choice | PluginConfig | None = None
         self.order = ""
         self.resets: list[str] = []
-        self.olds: list[Backend] = []
+        self.devices_to_close: list[Backend] = []
 
     @property
     def orders(self) -> tuple[str, ...]:
@@ -100,46 +105,52 @@ class DeviceManager:
         clock: Clock | None = None,
     ) -> None:
         self.results: dict[str, str] = {}
+        self.wrong_setting = ""
+        """The setting, "backend" or "rate", that keeps the first device from opening, whatever is connected."""
         self._gate, self._array, self._choice = gate, array, choice
         self._rate = rate
         self._owners = choice
         self._make = make or functools.partial(_make_backend, configured=choice)
         self._thread = thread or functools.partial(start_background_thread, name="device")
         self._clock = clock or SystemClock()
-        self._opened: queue.SimpleQueue[tuple[Opening, Opened]] = queue.SimpleQueue()
+        self._open_results: queue.SimpleQueue[tuple[OpenAttempt, OpenResult]] = queue.SimpleQueue()
         self._selected = self._reset = 0  # the last order of each kind
-        self._opening: Opening | None = None
+        self._attempt: OpenAttempt | None = None
         self._hanging = 0  # number of abandoned devices whose threads have not returned
-        self._left: PluginConfig | None = None
-        self._again = 0.0  # time for which to retry the next device [s]
+        self._previous_guard_device: PluginConfig | None = None
+        self._retry_time = 0.0  # time for which to retry the next device [s]
         self._choices: dict[int, PluginConfig] = {}  # choices by generation
-        self._next = PendingOpen()  # to open next, once none is being opened
+        self._next = NextDevice()  # waits while another device is being opened
         # Maps a generation to the orders that wait for its first frame.
         self._coming: dict[int, tuple[str, ...]] = {}
 
-    def begin(self, orders: RequestedSettings, left: PluginConfig | None = None) -> None:
+    def begin(
+        self, orders: RequestedSettings, previous_guard_device: PluginConfig | None = None
+    ) -> None:
         """Open the first device: the one selected before the guard was restarted, or the configured one.
 
-        left: the device of the guard before this one. It may still sound, and the system may hold it for a moment.
+        previous_guard_device: the device of the guard before this one. It may still sound, and the system may hold it
+        for a moment.
         """
         self._reset = orders.reset
         self._selected, selected = orders.backend
         self._choice = selected or self._choice
-        if left is not None:
-            self._choices[0] = left
-        self._left, self._again = left, RETRY_TIME if left else 0.0
+        if previous_guard_device is not None:
+            self._choices[0] = previous_guard_device
+            self._retry_time = RETRY_TIME
+        self._previous_guard_device = previous_guard_device
         self._select(f"backend {self._selected}", self._choice)
 
     @property
     def choice(self) -> PluginConfig | None:
-        """The choice of the guard's device, or of the device that was left while the guard has none."""
+        """The choice of the guard's device, or of the previous guard's device while this guard has none."""
         return self._choices.get(self._gate.generation)
 
     @property
     def busy(self) -> bool:
         """Whether a device is being opened, waits for its first frame, or is to be closed."""
         gate = self._gate
-        return self._opening is not None or gate.next_backend is not None or bool(gate.to_close)
+        return self._attempt is not None or gate.next_backend is not None or bool(gate.to_close)
 
     def follow(self, orders: RequestedSettings) -> None:
         """Carry out the orders that are new."""
@@ -163,7 +174,7 @@ class DeviceManager:
         if gate.fault and gate.next_backend is None:
             self._next.resets.append(order)
             if (old := gate.release()) is not None:
-                self._next.olds.append(old)
+                self._next.devices_to_close.append(old)
             self._open()
             return
         if gate.fault:
@@ -174,29 +185,31 @@ class DeviceManager:
     def poll(self) -> None:
         """Take the devices that have opened, and close those that were replaced."""
         gate = self._gate
-        while not self._opened.empty():
-            self._came(*self._opened.get())
-        now, opening = self._clock.now(), self._opening
-        if opening is not None and now - opening.since > OPEN_TIMEOUT:
+        while not self._open_results.empty():
+            self._receive_result(*self._open_results.get())
+        now, attempt = self._clock.now(), self._attempt
+        if attempt is not None and now - attempt.since > OPEN_TIMEOUT:
             self._hanging += 1
-            problem = f"{opening.choice.name}: did not open within {OPEN_TIMEOUT:g} s; given up"
-            self._take(Opened(opening.orders, opening.choice, problem=problem))
-        for order in self._coming.pop(gate.generation, ()):  # it has got its first frame
+            problem = (
+                f"{attempt.choice.name}: did not open within {OPEN_TIMEOUT:g} s, and was abandoned"
+            )
+            self._take(OpenResult(attempt.orders, attempt.choice, problem=problem))
+        for order in self._coming.pop(gate.generation, ()):  # the device has got its first frame
             self._note_result(order)
         while gate.to_close and self._start(functools.partial(self._close, gate.to_close[-1])):
             gate.to_close.pop()
 
-    def _came(self, opening: Opening, opened: Opened) -> None:
-        if opening is self._opening:
-            self._take(opened)
+    def _receive_result(self, attempt: OpenAttempt, result: OpenResult) -> None:
+        if attempt is self._attempt:
+            self._take(result)
             return
         self._hanging -= 1
-        if opened.device is not None:
-            self._gate.to_close.append(opened.device[0])
+        if result.device is not None:
+            self._gate.to_close.append(result.device[0])
 
-    def _take(self, opened: Opened) -> None:
-        gate, (orders, choice, device, problem) = self._gate, opened
-        self._opening = None
+    def _take(self, result: OpenResult) -> None:
+        gate, (orders, choice, device, problem, self.wrong_setting) = self._gate, result
+        self._attempt = None
         if device is None:
             for order in orders:
                 self._note_result(order, problem)
@@ -229,30 +242,40 @@ class DeviceManager:
     def _open(self) -> None:
         """Open the next device, unless one is being opened."""
         ahead, gate = self._next, self._gate
-        if self._opening is not None or not ahead.orders:
+        if self._attempt is not None or not ahead.orders:
             return
-        self._next = PendingOpen()
+        self._next = NextDevice()
         # A device that was selected has taken over meanwhile.
         if ahead.choice is None and gate.backend is not None:
-            gate.to_close += ahead.olds
+            gate.to_close += ahead.devices_to_close
             gate.clear()
             for order in ahead.resets:
                 self._note_result(order)
             return
         choice, now = ahead.choice or self._choice, self._clock.now()
-        opening = Opening(ahead.orders, choice, ahead.olds, self._left, now, now + self._again)
-        self._opening, self._left, self._again = opening, None, 0.0
-        work, problem = functools.partial(self._work, opening), ""
+        attempt = OpenAttempt(
+            ahead.orders,
+            choice,
+            ahead.devices_to_close,
+            self._previous_guard_device,
+            now,
+            now + self._retry_time,
+        )
+        self._attempt, self._previous_guard_device, self._retry_time = attempt, None, 0.0
+        work, problem = functools.partial(self._carry_out, attempt), ""
         if self._hanging >= MAX_HANGING:
-            problem = f"{self._hanging} devices hang while they are opened: restart the server"
+            problem = (
+                f"cannot open another device, because {self._hanging} devices hang while they open: "
+                "restart the server"
+            )
         elif not self._start(work):
             if gate.backend is None:  # nothing plays on meanwhile
                 work()
             else:
                 problem = f"{choice.name}: the system permits no more threads"
         if problem:
-            gate.to_close += ahead.olds
-            self._take(Opened(ahead.orders, choice, problem=problem))
+            gate.to_close += ahead.devices_to_close
+            self._take(OpenResult(ahead.orders, choice, problem=problem))
 
     def _start(self, work: Callable[[], None]) -> bool:
         """Run `work` in a thread; return whether the system permits one."""
@@ -262,29 +285,29 @@ class DeviceManager:
             return False
         return True
 
-    def _work(self, opening: Opening) -> None:
+    def _carry_out(self, attempt: OpenAttempt) -> None:
         """Open a device. Runs in a thread."""
-        for old in opening.olds:
+        for old in attempt.devices_to_close:
             self._close(old)
-        if opening.left is not None:
+        if attempt.previous_guard_device is not None:
             # Only opening and closing this device ends its sound.
             raise_priority()
-        if opening.left not in (None, self._convert_choice(opening.choice)):
-            device = self._try_open(opening, opening.left).device
+        if attempt.previous_guard_device not in (None, self._convert_choice(attempt.choice)):
+            device = self._try_open(attempt, attempt.previous_guard_device).device
             if device is not None:
                 self._close(device[0])
-        self._opened.put((opening, self._try_open(opening, opening.choice)))
+        self._open_results.put((attempt, self._try_open(attempt, attempt.choice)))
 
-    def _try_open(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
+    def _try_open(self, attempt: OpenAttempt, choice: Choice | PluginConfig) -> OpenResult:
         """Open a device, with retries until it opens, the time is over, or it was abandoned."""
         while True:
-            opened = self._once(opening, choice)
+            result = self._try_open_once(attempt, choice)
             if (
-                opened.device is not None
-                or opening is not self._opening
-                or self._clock.now() >= opening.until
+                result.device is not None
+                or attempt is not self._attempt
+                or self._clock.now() >= attempt.until
             ):
-                return opened
+                return result
             self._clock.wait_until(self._clock.now() + RETRY_INTERVAL)
 
     def _convert_choice(self, choice: Choice | PluginConfig) -> PluginConfig:
@@ -299,22 +322,28 @@ class DeviceManager:
             backend.close()
         self._gate.mark_closed(backend)
 
-    def _once(self, opening: Opening, choice: Choice | PluginConfig) -> Opened:
+    def _try_open_once(self, attempt: OpenAttempt, choice: Choice | PluginConfig) -> OpenResult:
         """Try once to open a device. An abandoned device is not opened."""
-        backend, orders = None, opening.orders
+        backend, orders, checked = None, attempt.orders, "backend"
         # Catch whatever a plug-in raises, because an exception must not end the thread.
         try:
             backend = self._make(choice)
-            can = backend.capability
+            can, checked = backend.capability, "rate"
             check_rate(can.rate, self._rate)
-            if opening is not self._opening:
+            checked = ""
+            if attempt is not self._attempt:
                 raise BackendError(SUPERSEDED)
             backend.open(self._array)
         except BaseException as error:
             if backend is not None:
                 self._close(backend)
-            return Opened(orders, choice, problem=_name_device(choice.name, describe_error(error)))
-        return Opened(orders, choice, (backend, can))
+            # ArgumentError is a ValueError. A device that is absent raises other errors.
+            invalid = any(isinstance(e, TypeError | ValueError) for e in (error, error.__cause__))
+            problem = _name_device(choice.name, describe_error(error))
+            return OpenResult(
+                orders, choice, problem=problem, wrong_setting=checked if invalid else ""
+            )
+        return OpenResult(orders, choice, (backend, can))
 
 
 def _make_backend(choice: Choice | PluginConfig, configured: Choice | PluginConfig) -> Backend:

@@ -38,10 +38,10 @@ class OutputGate:
     columns: number of transducers. gain: upper limit of every amplitude. frame_timeout: the device is
     silenced when its newest frame is older than this [s].
 
-    A device sounds its last frame until the next one, so the age of a frame counts from when the gate first saw it.
-    From `until`, or any other end, to silence takes at most one round: the pause between two calls of `step`, and the
-    duration of those calls. The gate cannot help if a backend does not return. Then the guard's heartbeat stops and the
-    guard is killed, which closes the device.
+    A device plays a frame until it gets the next one. The age of a frame therefore counts from the time at which the
+    gate first saw it. When a permit ends, at `until` or earlier, silence follows within at most one round: the pause
+    between two calls of `step`, plus the duration of both calls. If a backend does not return, the gate cannot silence
+    the device. The guard's heartbeat then stops, and the guard is killed, which closes the device.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class OutputGate:
         self.to_close: list[Backend] = []
         """Devices to close."""
         self._stuck: list[Backend] = []  # released while loud, and not closed yet
-        self._why = ""  # the fault that released the last of them
+        self._why = ""  # the fault for which the newest of these devices was released
         self.loud = False
         """A frame was sent since the last silence."""
         self.generation = self.next_generation = 0
@@ -307,10 +307,13 @@ def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: fl
     size = HEAD + 4 * head.rows * columns
     if head.columns != columns or not 0 < head.rows <= MAX_ROWS or len(data) != size:
         raise BackendError(
-            f"a frame of {head.rows} x {head.columns} levels in {len(data)} bytes for {columns} transducers"
+            f"a frame has {head.rows} x {head.columns} levels in {len(data)} bytes, but the array has "
+            f"{columns} transducers"
         )
     levels = np.frombuffer(data, "<u2", offset=HEAD)
     phase, amplitude = levels.reshape(2, head.rows, columns)
     if phase.max() >= can.phases or amplitude.max() > can.highest(gain):
-        raise BackendError(f"a frame with levels beyond the device's, or the gain limit {gain:g}")
+        raise BackendError(
+            f"a frame contains levels that the device cannot emit, or that exceed the gain limit {gain:g}"
+        )
     return Frame(head.sequence, head.time, phase, amplitude)

@@ -35,6 +35,7 @@ from pacinian.serving.ipc.messages import (
     pack,
 )
 from pacinian.serving.ipc.plugin_list import find_plugin, publish_offers
+from pacinian.serving.ipc.refused_setting import refuse_setting
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
 
 if TYPE_CHECKING:
@@ -102,6 +103,11 @@ class GuardLoop:
         self._orders.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
             find_plugin("backend", (self._orders.value.backend[1] or configured).name)  # imports it
+
+    @property
+    def first(self) -> bool:
+        """Whether there was no guard before this one, so that the settings have not proved themselves."""
+        return not self._replaces
 
     def watch(self) -> tuple[float, bool]:
         """Return the running guard's last heartbeat [s], and whether there may be sound. A spare calls this."""
@@ -227,6 +233,10 @@ def main() -> None:
         while not (ended.is_set() or loop.gate.backend or loop.gate.fault):
             loop.run_round()  # opening a device may take long
             time.sleep(IDLE_INTERVAL)
+        if loop.devices.wrong_setting and loop.first:
+            problem = loop.gate.fault
+            loop.gate.clear()  # control reports the setting instead of a fault
+            refuse_setting(config.path, loop.devices.wrong_setting, problem)
         if loop.backends is None:
             # Listing the backends takes long, but an open device is still silent here.
             publish_offers("backend", functools.partial(setattr, loop, "backends"))

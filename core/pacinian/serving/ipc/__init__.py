@@ -16,5 +16,6 @@ zap.py                the thread that answers ZeroMQ's questions about new conne
 file_lock.py          one server for each connection file
 clock_offset.py       a client's clock offset
 rate_limit.py         token buckets: messages a second
-plugin_list.py        which plug-ins can be selected, and how they are made
+plugin_list.py        lists the plug-ins that can be selected, and creates them
+refused_setting.py    a setting that a solver or a backend refuses, reported to control
 """

@@ -101,7 +101,12 @@ def launch(command: Sequence[str], config: LaunchConfig, pipe: ChildPipe | None 
 
     Raises ServerError if the configuration is too long or cannot be sent; OSError if the child cannot be started.
     """
-    data = msgspec.json.encode(config)
+    try:
+        data = msgspec.json.encode(config)
+    except UnicodeEncodeError as error:
+        raise ServerError(
+            f"the path {error.object!r} in the settings is not Unicode: rename that file or folder"
+        ) from None
     if len(data) > MAX_CONFIG_BYTES:
         raise ServerError(f"the settings take {len(data)} bytes, more than {MAX_CONFIG_BYTES}")
     process = Process(command, ChildPipe() if pipe is None else pipe)

@@ -356,6 +356,7 @@ def check_rate(device: float, loop: float) -> None:
     """Check that a device of that rate suits a loop of that rate [Hz]. Raises ArgumentError if not."""
     if not 1.0 - 1e-9 <= device / loop < MAX_ROWS + 0.5:
         raise ArgumentError(
-            "backend",
-            f"must have 1 to {MAX_ROWS} frames a tick: {device:g} Hz does not fit a loop of {loop:g} Hz",
+            "rate",
+            f"must be {device / MAX_ROWS:.3g} to {device:g} for this device, which plays {device:g} frames a second, "
+            f"1 to {MAX_ROWS} frames a tick; it is {loop:g}",
         )

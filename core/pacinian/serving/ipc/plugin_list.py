@@ -1,4 +1,4 @@
-"""Plug-ins by name: which can be selected, and how they are made with options from configuration and clients."""
+"""Plug-ins by name: list those that can be selected, and create them with options from configuration and clients."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _collect_offers(kind: Kind) -> tuple[Plugin, ...]:
 def make_plugin(
     kind: Kind, choice: PluginConfig | Choice, configured: PluginConfig | Choice
 ) -> Solver | Backend:
-    """Make a plug-in as configured, or as a client chooses it.
+    """Create a plug-in as configured, or as a client chooses it.
 
     A client's options are added to the configured ones if the configuration names the same plug-in. Raises
     UnknownPlugin, PluginError; ArgumentError also for options that no client may set.
@@ -101,8 +101,8 @@ def find_plugin(kind: Kind, name: str) -> Offer:
     if (kind, name) not in plugins.offers:
         if not LOADING.acquire(timeout=SELECTING):
             raise PluginError(
-                f"{name!r} cannot be looked for while the plug-in {plugins.importing!r} is being imported: "
-                "try again, or uninstall that plug-in"
+                f"the server cannot search for {name!r} while it imports the plug-in {plugins.importing!r}: try again, "
+                f"or uninstall {plugins.importing!r}"
             )
         try:
             plugins.find(kind, name)

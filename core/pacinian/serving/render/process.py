@@ -19,6 +19,7 @@ from pacinian.serving.ipc.logs import configure
 from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
 from pacinian.serving.ipc.plugin_list import publish_offers
+from pacinian.serving.ipc.refused_setting import blame_setting
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render.background_loader import BackgroundLoader
 from pacinian.serving.render.render_loop import FILES, RenderLoop
@@ -54,7 +55,8 @@ def _render(config: child_process.LaunchConfig) -> None:
         wake = open_wake_pipe(config.path, "render")
         stack.callback(wake.close)
         array, medium = settings.array.make(), settings.medium.make()
-        chosen = make_solver(settings.solver)
+        with blame_setting(config.path, "solver"):
+            chosen = make_solver(settings.solver)
         warm_up(array, medium, chosen, Capability(rate=settings.rate), settings.rate)
         while (newest := files["device"].read()) is None:
             time.sleep(CHECK_INTERVAL)
@@ -67,6 +69,8 @@ def _render(config: child_process.LaunchConfig) -> None:
             SolverSwitcher(chosen, array, medium, settings.solver),
             BackgroundLoader(),
         )
+        with blame_setting(config.path, "safety.zones"):
+            loop.prepare_zones()
         scheduling.raise_priority()
         scheduling.avoid_cores(device.processor)
         stack.callback(loop.close)

@@ -143,6 +143,11 @@ class RenderLoop:
         self._reported, self._report_interval = -math.inf, 1.0 / settings.state_rate  # [s]
         self._switched = False  # another device has not got a frame yet
 
+    def prepare_zones(self) -> None:
+        """Prepare the quiet zones of the settings. May take seconds. Raises ArgumentError if they cannot be kept."""
+        if self.replica.zones:
+            self._quieting.prepare(self.replica.zones)
+
     def open(self) -> None:
         """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
         self.renderer.open()
@@ -188,7 +193,7 @@ class RenderLoop:
     @property
     def rests(self) -> bool:
         """Whether another tick would change nothing: there is silence, no permit, and nothing new or pending."""
-        if not self.renderer.silent or self._choosing.making:
+        if not self.renderer.silent or self._choosing.starting:
             return False
         if self.renderer.halted is not None:
             return True  # until a reset

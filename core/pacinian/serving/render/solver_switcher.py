@@ -1,6 +1,6 @@
-"""The solver switcher: makes and tries out solvers in threads while the loop runs.
+"""The solver switcher: creates solvers and tries them out in threads while the loop runs.
 
-A new one takes over between two ticks.
+The loop changes to a new solver between two ticks.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.wire.control import Choice
 
-# Time after which a solver that is not made yet gives way to a newer selection, because its client no longer waits [s].
-MAKING = 10.0
+# Time after which a solver that has not started gives way to a newer selection, because its client no longer waits [s].
+START_TIMEOUT = 10.0
 # Number of threads that may hang in abandoned solvers; only the end of the process ends them.
 MAX_HANGING = 4
 
 
-class MadeSolver(NamedTuple):
+class StartedSolver(NamedTuple):
     """The result of an order: a solver that passed a trial solve, or the reason why there is none."""
 
     order: int
@@ -41,12 +41,12 @@ class MadeSolver(NamedTuple):
 
 
 class SolverSwitcher:
-    """Chooses the solver: the newest selected. It makes one at a time, and keeps only the newest that waits.
+    """Starts the solver that was selected last. Starts one solver at a time, and keeps only the newest waiting order.
 
-    chosen: the first solver. array, medium: to try out new ones. configured: with the owner's options. thread, clock:
-    for tests.
+    chosen: the first solver. array, medium: for the trial solve of a new solver. configured: the configured solver,
+    with the owner's options. thread, clock: for tests.
 
-    A solver that takes longer than `MAKING` gives way to the next one, because it may hang.
+    A solver that takes longer than `START_TIMEOUT` to start gives way to a newer order, because it may hang.
     """
 
     def __init__(
@@ -62,18 +62,18 @@ class SolverSwitcher:
         self._configured = configured
         self._array, self._medium = array, medium
         self._thread = thread or functools.partial(start_background_thread, name="solver")
-        self._made: queue.SimpleQueue[MadeSolver] = queue.SimpleQueue()
+        self._started: queue.SimpleQueue[StartedSolver] = queue.SimpleQueue()
         self._clock = clock
-        self._making = 0  # order number of the solver being made; 0 if none
-        self._since = 0.0  # when making it began [s]
+        self._starting = 0  # order number of the solver being started; 0 if none
+        self._since = 0.0  # when its start began [s]
         self._hanging = 0  # number of abandoned solvers whose threads have not returned
-        self._next: tuple[int, Choice] | None = None  # to make next, once none is being made
+        self._next: tuple[int, Choice] | None = None  # to start next, once none is being started
         self._results: dict[str, str] = {}
 
     @property
-    def making(self) -> bool:
-        """Whether a solver is being made, so that `poll` must be called again."""
-        return bool(self._making)
+    def starting(self) -> bool:
+        """Whether a solver is being started, so that `poll` must be called again."""
+        return bool(self._starting)
 
     def order(self, number: int, choice: Choice) -> None:
         """Order a solver; the newest order wins."""
@@ -83,16 +83,17 @@ class SolverSwitcher:
         self._begin()
 
     def _begin(self) -> None:
-        """Start to make the next solver, unless one is being made."""
-        if self._making or self._next is None:
+        """Begin to start the next solver, unless one is being started."""
+        if self._starting or self._next is None:
             return
         (number, choice), self._next = self._next, None
         if self._hanging >= MAX_HANGING:
             self._results[f"solver {number}"] = (
-                f"{self._hanging} solvers hang while they are made: restart the server"
+                f"cannot start another solver, because {self._hanging} solvers hang while they start: "
+                "restart the server"
             )
             return
-        self._making, self._since = number, self._clock()
+        self._starting, self._since = number, self._clock()
 
         def work() -> None:
             # Catch whatever a plug-in raises, because an exception must not end the thread.
@@ -100,31 +101,37 @@ class SolverSwitcher:
                 solver = make_solver(choice, self._configured)
                 try_out(Session(self._array, self._medium, solver))
             except BaseException as error:
-                self._made.put(MadeSolver(number, None, f"{choice.name}: {describe_error(error)}"))
+                self._started.put(
+                    StartedSolver(number, None, f"{choice.name}: {describe_error(error)}")
+                )
             else:
-                self._made.put(MadeSolver(number, solver))
+                self._started.put(StartedSolver(number, solver))
 
         self._thread(work)
 
     def poll(self) -> dict[str, str]:
-        """Take the solvers that were made; return the results of orders."""
-        while not self._made.empty():
-            order, solver, problem = self._made.get()
-            if order != self._making:
+        """Take the solvers that have started; return the results of orders."""
+        while not self._started.empty():
+            order, solver, problem = self._started.get()
+            if order != self._starting:
                 self._hanging -= 1
                 continue
             if solver is not None:
                 problem = self._take(solver)
             self._end(problem)
-        if self._making and self._next is not None and self._clock() - self._since > MAKING:
+        if (
+            self._starting
+            and self._next is not None
+            and self._clock() - self._since > START_TIMEOUT
+        ):
             self._hanging += 1
-            self._end(f"not made within {MAKING:g} s, and {SUPERSEDED}")
+            self._end(f"did not start within {START_TIMEOUT:g} s, and {SUPERSEDED}")
         results, self._results = self._results, {}
         return results
 
     def _end(self, problem: str) -> None:
         """Record the result of the current order; start the next."""
-        self._results[f"solver {self._making}"], self._making = problem, 0
+        self._results[f"solver {self._starting}"], self._starting = problem, 0
         self._begin()
 
     def _take(self, solver: Solver) -> str:
@@ -135,6 +142,6 @@ class SolverSwitcher:
 
 
 def make_solver(choice: str | Choice | PluginConfig, configured: str | PluginConfig = "") -> Solver:
-    """Make a solver. configured: as in `plugin_list.make_plugin`. Raises UnknownPlugin, PluginError, ArgumentError."""
+    """Create a solver. Arguments as in `plugin_list.make_plugin`. Raises UnknownPlugin, PluginError, ArgumentError."""
     whole, owners = (PluginConfig(c) if isinstance(c, str) else c for c in (choice, configured))
     return cast("Solver", plugin_list.make_plugin("solver", whole, owners))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +24,7 @@ from pacinian.solving.problem import Limits
 from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Generator, Iterator
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -48,9 +50,20 @@ def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, r
     place: Floats = array.positions.mean(axis=0) + WARMUP_HEIGHT * away
     x, y, z = (place + 0.1).tolist()
     kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), pressure=QUIET, radius=0.0),))
-    with limit_blas_threads():
+    with limit_blas_threads(), _no_warnings():
         for scene, limits in product(_scenes(place), kinds):
             _render(array, medium, solver, capability, rate, scene, limits)
+
+
+@contextlib.contextmanager
+def _no_warnings() -> Generator[None]:
+    """Log no warnings about the warm-up's objects, which no user has made."""
+    logger = logging.getLogger("pacinian")
+    before, logger.disabled = logger.disabled, True
+    try:
+        yield
+    finally:
+        logger.disabled = before
 
 
 def _render(

@@ -42,6 +42,12 @@ class ZonePlacement:
         """Whether zones are being prepared, so that `keeps` must be called again."""
         return self._next is not None
 
+    def prepare(self, zones: tuple[Zone, ...]) -> None:
+        """Prepare zones that never move; wait for that, which may take seconds. Raises ArgumentError."""
+        rms = self.limits.rms(len(self._array))
+        self._preparation.nulls(self._array, self._medium, zones, rms, Budget())
+        self.limits = replace(self.limits, zones=zones)
+
     def keeps(self, zones: tuple[Zone, ...] | None) -> bool:
         """Whether `limits` keeps all these zones quiet. May replace `limits`. Does not wait for a preparation.
 

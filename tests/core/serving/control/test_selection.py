@@ -62,7 +62,7 @@ def test_what_failed_is_told_at_once_and_what_hangs_after_a_while() -> None:
     assert selection.answers({}, 1.0 + MAX_SELECTION_TIME - 0.01) == []
     ((_, reply),) = selection.answers({}, 1.0 + MAX_SELECTION_TIME)
     assert reply.code == "fault"
-    assert "solver: not done" in reply.message
+    assert "solver: the selection did not finish" in reply.message
 
 
 def test_a_solver_that_ends_the_renderer_twice_is_given_up_for_the_configured_one() -> None:

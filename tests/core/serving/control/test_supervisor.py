@@ -11,7 +11,7 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import psutil
 import pytest
@@ -22,6 +22,7 @@ from pacinian.serving.control.supervisor import (
     MAX_FIRST_HEARTBEAT_TIME,
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
+    SLOW_START,
     SOUNDING_START,
     Supervisor,
 )
@@ -30,6 +31,7 @@ from pacinian.serving.ipc.hang_detection import (
     SOUNDING_HANG_DIVISOR,
     compute_hang_limit,
 )
+from pacinian.serving.ipc.logs import flush
 from pacinian.testing import ManualClock
 from pacinian.wire.connection_file import Connection
 
@@ -116,13 +118,15 @@ class Fake:
 class Watch:
     """A supervisor of fake processes, on a manual clock."""
 
-    def __init__(self, stubborn: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, stubborn: tuple[str, ...] = (), plugins: dict[str, str] | None = None
+    ) -> None:
         self.clock = ManualClock(50.0)
         self.log: list[tuple[str, str]] = []
         self.started: list[Fake] = []
         self.stubborn = stubborn
         self.error: Exception | None = None  # the error of each start
-        self.supervisor = Supervisor(self._start, 1.0, self.clock.now)
+        self.supervisor = Supervisor(self._start, 1.0, self.clock.now, plugins)
         self.supervisor.trusted = True
 
     def _start(self, name: str, spare: int) -> Fake:
@@ -534,6 +538,32 @@ def test_before_all_were_ready_an_end_is_an_error() -> None:
     watch.newest("guard").code = 2
     with pytest.raises(ServerError, match="'guard' ended with exit code 2"):
         watch.check()
+
+
+def test_before_all_were_ready_an_end_names_the_plug_in() -> None:
+    watch = Watch(plugins={"render": "the solver 'odd'"})
+    watch.supervisor.trusted = False
+    watch.newest("render").code = 3
+    words = "'render', which starts the solver 'odd', ended with exit code 3"
+    with pytest.raises(ServerError, match=words):
+        watch.check()
+
+
+def test_the_log_names_a_process_that_starts_slowly_once(logged: Any) -> None:
+    watch = Watch(plugins={"render": "the solver 'odd'"})
+    watch.supervisor.trusted = False
+    watch.look(SLOW_START, render=0.0)
+    assert not logged.getvalue()
+    watch.look(3.0 * SLOW_START, render=0.0)
+    flush()
+    (line,) = logged.getvalue().splitlines()
+    for part in ("a process starts slowly", "render", "the solver 'odd'", "limit='120 s'"):
+        assert part in line
+    watch.newest("render").code = 1
+    watch.supervisor.trusted = True
+    watch.look(MIN_RESTART_DELAY + SLOW_START + 1.0, render=0.0)
+    flush()
+    assert len(logged.getvalue().splitlines()) == 2, "the process that replaces it is named, too"
 
 
 def test_if_one_cannot_be_started_those_before_are_ended() -> None:

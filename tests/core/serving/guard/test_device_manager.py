@@ -336,6 +336,40 @@ def test_a_first_device_that_does_not_open_is_a_fault() -> None:
     assert not bench.gate.fault
 
 
+@pytest.mark.parametrize(
+    ("error", "wrong"),
+    [
+        (pc.ArgumentError("serial", "is no option"), "backend"),
+        (TypeError("an argument is missing"), "backend"),
+        (ValueError("no such mode"), "backend"),
+        (pc.BackendError("no device"), ""),
+        (OSError("no device"), ""),
+    ],
+)
+def test_options_that_no_device_accepts_are_told_from_a_device_that_is_absent(
+    error: Exception, wrong: str
+) -> None:
+    bench = Bench()
+
+    def make(choice: object) -> pc.Backend:
+        raise error
+
+    bench.devices._make = make
+    bench.devices.begin(RequestedSettings())
+    bench.run()
+    assert str(error) in bench.gate.fault
+    assert bench.devices.wrong_setting == wrong
+
+
+def test_an_array_that_does_not_fit_the_device_is_no_wrong_option() -> None:
+    bench = Bench()
+    bench.broken["a"] = {"open"}
+    bench.devices.begin(RequestedSettings())
+    bench.run()
+    assert bench.gate.fault
+    assert not bench.devices.wrong_setting
+
+
 @pytest.mark.parametrize("error", [SystemExit(1), KeyboardInterrupt(), OSError()])
 def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> None:
     bench = Bench()

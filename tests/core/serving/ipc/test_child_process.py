@@ -243,6 +243,12 @@ def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
         child_process.launch(["nothing"], told)
 
 
+def test_a_path_that_is_not_unicode_is_named(tmp_path: Path) -> None:
+    told = LaunchConfig(str(tmp_path), Settings(connection="/tmp/caf\udce9.json"))
+    with pytest.raises(ServerError, match=r"caf.*rename that file or folder"):
+        child_process.launch(["nothing"], told)
+
+
 @pytest.mark.parametrize("data", [b"", b"\x05\0\0\0{", b"\x02\0\0\0{}", b"\xff\xff\xff\xff{}"])
 def test_a_child_that_is_told_nonsense_ends(data: bytes, tmp_path: Path) -> None:
     command = [sys.executable, "-c", source(WAITS)]

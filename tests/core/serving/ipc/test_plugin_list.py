@@ -58,7 +58,7 @@ def test_a_plug_in_that_does_not_come_back_from_its_import_is_named_and_holds_no
         plugin_list.publish_offers("solver", found.append)
         assert found == [()]
         logged.wait("still being imported", "snail")
-        with pytest.raises(PluginError, match="'snail' is being imported"):
+        with pytest.raises(PluginError, match="imports the plug-in 'snail'"):
             plugin_list.find_plugin("solver", "slow")
     finally:
         opened.set()

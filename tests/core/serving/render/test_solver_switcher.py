@@ -15,8 +15,8 @@ from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.plugin_list import list_offers
 from pacinian.serving.render.solver_switcher import (
-    MAKING,
     MAX_HANGING,
+    START_TIMEOUT,
     SolverSwitcher,
     make_solver,
 )
@@ -160,10 +160,10 @@ def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) 
     before = solvers.chosen
     solvers.order(1, Choice(name="loud"))
     hangs = threads.waiting.pop()
-    clock.advance(60.0 * MAKING)
+    clock.advance(60.0 * START_TIMEOUT)
     assert solvers.poll() == {}, "it may compile for as long as nothing else is wanted"
     solvers.order(2, Choice(name="auto"))
-    assert "not made within" in solvers.poll()["solver 1"]
+    assert "did not start within" in solvers.poll()["solver 1"]
     threads.work()
     assert solvers.poll() == {"solver 2": ""}
     hangs()
@@ -180,7 +180,7 @@ def test_solvers_that_hang_are_only_so_many(threads: Threads) -> None:
     results: dict[str, str] = {}
     for number in range(1, MAX_HANGING + 2):
         solvers.order(number, Choice(name="loud"))
-        clock.advance(1.1 * MAKING)
+        clock.advance(1.1 * START_TIMEOUT)
         results |= solvers.poll()
     assert len(threads.waiting) == MAX_HANGING
     assert "restart the server" in results[f"solver {MAX_HANGING + 1}"]

@@ -7,6 +7,10 @@ import sys
 
 import pytest
 
+import pacinian as pc
+from pacinian.scene.config_sections import Units
+from pacinian.serving.render.warmup import warm_up
+
 ONCE_MORE = """
 import sys
 from pacinian.plugins.backend import Capability
@@ -32,3 +36,12 @@ def test_later_ticks_load_nothing_more_whatever_the_array(side: int, ticks: int)
     code = ONCE_MORE.format(side=side, ticks=ticks)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
+
+
+@pytest.mark.parametrize("rate", [20.0, 300.0, 1000.0])
+def test_nothing_warns_of_objects_that_no_user_made(
+    rate: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    array, can = Units(1, 1).make(), pc.Capability(rate=rate)
+    warm_up(array, pc.Air(), pc.solver("auto"), can, rate)
+    assert not caplog.records

@@ -43,6 +43,12 @@ def test_zones_are_kept_once_they_are_prepared(quieting: ZonePlacement) -> None:
     assert quieting.limits.zones == ()
 
 
+def test_zones_of_the_settings_are_kept_from_the_start(quieting: ZonePlacement) -> None:
+    quieting.prepare((FIXED,))
+    assert quieting.keeps((FIXED,))
+    covered(quieting, FIXED)
+
+
 def test_a_zone_may_move_a_little_without_a_pause(quieting: ZonePlacement) -> None:
     eventually(lambda: quieting.keeps((FIXED, head())))
     at = 0.0
