@@ -25,6 +25,7 @@ from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recorded_settings import to_config
 from pacinian.rendering.recording_clock import RecordingClock
 from pacinian.rendering.report import Report, StageTimer
+from pacinian.rendering.row_times import describe_mismatch
 from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.scene_warnings import find_warnings
 from pacinian.rendering.smoothing import Smoothing
@@ -274,6 +275,8 @@ class Renderer(Closeable):
         with suppress(PacinianError):  # of a file; the first tick will raise and report it
             gain, rate = find_ceiling(self.limits), self.backend.capability.rate
             warnings.extend(find_warnings(first, self.sampler, self.session, gain, rate))
+            if (text := describe_mismatch(self.backend.capability, self.period)) is not None:
+                warnings.append(text)
         self._add_warnings(warnings)
 
     def _add_warnings(self, warnings: Iterable[str]) -> None:

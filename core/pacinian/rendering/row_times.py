@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability
     from pacinian.types import Floats
 
+MAX_MISMATCH = 1e-3  # largest relative difference of the frames that a device plays and gets
 MAX_ROWS = 1000  # largest number of rows of a tick
 
 
@@ -31,3 +32,17 @@ def compute_row_times(capability: Capability, period: float) -> tuple[Floats, fl
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
     return times, gap
+
+
+def describe_mismatch(capability: Capability, period: float) -> str | None:
+    """Return a warning if the device's rate is no multiple of the loop's, else None."""
+    rate = 1.0 / period
+    count = len(compute_row_times(capability, period)[0])
+    played = capability.rate / (count * rate)
+    if abs(played - 1.0) < MAX_MISMATCH:
+        return None
+    return (
+        f"the device plays {capability.rate:g} frames a second, but the loop sends {count * rate:g}, {count} in each "
+        f"tick. Vibrations may be played at {played:.3g} times their frequency. Let the device's rate be a multiple of "
+        "the loop's `rate`"
+    )

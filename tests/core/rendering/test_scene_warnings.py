@@ -192,3 +192,26 @@ def test_a_solid_with_a_surface_is_not_named() -> None:
     solid = pc.SDF(lambda points: np.linalg.norm(points, axis=1) - 0.01, (0.012, 0.012, 0.012))
     item = pc.Volume(shape=solid, pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=0.01)
     assert not warn(item)
+
+
+@pytest.mark.parametrize(
+    ("device", "loop", "warned"),
+    [
+        (1600.0, 1000.0, True),
+        (1000.0, 600.0, True),
+        (4000.0, 1000.0, False),
+        (1000.0, 500.0, False),
+    ],
+)
+def test_a_device_whose_rate_fits_no_tick_is_a_warning(
+    device: float, loop: float, warned: bool
+) -> None:
+    point = pc.Point(position=(0.0, 0.0, 0.2), radiation_pressure=1.0)
+    backend, clock = Simulated(rate=device), ManualClock()
+    renderer = pc.Renderer(pc.autd(), pc.Scene((point,)), backend=backend, rate=loop, clock=clock)
+    with renderer:
+        renderer.tick()
+    found = [text for text in renderer.report.warnings if "frames a second" in text]
+    assert bool(found) is warned
+    if device == 1600.0:
+        assert "0.8 times" in found[0]

@@ -20,15 +20,17 @@ if TYPE_CHECKING:
 
 PATCHES = 24  # number of patches, which take the place of bones
 MIN_LENGTH = 1e-300
+MAX_FLATNESS = 1e-3  # mean cosine between a face's normal and the direction from the middle, below which a hand is flat
 
 
 class MeshSkin(Skin):
     """The skin of all hands that have the same faces as `hand`, which gives the rest pose.
 
-    Each point keeps its barycentric coordinates on its face. Outward is the side on which most faces look away from the
-    middle. Patches take the place of bones: each consists of the faces nearest to one of the first 24 points. Only the
-    normals distinguish fingers, so on coarse levels, points on neighbouring fingers may share nodes. A face without
-    area has the normal 0.
+    Each point keeps its barycentric coordinates on its face. Outward is the side on which most faces look away from
+    the middle; on a flat sheet, it is the side from which the corners of a face go anticlockwise. Patches take the
+    place of bones: each consists of the faces nearest to one of the first 24 points. Only the normals distinguish
+    fingers, so on coarse levels, points on neighbouring fingers may share nodes. A face without area has the normal
+    0.
     """
 
     def __init__(self, hand: Hand) -> None:
@@ -42,7 +44,7 @@ class MeshSkin(Skin):
         if not total > 0.0:
             raise ArgumentError("faces", "must have an area")
         middle = corners.mean(axis=1)
-        self.outward = 1.0 if ((middle - V.mean(axis=0)) * across).sum() >= 0.0 else -1.0
+        self.outward = _find_outward(middle - V.mean(axis=0), across)
         N = max(1, round(check_count(total, GRAIN, 2)))
         points, face = pick_points(corners, self.doubled / 2.0, N)
         normals = self.outward * across[face] / self.doubled[face, None]
@@ -104,6 +106,16 @@ class MeshSkin(Skin):
         size = np.linalg.norm(normals, axis=1, keepdims=True)
         out = self.outward * normals / np.maximum(size, MIN_LENGTH)
         return Nearest(surface, out, self.outward * distance, self.patch[face])
+
+
+def _find_outward(middle: Floats, across: Floats) -> float:
+    """Return 1 if the faces look outward, and -1 if they look inward.
+
+    middle: of each face, relative to that of the hand, (F, 3) [m]. across: cross products of their edges, (F, 3) [m^2].
+    """
+    away = (middle * across).sum(axis=1)
+    size = np.linalg.norm(middle, axis=1) @ np.linalg.norm(across, axis=1)
+    return -1.0 if float(away.sum()) < -MAX_FLATNESS * float(size) else 1.0
 
 
 def _mesh(hand: Hand) -> tuple[Floats, Indices]:

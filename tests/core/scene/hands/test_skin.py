@@ -15,6 +15,7 @@ import pacinian as pc
 from pacinian.scene.hands.bones import BONES
 from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, find_closest, make_capsules
 from pacinian.scene.hands.hand import Hand
+from pacinian.scene.hands.mesh_skin import MeshSkin
 from pacinian.scene.hands.skin_cache import get_skin
 from pacinian.scene.hands.skin_lod import SPACINGS
 
@@ -529,3 +530,21 @@ def test_a_mesh_has_points_between_the_others_too() -> None:
     finest = skin.between.area[0]
     own = finest[: len(skin)].sum()
     assert own + area.sum() == pytest.approx(trimesh.Trimesh(vertices, faces).area)
+
+
+@pytest.mark.parametrize("side", range(3, 12))
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_flat_sheet_looks_where_the_corners_of_its_faces_go_anticlockwise(
+    side: int, turned: bool
+) -> None:
+    """The side that looks away from its middle is a matter of rounding."""
+    x, y = np.meshgrid(np.linspace(-0.04, 0.04, side), np.linspace(-0.03, 0.05, side))
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.full(side * side, 0.2)])
+    faces = []
+    for j in range(side - 1):
+        for i in range(side - 1):
+            a = j * side + i
+            faces += [[a, a + side, a + 1], [a + 1, a + side, a + side + 1]]
+    order = np.array(faces)[:, ::-1] if turned else np.array(faces)
+    normals = MeshSkin(pc.Hand(vertices=vertices, faces=order)).surface.normals
+    assert normals[:, 2] == pytest.approx(1.0 if turned else -1.0)
