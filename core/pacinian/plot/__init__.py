@@ -22,7 +22,7 @@ mesh_colours.py     colours of these meshes, colour wheels and strips
 discs.py            objects in space as shaded discs
 outlines.py         outlines of hands, and of objects in a plane
 labels.py           labels beside points, where there is room
-style.py            widths, font sizes, colours safe for the colour-blind; the default colour maps, `MAP` and `CYCLIC`
+style.py            widths, font sizes, colours safe for the colour-blind; the colour maps that pictures share
 page.py             figures and panels; saves them; needs the extra `plot`
 notebook_figure.py  a figure that notebooks show
 """

@@ -1,6 +1,6 @@
 """The commands of the laboratory: one file for each command.
 
-bench.py            `pacinian bench`: run time and error of solvers (solvers/)
+bench.py            `pacinian bench`: run time and error of solvers (solvers/); how many points and seeds
 bench_batches.py    `pacinian bench batches`: many solves on cores and GPUs
 bench_regions.py    `pacinian bench regions`: evenness of surfaces and volumes
 bench_scenes.py     `pacinian bench scenes`: built-in scenes at 1 kHz

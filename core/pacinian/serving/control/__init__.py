@@ -3,8 +3,8 @@
 process.py            begins here: the loop and the log; answers malformed requests, and carries out `stop`,
                       `capabilities`, `status` and `select`
 sockets.py            requests, replies, published state, refused connections
-sessions.py           carries out `hello`, `renew`, `arm`, `disarm`, `reset` and `bye`
-output_lease.py       who may sound and until when: arming, takeover, stop; does not log
+sessions.py           carries out `hello` (and checks the protocol's version), `renew`, `arm`, `disarm`, `reset` and `bye`
+output_lease.py       who may sound and until when: arming, takeover, stop; time to fade out at `disarm` or `bye`
 pending_stops.py      emergency stops that wait until the guard reports silence
 selection.py          changes the solver, backend, technique or intensity while the server runs
 supervisor.py         starts the other processes, restarts those that end or hang, ends them in order
