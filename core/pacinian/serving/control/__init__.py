@@ -3,7 +3,7 @@
 process.py            begins here: the loop and the log; answers malformed requests, and carries out `stop`,
                       `capabilities`, `status` and `select`
 sockets.py            requests, replies, published state, refused connections
-sessions.py           carries out `hello` (and checks the protocol's version), `renew`, `arm`, `disarm`, `reset` and `bye`
+sessions.py           carries out `hello` (checks the protocol's version), `renew`, `arm`, `disarm`, `reset`, `bye`
 output_lease.py       who may sound and until when: arming, takeover, stop; time to fade out at `disarm` or `bye`
 pending_stops.py      emergency stops that wait until the guard reports silence
 selection.py          changes the solver, backend, technique or intensity while the server runs

@@ -1,6 +1,6 @@
 """Arrays of AUTD units on USB, by Pacinian's own format: docs/usb-autd.md.
 
-backend.py         the backend: its options and their defaults, such as the time limit of a transfer; a part of each frame
+backend.py         the backend: options and defaults, such as the time limit of a transfer; a part of each frame
 board.py           one device: packs frames, checks its status, says what is wrong with it
 link.py            its claimed USB interface: queries, requests
 simulated_link.py  a link to the reference device
