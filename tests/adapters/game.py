@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import psutil
 
 import pacinian as pc
-from pacinian.wire import commands, control
+from pacinian.wire import commands, control, replies
 
 from ..waiting import PATIENCE, eventually
 
@@ -201,6 +201,19 @@ def count_parts(server: Server, name: str = "ball") -> int:
         objects = client.show().objects
     shape = next((objects[key].shape for key in reversed(objects) if key.startswith(name)), None)  # type: ignore[union-attr]
     return 0 if shape is None else len(getattr(shape, "parts", [shape]))
+
+
+def refuse_zones(server: Fake, game: Game) -> None:
+    """Refuse the game's quiet zones: they are sent again if they are too many for now, but not if they are wrong."""
+    server.until(lambda: len(server.of(commands.Quiet)) == 1)
+    server.say(replies.Error(code="limit", message="too many", path="$.zones"), socket=1)
+    server.until(lambda: len(server.of(commands.Quiet)) == 2)
+    server.say(replies.Error(code="argument", message="wrong", path="$.zones[0]"), socket=1)
+    game.event("refused")
+    game.event("refused")
+    refused = time.monotonic()
+    eventually(lambda: bool(game.status()) and time.monotonic() > refused + 1.5)
+    assert len(server.of(commands.Quiet)) == 2
 
 
 def find_server(file: Path) -> list[psutil.Process]:

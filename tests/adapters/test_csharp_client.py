@@ -348,6 +348,24 @@ def test_nothing_old_reaches_a_new_server_and_nothing_resumes(
         again.until(lambda: bool(again.of(commands.Put)))
 
 
+def test_sessions_that_ended_while_the_game_stood_still_are_not_told(
+    server: Fake, game: Game
+) -> None:
+    game.do("arm")
+    game.until(lambda s: s["armed"])
+    begin = len(game.told)
+    stopped = game.do("tick off")["time"]
+    for hellos in (2, 3):
+        server.say(replies.Error(code="session", message="nothing was renewed for 10 s"))
+        server.until(lambda n=hellos: len(server.of(control.Capabilities)) == n)  # type: ignore[misc]
+    game.until(lambda s: s["time"] > stopped + s["lease"])
+    game.do("tick on")
+    game.event("connected")
+    assert game.do("put ball 0 0 0.2 5")["done"]
+    server.until(lambda: bool(server.of(commands.Put)))
+    assert [t["event"] for t in game.told[begin:] if "event" in t] == ["lost", "connected"]
+
+
 def test_a_session_that_the_server_has_ended(server: Fake, game: Game) -> None:
     server.say(replies.Error(code="session", message="the bus was started anew"))
     assert "the bus was started anew" in game.event("lost")["message"]

@@ -61,6 +61,27 @@ def test_what_is_done_is_felt(player: Game) -> None:
     assert -0.01 < status["age"] < PATIENCE
 
 
+def test_an_object_that_is_too_strong_takes_no_other_with_it(player: Game) -> None:
+    assert not player.do("ball loud 0.03 1000")["done"]
+    refused = player.event("refused", "limit")
+    assert refused["path"] == "$.objects[loud].radiation_pressure"
+    assert "of 1000 Pa: keep to 200 Pa" in refused["message"]
+    assert player.do("ball other 0.03 5")["done"]
+    player.until(lambda s: s["objects"] == 2)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "field"),
+    [({"lease": -1.0}, "($.lease)"), ({"life": -1.0}, "the option `life` is -1 s")],
+)
+def test_a_wrong_option_is_named(
+    real: Server, start: Callable[..., Game], wrong: dict[str, float], field: str
+) -> None:
+    with start(real.file, **wrong) as game:
+        game.do("start")
+        assert field in game.until(lambda s: s["status"] == "Refused")["problem"].lower()
+
+
 @pytest.mark.parametrize("player", [LEASE], indirect=True)
 def test_a_game_that_does_not_tick_is_silent_when_its_lease_is_over(
     real: Server, player: Game

@@ -111,6 +111,14 @@ def test_a_server_that_was_killed_is_told_apart(start: Callable[..., Game], tmp_
     start(str(program)).until(lambda s: s["problem"] == "the server was killed (signal 9)")
 
 
+def test_a_log_that_cannot_be_written_is_told(start: Callable[..., Game], tmp_path: Path) -> None:
+    log = tmp_path / "missing" / "server.log"
+    told = start(log=str(log)).until(lambda s: s["problem"] != "")
+    assert told["problem"].startswith(f"the log {log} cannot be written: ")
+    assert told["problem"].endswith("; create its folder, or give another path")
+    assert not told["runs"]
+
+
 @pytest.mark.parametrize("error", ["", "error: no device"])
 def test_only_an_error_of_the_log_is_told(
     start: Callable[..., Game], tmp_path: Path, error: str

@@ -16,6 +16,7 @@ import pytest
 import pacinian as pc
 from pacinian_lab.server.faults.server import Server
 
+from ..core.client.fake_server import Fake
 from ..waiting import PATIENCE, eventually
 from . import tools, unity
 from .game import (
@@ -25,6 +26,7 @@ from .game import (
     count_parts,
     find_server,
     kill,
+    refuse_zones,
     sounded_since,
     wait_for_expiry,
     wait_for_silence,
@@ -397,6 +399,16 @@ def test_after_a_restart_of_the_server_objects_are_put_again(
     assert not sounded_since(real, mark)
     game.do("arm")  # nothing else is needed: the objects are there
     sounds(game)
+
+
+def test_zones_are_not_sent_again_if_they_are_wrong(built: unity.Built, tmp_path: Path) -> None:
+    with Fake() as fake:
+        file = fake.connection.write(tmp_path / "connection.json")
+        with Game(["mono", "--debug", built.player, file, "0"]) as game:
+            game.do("play")
+            refuse_zones(fake, game)
+            game.do("quit")
+            assert game.end() == 0
 
 
 def test_a_game_without_a_server_says_what_to_do_and_connects_when_it_comes(

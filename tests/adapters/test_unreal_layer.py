@@ -13,6 +13,7 @@ import pacinian as pc
 from pacinian.wire.modulation import Wave
 from pacinian_lab.server.faults.server import Server
 
+from ..core.client.fake_server import Fake
 from ..waiting import PATIENCE, eventually
 from . import tools, unreal
 from .game import (
@@ -22,6 +23,7 @@ from .game import (
     count_parts,
     kill,
     look,
+    refuse_zones,
     wait_for_expiry,
     wait_for_silence,
     wait_until_free,
@@ -283,7 +285,9 @@ def test_zones_that_were_refused_are_told_and_sent_again(
 
         assert fills_the_scene()
         game = play("handless", "shared")
-        assert "16 zones" in game.event("refused")["message"]
+        for _ in range(2):
+            assert "16 zones" in game.event("refused")["message"]
+        assert len([t for t in game.told if "16 zones" in t.get("said", "")]) == 1  # logged once
         game.until(lambda told: "16 zones" in told["problem"])
 
         def has_the_games_zone() -> bool:
@@ -292,6 +296,14 @@ def test_zones_that_were_refused_are_told_and_sent_again(
             return not fills_the_scene()
 
         eventually(has_the_games_zone)
+
+
+def test_zones_are_not_sent_again_if_they_are_wrong(program: Path, tmp_path: Path) -> None:
+    with Fake() as fake:
+        file = fake.connection.write(tmp_path / "connection.json")
+        with Game([program, file, "handless"], tools.environment()) as game:
+            refuse_zones(fake, game)
+            assert game.end() == 0, game.told[-20:]
 
 
 def test_a_stop_that_is_not_confirmed_is_told_without_a_connection(

@@ -18,7 +18,7 @@ namespace {
 namespace wire = pacinian::wire;
 
 constexpr double rate = 90.0;    // [Hz]
-constexpr double patience = 60;  // [s] until the ball is felt
+constexpr double timeout = 60;  // [s] until the ball is felt
 constexpr double height = 0.2;   // [m] of the ball above the array
 
 wire::Volume ball() {
@@ -169,7 +169,7 @@ int main(int count, char** arguments) {
   };
   const double seconds = std::atof(argument(2, "10").c_str());
   Play play(std::move(options), argument(3, "gs-pat"), argument(4, ""));
-  if (!play.frames(patience, true)) return 1;
+  if (!play.frames(timeout, true)) return 1;
   play.frames(0.3 * seconds);
   play.change();
   play.frames(0.3 * seconds);

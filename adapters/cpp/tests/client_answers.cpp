@@ -226,7 +226,7 @@ int main(int count, char** arguments) {
   pacinian::Options options;
   options.name = "driver";
   if (count > 1 && std::string(arguments[1]) != "-") options.connection_path = arguments[1];
-  if (count > 2 && std::atof(arguments[2]) > 0.0) options.lease = std::atof(arguments[2]);
+  if (count > 2 && std::atof(arguments[2]) != 0.0) options.lease = std::atof(arguments[2]);
   if (count > 3) options.life = std::atof(arguments[3]);
   if (count > 4) options.timeout = std::atof(arguments[4]);
   options.clock = [] { return clock_of_both.now(); };

@@ -55,6 +55,23 @@ void a_stop_that_is_not_confirmed_is_told_without_a_session() {
   EXPECT(seen == text);
 }
 
+void who_is_told_of_a_stop_may_stop_again() {
+  Client client(nobody());
+  std::promise<void> again;
+  client.stop([&](const Refusal&) { client.stop([&](const Refusal&) { again.set_value(); }); });
+  again.get_future().wait();
+}
+
+void before_the_first_tick_the_thread_that_calls_first_counts() {
+  Client client(nobody());
+  std::vector<std::string> codes;
+  client.on.refused = [&](const Refusal& why) { codes.push_back(why.code); };
+  EXPECT(!client.arm());
+  EXPECT(!std::async(std::launch::async, [&] { return client.arm(); }).get());
+  client.tick();
+  EXPECT((codes == std::vector<std::string>{"session", "thread"}));
+}
+
 void a_name_is_text() {
   const std::string character = "\xF0\x9F\x98\x80";  // four bytes
   std::string name;
@@ -71,6 +88,8 @@ void a_name_is_text() {
 int main() {
   a_handler_may_throw();
   a_stop_that_is_not_confirmed_is_told_without_a_session();
+  who_is_told_of_a_stop_may_stop_again();
+  before_the_first_tick_the_thread_that_calls_first_counts();
   a_name_is_text();
   return check::result();
 }

@@ -137,17 +137,43 @@ void messages_are_small_enough() {
 void what_the_server_would_refuse_is_found() {
   const auto refused = [](const std::string& name, const wire::Object& object, const std::string& path, const char* says) {
     pacinian::Refusal why;
-    return pacinian::client::refuse(name, object, why) && why.path == path && why.message.find(says) != std::string::npos;
+    return pacinian::client::refuse(name, object, 200.0, why) && why.path == path && why.message.find(says) != std::string::npos;
   };
   pacinian::Refusal why;
   const wire::Object good = scene::point(0.0, 0.0, 0.2, 5.0);
-  EXPECT(!pacinian::client::refuse("good", good, why));
-  EXPECT(!pacinian::client::refuse(std::string(63, 'n') + "\xC3\xA4", good, why));  // 64 characters, 65 bytes
+  EXPECT(!pacinian::client::refuse("good", good, 200.0, why));
+  EXPECT(!pacinian::client::refuse(std::string(63, 'n') + "\xC3\xA4", good, 200.0, why));  // 64 characters, 65 bytes
   EXPECT(refused(std::string(65, 'n'), good, "$.objects[" + std::string(65, 'n') + "]", "1 to 64 characters"));
   EXPECT(refused("", good, "$.objects[]", "1 to 64 characters"));
   EXPECT(refused("far", scene::point(0.0, 0.0, 20.0, 5.0), "$.objects[far].position[2]", "10"));
   EXPECT(refused("nan", scene::point(0.0, NAN, 0.2, 5.0), "$.objects[nan].position[1]", ""));
   EXPECT(refused("mute", scene::ball(0.03, 0.0), "$.objects[mute]", "a radiation pressure or a force"));
+  const auto waves = [](const wire::Envelope& envelope) {
+    wire::Volume made = scene::ball(0.03, 5.0);
+    made.envelope = envelope;
+    return made;
+  };
+  EXPECT(!pacinian::client::refuse("good", waves(wire::Pulse{0.1, 0.1, 0.0, 0.05, 0.3, 0.3}), 200.0, why));
+  EXPECT(!pacinian::client::refuse("good", waves(wire::Noise{99.0, 100.0}), 200.0, why));
+  EXPECT(refused("a", waves(wire::Sine{150.0, 0.9, 0.1}), "$.objects[a].envelope.high", "at least `low`"));
+  EXPECT(refused("a", waves(wire::Square{150.0, 0.9, 0.1}), "$.objects[a].envelope.high", "at least `low`"));
+  EXPECT(refused("a", waves(wire::Noise{200.0, 100.0}), "$.objects[a].envelope.low_frequency", "below `high_frequency`"));
+  EXPECT(refused("a", waves(wire::Pulse{0.5, 0.1}), "$.objects[a].envelope.period", "at least the width"));
+  EXPECT(refused("a", waves(wire::Pulse{0.5, 1.0, 0.0, 0.4}), "$.objects[a].envelope.rise", "half of the width"));
+  wire::Volume turned = scene::ball(0.03, 5.0);
+  turned.pose.rotation = {0.0, 0.0, 0.6, 0.804};
+  EXPECT(!pacinian::client::refuse("good", turned, 200.0, why));  // the server normalises it
+  turned.pose.rotation = {0.0, 0.0, 0.0, 0.0};
+  EXPECT(refused("a", turned, "$.objects[a].pose.rotation", "length 1"));
+  wire::Point runs = scene::point(0.0, 0.0, 0.2, 5.0);
+  wire::STM path;
+  path.frequency = 100.0;
+  path.dwell = 0.005;
+  runs.technique = path;
+  EXPECT(!pacinian::client::refuse("good", runs, 200.0, why));
+  path.dwell = 0.02;
+  runs.technique = path;
+  EXPECT(refused("a", runs, "$.objects[a].technique.dwell", "the period"));
   wire::Particles large;
   large.radiation_pressure = 5.0;
   large.positions.assign(12 * 100'000, 0);
@@ -170,7 +196,8 @@ void pauses_grow_and_shrink() {
   EXPECT(std::fabs(attempts.due() - now - 0.1) < 1e-9);
   attempts.record_failure({"update the server", true}, now);
   EXPECT(attempts.status() == Status::refused && attempts.due() > now);
-  for (int i = 0; i < 8; ++i) attempts.record_failure({"no connection file", false}, now, ReconnectBackoff::unasked);
+  for (int i = 0; i < 8; ++i)
+    attempts.record_failure({"no connection file", false}, now, ReconnectBackoff::max_pause_without_server);
   EXPECT(std::fabs(attempts.due() - now - 0.5) < 1e-9);
 }
 

@@ -1,5 +1,6 @@
 // Tests of ServerSession without a socket, and with the test's own clock.
 
+#include "client/mailbox.h"
 #include "client_talk.h"
 
 namespace {
@@ -33,7 +34,7 @@ void only_ticks_renew() {
     talk.renewals(talk.now + 1.0 / 90.0);
   }
   const std::size_t all = talk.sent<wire::Renew>().size();
-  EXPECT(all > 30 && all < 60);  // about ten in a lease
+  EXPECT(all > 25 && all < 40);  // about eight in a lease
   const auto sequences = talk.sent<wire::Renew>();
   for (std::size_t i = 1; i < all; ++i) EXPECT(sequences[i].sequence > sequences[i - 1].sequence);
 }
@@ -165,6 +166,32 @@ void what_cannot_be_read_is_told() {
   EXPECT(talk.events.size() == 1);  // reported once
 }
 
+void sessions_that_ended_between_two_ticks_are_not_told() {
+  using Kinds = std::vector<Event::Kind>;
+  pacinian::client::Mailbox mailbox;
+  const auto add = [&](Event::Kind kind) {
+    std::vector<Event> some(1);
+    some[0].kind = kind;
+    mailbox.add_events(some, false);
+  };
+  const auto take = [&] {
+    pacinian::client::SessionStatus view;
+    std::vector<Event> events;
+    wire::State state;
+    mailbox.take_updates(view, events, state);
+    Kinds kinds;
+    for (const Event& event : events) kinds.push_back(event.kind);
+    return kinds;
+  };
+  add(Event::Kind::connected);
+  add(Event::Kind::lost);
+  EXPECT(take().empty());
+  add(Event::Kind::connected);
+  EXPECT(take() == Kinds{Event::Kind::connected});
+  for (int i = 0; i < 3; ++i) add(Event::Kind::lost), add(Event::Kind::connected);
+  EXPECT((take() == Kinds{Event::Kind::lost, Event::Kind::connected}));
+}
+
 }  // namespace
 
 int main() {
@@ -177,5 +204,6 @@ int main() {
   silence_of_the_server_is_a_loss();
   resets_wait_for_a_stop();
   what_cannot_be_read_is_told();
+  sessions_that_ended_between_two_ticks_are_not_told();
   return check::result();
 }

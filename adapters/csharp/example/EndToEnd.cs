@@ -15,7 +15,7 @@ namespace Pacinian.Example
     {
         private const double Frame = 1.0 / 90.0; // [s]
         private const double Steady = 0.2, Swaps = 0.6, Changes = 0.8; // fractions of the time at which these begin
-        private const double Patience = 60.0; // [s]
+        private const double Timeout = 60.0; // [s]
         private const double Height = 0.2; // [m]
 
         private readonly Figures _hand = new Figures(), _calls = new Figures();
@@ -129,7 +129,7 @@ namespace Pacinian.Example
 
         private void Until(Func<bool> done)
         {
-            double end = _client.Now + Patience;
+            double end = _client.Now + Timeout;
             while (!done())
             {
                 Step(0.0);

@@ -53,6 +53,22 @@ namespace Pacinian.Tests
             }
         }
 
+        public void BeforeTheFirstTickTheThreadThatCallsFirstCounts()
+        {
+            using (HapticClient client = new HapticClient(Nobody))
+            {
+                string codes = "";
+                client.Refused += why => codes += why.Code + " ";
+                bool done = client.Arm();
+                Thread other = new Thread(() => done |= client.Arm());
+                other.Start();
+                other.Join();
+                client.Tick();
+                ClientUnit.Holds(!done);
+                ClientUnit.Equal("session thread ", codes);
+            }
+        }
+
         public void ANameIsText()
         {
             string name = "";
@@ -64,6 +80,45 @@ namespace Pacinian.Tests
             foreach (string wrong in new[] { name + "a", "", null, "\uD83D", "\uDE00\uD83D", "a\uD83Da" })
             {
                 ClientUnit.Holds(!ObjectValidation.IsName(wrong));
+            }
+        }
+
+        public void WhatTheServerWouldRefuseIsFound()
+        {
+            Volume ball = new Volume { RadiationPressure = 5.0, Shape = new Sphere { Radius = 0.03 } };
+            foreach (IEnvelope good in new IEnvelope[]
+            {
+                new Pulse { Width = 0.1, Period = 0.1, Rise = 0.05, Low = 0.3, High = 0.3 },
+                new Noise { LowFrequency = 99.0, HighFrequency = 100.0 },
+            })
+            {
+                ball.Envelope = good;
+                ClientUnit.Equal("", ObjectValidation.Problem(ball));
+            }
+            Refused(ball, new Sine { Frequency = 150.0, Low = 0.9, High = 0.1 }, "at least `low` (envelope.high)");
+            Refused(ball, new Square { Frequency = 150.0, Low = 0.9, High = 0.1 }, "at least `low` (envelope.high)");
+            Refused(
+                ball, new Noise { LowFrequency = 200.0, HighFrequency = 100.0 }, "below `high_frequency` (envelope.low_frequency)");
+            Refused(ball, new Pulse { Width = 0.5, Period = 0.1 }, "at least the width (envelope.period)");
+            Refused(ball, new Pulse { Width = 0.5, Rise = 0.4 }, "half of the width (envelope.rise)");
+            ball.Envelope = new Constant();
+            ball.Pose.Rotation = new Quat(0.0, 0.0, 0.6, 0.804);
+            ClientUnit.Equal("", ObjectValidation.Problem(ball)); // the server normalises it
+            ball.Pose.Rotation = new Quat();
+            Refused(ball, new Constant(), "length 1 (pose.rotation)");
+            Point runs = new Point { RadiationPressure = 5.0, Technique = new STM { Frequency = 100.0, Dwell = 0.005 } };
+            ClientUnit.Equal("", ObjectValidation.Problem(runs));
+            ((STM)runs.Technique).Dwell = 0.02;
+            Refused(runs, new Constant(), "to the period (technique.dwell)");
+        }
+
+        private static void Refused(HapticObject item, IEnvelope envelope, string says)
+        {
+            item.Envelope = envelope;
+            string problem = ObjectValidation.Problem(item);
+            if (!problem.EndsWith(says, StringComparison.Ordinal))
+            {
+                throw new Exception("wanted " + says + ", found " + problem);
             }
         }
 

@@ -103,9 +103,24 @@ namespace Pacinian.Tests
             ClientUnit.Holds(_shared.Inbox.SessionState.Problem.EndsWith("or is too busy: the peer wants another mechanism"));
         }
 
+        public void SessionsThatEndedBetweenTwoTicksAreNotTold()
+        {
+            Connect();
+            Lose();
+            ClientUnit.Equal("", TakeNotices());
+            Connect();
+            ClientUnit.Equal("Connected", TakeNotices());
+            Lose();
+            Connect();
+            Lose();
+            Connect();
+            ClientUnit.Equal("Lost Connected", TakeNotices());
+        }
+
         public void AfterALossNothingResumes()
         {
             Connect();
+            TakeNotices();
             Movement movement = new Movement();
             _shared.Requests.Add(1, new PendingRequest("arm", new Arm(), 2.0));
             Step(0.001);
@@ -119,7 +134,7 @@ namespace Pacinian.Tests
             Step(0.001);
             ClientUnit.Holds(_shared.Inbox.SessionState.Problem.Contains("has gone; nothing of this session goes on"));
             ClientUnit.Holds(!_shared.Inbox.SessionState.Armed && _shared.Inbox.SessionState.Session == 0);
-            ClientUnit.Equal("Connected Answered Lost", TakeNotices());
+            ClientUnit.Equal("Answered Lost", TakeNotices());
             ClientUnit.Holds(!_shared.Outbox.Write(1, Kind.Move, "a", null, ref movement, _now));
             _wire.End = Ending.None;
             _wire.Full = false;
@@ -183,6 +198,14 @@ namespace Pacinian.Tests
             ClientUnit.Equal(ClientStatus.Connected, _shared.Inbox.SessionState.Status);
         }
 
+        private void Lose()
+        {
+            _wire.End = Ending.Gone;
+            Step(0.001);
+            _wire.End = Ending.None;
+            _now += 0.11;
+        }
+
         private void Pauses(params double[] wanted)
         {
             foreach (double pause in wanted)
@@ -191,7 +214,7 @@ namespace Pacinian.Tests
                 Step(0.0);
                 ClientUnit.Equal(_problem.Length > 0 ? opened : opened + 1, _wire.Opened);
                 Step(pause - 0.001);
-                ClientUnit.Near(Math.Min(0.05, 0.001), _sessionLoop.Patience(_now), 1e-6);
+                ClientUnit.Near(Math.Min(0.05, 0.001), _sessionLoop.MaxWait(_now), 1e-6);
                 _now += 0.0011;
             }
         }

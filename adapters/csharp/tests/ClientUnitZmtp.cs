@@ -216,13 +216,13 @@ namespace Pacinian.Tests
                 {
                     peer.Send(Bytes(Greeting31 + Null));
                     Until(() => Works(socket) && peer.Available >= 64);
-                    ClientUnit.Holds(socket.Patience > 0.0); // a greeting in two parts: nothing to do
+                    ClientUnit.Holds(socket.MaxWait > 0.0); // a greeting in two parts: nothing to do
                     peer.Send(Bytes(Filler + RouterReady + "00 03 'abc' 00 01 'd'"));
-                    Until(() => Works(socket) && socket.HasRoom && socket.Patience == 0.0);
+                    Until(() => Works(socket) && socket.HasRoom && socket.MaxWait == 0.0);
                     Until(() => socket.Receive(_into) == 3);
-                    ClientUnit.Holds(socket.Patience == 0.0 || socket.Receive(_into) == 1);
+                    ClientUnit.Holds(socket.MaxWait == 0.0 || socket.Receive(_into) == 1);
                     Until(() => socket.Receive(_into) < 0);
-                    ClientUnit.Holds(socket.Patience > 0.0);
+                    ClientUnit.Holds(socket.MaxWait > 0.0);
                 }
                 socket.Close();
                 ClientUnit.Equal(-1, socket.Receive(_into));

@@ -91,7 +91,7 @@ namespace Pacinian.Tests
                 ClientJson.Say("ended", _socket.Ended, "problem", _socket.Problem);
             }
             _socket.Watch();
-            _wake.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.Patience)));
+            _wake.WaitOne((int)Math.Ceiling(1e3 * Math.Min(0.05, _socket.MaxWait)));
             _socket.Work();
         }
 

@@ -110,7 +110,14 @@ namespace Pacinian.Haptics
             Movement movement;
             _tracker.Next(pose, now, out movement);
             _put = now;
-            _there = client.Put(_name, felt) ? session : 0;
+            if (client.Put(_name, felt))
+            {
+                _there = session;
+            }
+            else
+            {
+                Withdraw(client);
+            }
         }
 
         private void Follow(HapticClient client, Rigid pose, double now)

@@ -11,7 +11,7 @@ namespace Pacinian.Haptics
     {
         private readonly List<Wire.HandFrame> _hands = new List<Wire.HandFrame>();
         private readonly List<Wire.Zone> _zones = new List<Wire.Zone>();
-        private const double ZonesPause = 1.0; // [s] until zones that were refused are sent again
+        private const double ZonesPause = 1.0; // [s] until zones that were too many or late are sent again
 
         private readonly SelectionSender _selectionSender = new SelectionSender();
         private int _emptySession, _zonesSession; // sessions in which the empty list of hands, and all zones, were sent
@@ -81,7 +81,7 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Sends the zones if one has moved, appeared or disappeared, or if the server refused them.</summary>
+        /// <summary>Sends the zones if one has moved, appeared or disappeared, or if they are due again.</summary>
         private void SendZones(Rigid toArray, double now)
         {
             bool changed = (_zones.Count > 0 && _zonesSession != _session) || now >= _zonesDue;
@@ -107,11 +107,13 @@ namespace Pacinian.Haptics
             }
         }
 
-        /// <summary>Sends the zones again after a pause if the server refused them, or dropped them because they were late.</summary>
+        /// <summary>
+        /// Sends the zones again after a pause if there are too many until others remove theirs, or if they came late.
+        /// Zones that are refused for another reason are sent again only after a change.
+        /// </summary>
         private void RefuseZones(Refusal why)
         {
-            string path = why.Path ?? "";
-            if (path.StartsWith("$.zones", System.StringComparison.Ordinal) || path == "$.ttl")
+            if ((why.Path == "$.zones" && why.Code == "limit") || why.Path == "$.ttl")
             {
                 _zonesDue = Time.realtimeSinceStartupAsDouble + ZonesPause;
             }

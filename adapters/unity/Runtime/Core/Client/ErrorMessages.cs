@@ -8,9 +8,9 @@ namespace Pacinian
     /// <summary>Messages for people that say why there is no connection, and what to do.</summary>
     internal static class ErrorMessages
     {
-        private const string NoLibrary = "this server takes CURVE keys, for which the library libzmq (4.3 or newer) is needed, and it is not "
-            + "installed for this program: in Unity, Window > Pacinian > Server copies it; else install libzmq5 (Debian) or zeromq "
-            + "(Homebrew), or put libzmq.dll beside the program; a server on this machine needs none if it has no keys: ";
+        private const string NoLibrary = "this server requires CURVE keys, so this program needs the library libzmq (4.3 or newer), but "
+            + "libzmq is not installed: in Unity, Window > Pacinian > Server copies it; otherwise install libzmq5 (Debian) or zeromq "
+            + "(Homebrew), or put libzmq.dll beside the program; a server on this machine that uses a token needs no libzmq: ";
 
         public const string Nothing = "; nothing of this session goes on";
 
@@ -57,6 +57,15 @@ namespace Pacinian
         public static bool Refuses(Ending ending)
         {
             return ending == Ending.Denied || ending == Ending.Foreign;
+        }
+
+        /// <summary>Returns what is wrong with the options that the server does not see; "" if nothing is.</summary>
+        public static string WrongOption(Options options)
+        {
+            bool lives = options.Life > 0.0;
+            string value = (lives ? options.Timeout : options.Life).ToString(CultureInfo.InvariantCulture);
+            return lives && options.Timeout > 0.0 ? ""
+                : "the option `" + (lives ? "Timeout" : "Life") + "` is " + value + " s: it must be more than 0 s";
         }
 
         /// <summary>Returns the message for an answer that did not arrive in time [s].</summary>

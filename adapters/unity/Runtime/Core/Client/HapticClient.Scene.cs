@@ -15,8 +15,9 @@ namespace Pacinian
 
         /// <summary>
         /// Adds an object, or replaces the one with this name. The object is encoded now, and may be changed
-        /// afterwards. If the server would reject it, returns false, and <see cref="Refused"/> is raised at the next
-        /// tick with the object's name.
+        /// afterwards. If a field is wrong by the wire's rules, or the radiation pressure higher than the server allows,
+        /// returns false, and <see cref="Refused"/> is raised at the next tick with the object's name. What only the server
+        /// can check, such as whether a mesh is closed, it refuses later; then <see cref="Refused"/> is raised, too.
         /// </summary>
         public bool Put(string name, HapticObject item)
         {
@@ -27,7 +28,7 @@ namespace Pacinian
             Writer part = _shared.Writers.Rent();
             item.Write(part);
             Refusal why;
-            if (ObjectValidation.Find(name, item, part, _checker, out why))
+            if (ObjectValidation.Find(name, item, part, _checker, MaxPressure, out why))
             {
                 _shared.Inbox.AddRefusal(why);
                 _shared.Writers.Return(part);
@@ -120,6 +121,16 @@ namespace Pacinian
             return ReportNoSession("quiet", WakeWorker(_shared.Outbox.Write(_sessionState.Session, Kind.Quiet, part, Now)));
         }
 
+        /// <summary>The highest radiation pressure that the server allows [Pa].</summary>
+        private double MaxPressure
+        {
+            get
+            {
+                int at = Capabilities == null ? -1 : Capabilities.Limits.Find("pressure");
+                return at < 0 ? double.PositiveInfinity : Capabilities.Limits.Value(at);
+            }
+        }
+
         private static bool IsFinite(Movement movement)
         {
             double sum = movement.Position.Length + movement.Velocity.Length + movement.AngularVelocity.Length;
@@ -159,13 +170,14 @@ namespace Pacinian
         }
 
         /// <summary>
-        /// Returns whether the call comes from the thread that ticked last, or no thread has ticked. Reports the first
-        /// wrong call.
+        /// Returns whether the call comes from the thread that ticked last; before the first tick, from the one that called
+        /// first. Reports the first wrong call.
         /// </summary>
         private bool IsGamesThread(string call)
         {
             int thread = Environment.CurrentManagedThreadId;
-            if (_thread == 0 || _thread == thread)
+            int game = Interlocked.CompareExchange(ref _thread, thread, 0);
+            if (game == 0 || game == thread)
             {
                 return true;
             }

@@ -25,7 +25,7 @@ namespace Pacinian
         private Trips _trips;
         private double _offset;
         private bool _started, _ended, _reportedNoSession;
-        private volatile int _thread; // the thread that ticked last; 0: none
+        private int _thread; // the thread that ticked last, or called first; 0: none
         private volatile bool _reportedThread;
         private string _stopProblem; // of an emergency stop that was not confirmed; null: none
 
@@ -42,7 +42,9 @@ namespace Pacinian
             _worker?.End();
         }
 
-        /// <summary>A session has started: put the objects now.</summary>
+        /// <summary>
+        /// A session has started: put the objects now. A session that begins and ends between two ticks is not reported.
+        /// </summary>
         public event Action Connected;
 
         /// <summary>The session has ended. The argument is the reason. Nothing of the session continues.</summary>
@@ -72,8 +74,8 @@ namespace Pacinian
         public event Action<HandTouch> TouchEnded;
 
         /// <summary>
-        /// The game stood still for longer than its lease while it was armed. The output sounds again by itself if the
-        /// client armed it with `resume` and still owns it, and if nothing else has ended the sound.
+        /// The game stood still for longer than its lease while it was armed, and its session goes on. The output sounds
+        /// again by itself if the client armed it with `resume` and still owns it, and if nothing else has ended the sound.
         /// </summary>
         public event Action<Standstill> StoodStill;
 
@@ -104,15 +106,17 @@ namespace Pacinian
             {
                 return;
             }
-            _thread = Environment.CurrentManagedThreadId;
+            Volatile.Write(ref _thread, Environment.CurrentManagedThreadId);
             double still, worker;
             _shared.Heartbeat.RecordTick(Now, out still, out worker);
             _worker.Wake();
-            if (Armed && still > Lease)
+            bool stood = Armed && still > Lease;
+            int session = _sessionState.Session;
+            bool fresh = _shared.Inbox.TakeState(out _sessionState, out _trips, out _offset);
+            if (stood && _sessionState.Session == session)
             {
                 StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.75 * still });
             }
-            bool fresh = _shared.Inbox.TakeState(out _sessionState, out _trips, out _offset);
             ClientEvent clientEvent;
             while (!_ended && _shared.Inbox.TakeEvent(out clientEvent, ref _sessionState))
             {

@@ -13,7 +13,7 @@ namespace Pacinian
         private const int MaxEvents = 1000; // the oldest are dropped beyond that
 
         private readonly object _lock = new object();
-        private readonly Queue<ClientEvent> _events = new Queue<ClientEvent>(16);
+        private readonly List<ClientEvent> _events = new List<ClientEvent>(16);
         private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
         private State _read = new State(), _ready = new State();
         private Trips _trips;
@@ -67,10 +67,27 @@ namespace Pacinian
             {
                 while (_events.Count >= MaxEvents)
                 {
-                    _events.Dequeue();
+                    _events.RemoveAt(0);
                 }
-                _events.Enqueue(clientEvent);
+                _events.Add(clientEvent);
             }
+        }
+
+        /// <summary>
+        /// Adds an event that the session was lost. A session that begins and ends between two ticks is not reported.
+        /// </summary>
+        public void AddLoss(string problem)
+        {
+            lock (_lock)
+            {
+                int begun = _events.FindIndex(queued => queued.What == ClientEventKind.Connected);
+                if (begun >= 0)
+                {
+                    _events.RemoveAt(begun);
+                    return;
+                }
+            }
+            AddEvent(new ClientEvent { What = ClientEventKind.Lost, Why = new Refusal { Message = problem } });
         }
 
         /// <summary>Adds an event that the server refused something.</summary>
@@ -110,7 +127,8 @@ namespace Pacinian
                     clientEvent = new ClientEvent();
                     return false;
                 }
-                clientEvent = _events.Dequeue();
+                clientEvent = _events[0];
+                _events.RemoveAt(0);
                 sessionState = _sessionState;
                 return true;
             }

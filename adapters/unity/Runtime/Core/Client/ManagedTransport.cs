@@ -85,7 +85,7 @@ namespace Pacinian
                 if (socket != null)
                 {
                     socket.Watch();
-                    longest = Math.Min(longest, socket.Patience);
+                    longest = Math.Min(longest, socket.MaxWait);
                 }
             }
             _wake.WaitOne((int)Math.Ceiling(1e3 * longest));

@@ -9,26 +9,26 @@ namespace Pacinian
         private readonly Request _request;
         private readonly Command _command;
 
-        /// <summary>Creates a request for the control socket. what: its name on the wire. patience: for the answer [s].</summary>
-        public PendingRequest(string what, Request request, double patience)
+        /// <summary>Creates a request for the control socket. what: its name on the wire. timeout: for the answer [s].</summary>
+        public PendingRequest(string what, Request request, double timeout)
         {
             What = what;
             _request = request;
-            Patience = patience;
+            Timeout = timeout;
         }
 
         /// <summary>Creates a command for the command socket. callback: receives the answer, or null.</summary>
-        public PendingRequest(string what, Command command, double patience, Action<Pressures> callback)
+        public PendingRequest(string what, Command command, double timeout, Action<Pressures> callback)
         {
             What = what;
             _command = command;
-            Patience = patience;
+            Timeout = timeout;
             Callback = callback;
         }
 
         public string What { get; private set; }
 
-        public double Patience { get; private set; }
+        public double Timeout { get; private set; }
 
         /// <summary>The time by which the answer must arrive [s].</summary>
         public double Until { get; private set; }
@@ -61,7 +61,7 @@ namespace Pacinian
         /// <summary>Writes the message. Replaces the writer's content. sequence: the counter of commands.</summary>
         public void Write(Writer writer, Bulk session, long id, ref long sequence, double now)
         {
-            Until = now + Patience;
+            Until = now + Timeout;
             writer.Clear();
             if (_command == null)
             {

@@ -30,8 +30,8 @@ namespace Pacinian
 
         /// <summary>
         /// Creates a process that is not started. program: its path, or its name if the system finds it. connection:
-        /// the connection file; "": where clients look for it. log: a file for its output; "": a temporary file, which
-        /// Stop deletes. arguments: more arguments of `serve`, such as the path of a configuration; none may contain a
+        /// the connection file; "": where clients look for it. log: a file for its output, in a folder that exists; "":
+        /// a temporary file, which Stop deletes. arguments: more arguments of `serve`, such as the path of a configuration; none may contain a
         /// space.
         /// </summary>
         public ServerProcess(string program, string connection = "", string log = "", string arguments = "")
@@ -106,15 +106,15 @@ namespace Pacinian
         }
 
         /// <summary>
-        /// Stops the server, and with it all sound, if it was started here. Waits this time at most [s], then kills it.
+        /// Stops the server, and with it all sound, if it was started here. Waits at most maxWait [s], then kills it.
         /// </summary>
-        public void Stop(double patience = 5.0)
+        public void Stop(double maxWait = 5.0)
         {
             _wanted = false;
             if (_process != null)
             {
                 _process.StandardInput.Close();
-                for (double end = SteadyClock.Now() + patience; !_process.HasExited; Thread.Sleep(10))
+                for (double end = SteadyClock.Now() + maxWait; !_process.HasExited; Thread.Sleep(10))
                 {
                     if (SteadyClock.Now() > end)
                     {
@@ -149,12 +149,15 @@ namespace Pacinian
             ScheduleStart(now);
             try
             {
-                CreateTemporaryLog();
+                CreateLog();
                 _process = Process.Start(how);
                 Problem = "";
             }
-            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException || error is NotSupportedException
-                || error is IOException || error is UnauthorizedAccessException)
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)
+            {
+                Problem = "the log " + _log + " cannot be written: " + error.Message + "; create its folder, or give another path";
+            }
+            catch (Exception error) when (error is Win32Exception || error is InvalidOperationException || error is NotSupportedException)
             {
                 Problem = _program + " cannot be started: " + error.Message; // NotSupportedException: IL2CPP
             }
@@ -186,14 +189,14 @@ namespace Pacinian
                 : "the server has ended, with exit code " + code.ToString(CultureInfo.InvariantCulture);
         }
 
-        /// <summary>Creates a new log file, so that the server does not follow a link of another user.</summary>
-        private void CreateTemporaryLog()
+        /// <summary>
+        /// Creates the log file, to find out whether that is possible; a temporary one anew, so that the server does not
+        /// follow a link of another user.
+        /// </summary>
+        private void CreateLog()
         {
-            if (_temporaryLog)
-            {
-                DeleteTemporaryLog();
-                new FileStream(_log, FileMode.CreateNew).Dispose();
-            }
+            DeleteTemporaryLog();
+            new FileStream(_log, _temporaryLog ? FileMode.CreateNew : FileMode.OpenOrCreate).Dispose();
         }
 
         private void DeleteTemporaryLog()

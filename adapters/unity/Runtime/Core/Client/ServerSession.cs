@@ -9,7 +9,7 @@ namespace Pacinian
     /// </summary>
     internal sealed partial class ServerSession
     {
-        private const double RenewalShare = 0.125; // fraction of the lease between two renewals
+        private const double RenewalShare = 0.125; // interval between renewals, as a fraction of the lease
         private const int Burst = 100; // commands that are sent before messages are received again
 
         private readonly SharedState _shared;
@@ -134,7 +134,7 @@ namespace Pacinian
                 Client = options.Name,
                 Version = options.Version,
                 Scene = options.Scene,
-                Lease = options.Lease > 0.0 ? options.Lease : (double?)null,
+                Lease = options.Lease == 0.0 ? (double?)null : options.Lease,
             };
         }
 

@@ -8,7 +8,7 @@ namespace Pacinian
     /// </summary>
     internal sealed class SessionLoop
     {
-        private const double Asleep = 0.05; // [s] between two polls of what brings no message
+        private const double IdlePollInterval = 0.05; // [s] longest time between two calls of Step if no message arrives
 
         private readonly SharedState _shared;
         private readonly ITransport _transport;
@@ -41,14 +41,14 @@ namespace Pacinian
             _session.Step(now, ticked);
             if (_session.Over.Length > 0)
             {
-                ScheduleRetry(_session.Over, _session.Refused, _session.Begun, ReconnectBackoff.Longest, now);
+                ScheduleRetry(_session.Over, _session.Refused, _session.Begun, ReconnectBackoff.MaxPause, now);
             }
         }
 
-        /// <summary>Returns how long only messages need work [s].</summary>
-        public double Patience(double now)
+        /// <summary>Returns the time after which Step must be called even if no message has arrived [s].</summary>
+        public double MaxWait(double now)
         {
-            return _session != null ? Asleep : Math.Max(0.0, Math.Min(Asleep, _backoff.Due - now));
+            return _session != null ? IdlePollInterval : Math.Max(0.0, Math.Min(IdlePollInterval, _backoff.Due - now));
         }
 
         /// <summary>Says goodbye if there is a session. Returns whether an answer will come.</summary>
@@ -65,7 +65,12 @@ namespace Pacinian
 
         private void Connect(double now)
         {
-            string problem;
+            string problem = ErrorMessages.WrongOption(_shared.Options);
+            if (problem.Length > 0)
+            {
+                ScheduleRetry(problem, true, false, ReconnectBackoff.MaxPauseWithoutServer, now);
+                return;
+            }
             ConnectionFile file = _read(_shared.Options.ConnectionPath, out problem);
             if (problem.Length == 0)
             {
@@ -73,13 +78,13 @@ namespace Pacinian
             }
             if (problem.Length > 0)
             {
-                ScheduleRetry(problem, false, false, ReconnectBackoff.Unasked, now);
+                ScheduleRetry(problem, false, false, ReconnectBackoff.MaxPauseWithoutServer, now);
                 return;
             }
             _session = new ServerSession(_shared, _transport, _buffers, file.Control, ++_count, now);
         }
 
-        private void ScheduleRetry(string problem, bool refused, bool begun, double longest, double now)
+        private void ScheduleRetry(string problem, bool refused, bool begun, double maxPause, double now)
         {
             _transport.Close();
             _session = null;
@@ -87,7 +92,7 @@ namespace Pacinian
             {
                 _backoff.RecordSuccess();
             }
-            _backoff.RecordFailure(problem, now, longest);
+            _backoff.RecordFailure(problem, now, maxPause);
             _shared.EndSession(problem, refused, begun);
         }
     }

@@ -35,7 +35,7 @@ namespace Pacinian
             Inbox.SetSessionState(sessionState);
             if (begun)
             {
-                Inbox.AddEvent(new ClientEvent { What = ClientEventKind.Lost, Why = new Refusal { Message = problem } });
+                Inbox.AddLoss(problem);
             }
         }
     }

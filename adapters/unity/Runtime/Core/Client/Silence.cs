@@ -9,7 +9,7 @@ namespace Pacinian
     /// </summary>
     public struct Silence
     {
-        private const string Stopped = "the client is not started, or has ended: call Start";
+        private const string NotStarted = "the client is not started, or has ended: call Start";
         private const string NoState = "connected; the server has not sent its first state yet";
 
         /// <summary>For programs: a value of `cause` on the wire, "not connected" or "not the owner"; "" if it sounds.</summary>
@@ -30,7 +30,7 @@ namespace Pacinian
             if (sessionState.Status != ClientStatus.Connected)
             {
                 string why = sessionState.Problem.Length > 0 ? sessionState.Problem
-                    : sessionState.Status == ClientStatus.Stopped ? Stopped : "it is connecting";
+                    : sessionState.Status == ClientStatus.Stopped ? NotStarted : "it is connecting";
                 return new Silence { Cause = "not connected", Text = why };
             }
             if (state == null)

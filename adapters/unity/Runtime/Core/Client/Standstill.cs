@@ -17,7 +17,7 @@ namespace Pacinian
         {
             string seconds = Seconds.ToString("F1", System.Globalization.CultureInfo.InvariantCulture);
             string what = Whole ? "the program stood still (a breakpoint, or the computer slept)" : "the game did not tick";
-            return what + " for " + seconds + " s, so it was silent; it goes on";
+            return what + " for " + seconds + " s, so it was silent meanwhile";
         }
     }
 }

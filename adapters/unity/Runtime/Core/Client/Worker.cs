@@ -80,7 +80,7 @@ namespace Pacinian
                 double now = clock();
                 _shared.Heartbeat.RecordStep(now);
                 sessions.Step(now, _shared.Heartbeat.LastTick);
-                transport.Wait(sessions.Patience(now));
+                transport.Wait(sessions.MaxWait(now));
             }
             double due = clock() + Farewell;
             if (sessions.SayGoodbye(clock()))

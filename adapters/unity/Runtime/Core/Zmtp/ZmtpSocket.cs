@@ -6,7 +6,7 @@ namespace Pacinian.Zmtp
 {
     /// <summary>
     /// A DEALER or SUB socket that connects to one peer. Belongs to one thread and never blocks. Call <see
-    /// cref="Work"/> again when the wake event is set, and at the latest after <see cref="Patience"/>.
+    /// cref="Work"/> again when the wake event is set, and at the latest after <see cref="MaxWait"/>.
     /// </summary>
     internal sealed class ZmtpSocket
     {
@@ -54,7 +54,7 @@ namespace Pacinian.Zmtp
         }
 
         /// <summary>The time after which Work must be called even if the wake event is not set [s].</summary>
-        public double Patience
+        public double MaxWait
         {
             get
             {

@@ -86,5 +86,7 @@ bool UHapticEffectComponent::Put(const FHapticFrame& Frame) {
   if (Stiffness > 0.0f) Felt.material.stiffness = Stiffness;
   if (Duration > 0.0f) Felt.duration = FMath::Max(1e-3, Duration - (GetWorld()->GetRealTimeSeconds() - Began));
   PutTime = GetWorld()->GetRealTimeSeconds();
-  return Frame.Client.put(Sent->Name, MoveTemp(Sent->Object));
+  if (Frame.Client.put(Sent->Name, MoveTemp(Sent->Object))) return true;
+  Remove();
+  return false;
 }

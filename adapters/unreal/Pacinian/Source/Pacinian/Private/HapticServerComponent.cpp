@@ -90,10 +90,11 @@ void UHapticServerComponent::Connect() {
 void UHapticServerComponent::Refused(const pacinian::Refusal& Told) {
   const FString Code = Haptic::Text(Told.code), Message = Haptic::Text(Told.message), Advice = Haptic::Text(Told.advice);
   const FString Path = Haptic::Text(Told.path);
+  const FString Before = MoveTemp(Complaint);
   Complaint = FString::Printf(TEXT("%s: %s (%s); %s"), *Code, *Message, *Path, *Advice);
   if (Told.code == "stop") Unstopped = Complaint;
-  UE_LOG(LogPacinian, Warning, TEXT("Refused: %s"), *Complaint);
-  if (Link) Haptic::RefuseZones(*Link, Path);
+  if (Complaint != Before) UE_LOG(LogPacinian, Warning, TEXT("Refused: %s"), *Complaint);
+  if (Link) Haptic::RefuseZones(*Link, Code, Path);
   if (const UHapticScene* Scene = UHapticScene::Of(this))
     for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene->Effects) Effect->Refuse(Path, Message);
   OnRefused.Broadcast(Code, Message, Advice);

@@ -58,10 +58,10 @@ void SendZones(FHapticLink& Link, UHapticScene& Scene) {
   Link.ZonesDue = FHapticLink::Never;
 }
 
-void RefuseZones(FHapticLink& Link, const FString& Path) {
+void RefuseZones(FHapticLink& Link, const FString& Code, const FString& Path) {
   constexpr double Pause = 1.0;  // [s]
-  const bool bZones = Path.StartsWith(TEXT("$.zones"), ESearchCase::CaseSensitive) || Path == FString(TEXT("$.ttl"));
-  if (bZones) Link.ZonesDue = Link.Client.now() + Pause;
+  const bool bTooMany = Path == FString(TEXT("$.zones")) && Code == FString(TEXT("limit"));  // until others remove theirs
+  if (bTooMany || Path == FString(TEXT("$.ttl"))) Link.ZonesDue = Link.Client.now() + Pause;
 }
 
 }  // namespace Haptic

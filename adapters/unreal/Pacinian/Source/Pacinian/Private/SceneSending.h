@@ -12,7 +12,10 @@ void SendHands(FHapticLink& Link, UHapticScene& Scene);
 /** Sends all quiet zones if they have changed. */
 void SendZones(FHapticLink& Link, UHapticScene& Scene);
 
-/** Sends the quiet zones again after a second if the server refused them. Path: of what it refused. */
-void RefuseZones(FHapticLink& Link, const FString& Path);
+/**
+ * Sends the quiet zones again after a second if there are too many until others remove theirs, or if they came late. Zones
+ * that are refused for another reason are sent again only after a change. Code, Path: of the refusal.
+ */
+void RefuseZones(FHapticLink& Link, const FString& Code, const FString& Path);
 
 }  // namespace Haptic

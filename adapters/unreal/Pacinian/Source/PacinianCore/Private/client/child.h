@@ -6,6 +6,15 @@
 
 namespace pacinian::client {
 
+/// Why a child process was not started, and what to do.
+inline std::string describe_program_failure(const std::string& program, const std::string& why) {
+  return program + " cannot be started: " + why + "; install Pacinian, or give the program's full path";
+}
+
+inline std::string describe_log_failure(const std::string& log, const std::string& why) {
+  return "the log " + log + " cannot be written: " + why + "; create its folder, or give another path";
+}
+
 /// A child process. Its standard input is a pipe, which the system closes when this program ends.
 class Child {
  public:

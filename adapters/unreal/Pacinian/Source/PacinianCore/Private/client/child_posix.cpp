@@ -41,8 +41,14 @@ Child::~Child() { close_input(); }
 
 std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, const std::string& log,
                                     std::string& problem) {
+  const int errors = ::open(log.empty() ? nothing : log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (errors < 0) return problem = describe_log_failure(log, std::strerror(errno)), nullptr;
   int ends[2];
-  if (!open_pipe(ends)) return problem = std::strerror(errno), nullptr;
+  if (!open_pipe(ends)) {
+    problem = describe_program_failure(command[0], std::strerror(errno));
+    ::close(errors);
+    return nullptr;
+  }
   std::vector<char*> words;
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
@@ -50,8 +56,7 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
   ::posix_spawn_file_actions_init(&files);
   ::posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
   ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, nothing, O_WRONLY, 0);
-  ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.empty() ? nothing : log.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ::posix_spawn_file_actions_adddup2(&files, errors, STDERR_FILENO);
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   sigset_t all, none;
@@ -67,10 +72,11 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&files);
   ::close(ends[0]);
+  ::close(errors);
   if (error == 0)
     return std::unique_ptr<Child>(new Child(std::make_unique<Handles>(Handles{pid, ends[1]})));
   ::close(ends[1]);
-  return problem = std::strerror(error), nullptr;
+  return problem = describe_program_failure(command[0], std::strerror(error)), nullptr;
 }
 
 bool Child::runs() {

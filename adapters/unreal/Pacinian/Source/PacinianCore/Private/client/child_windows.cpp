@@ -54,13 +54,22 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
                                     std::string& problem) {
   std::wstring line;
   for (const std::string& word : command) line += (line.empty() ? L"" : L" ") + quote(widen(word));
-  SECURITY_ATTRIBUTES inherited = {sizeof inherited, nullptr, TRUE};
-  HANDLE read = nullptr, write = nullptr;
-  if (!::CreatePipe(&read, &write, &inherited, 0))
-    return problem = "error " + std::to_string(::GetLastError()), nullptr;
-  ::SetHandleInformation(write, HANDLE_FLAG_INHERIT, 0);  // the pipe closes when this program ends
   HANDLE output = open_inheritable(L"NUL", GENERIC_WRITE, OPEN_EXISTING);
   HANDLE errors = log.empty() ? output : open_inheritable(widen(log), GENERIC_WRITE, CREATE_ALWAYS);
+  if (errors == INVALID_HANDLE_VALUE) {
+    problem = describe_log_failure(log, "error " + std::to_string(::GetLastError()));
+    ::CloseHandle(output);
+    return nullptr;
+  }
+  SECURITY_ATTRIBUTES inherited = {sizeof inherited, nullptr, TRUE};
+  HANDLE read = nullptr, write = nullptr;
+  if (!::CreatePipe(&read, &write, &inherited, 0)) {
+    problem = describe_program_failure(command[0], "error " + std::to_string(::GetLastError()));
+    if (!log.empty()) ::CloseHandle(errors);
+    ::CloseHandle(output);
+    return nullptr;
+  }
+  ::SetHandleInformation(write, HANDLE_FLAG_INHERIT, 0);  // the pipe closes when this program ends
   HANDLE passed[] = {read, output, errors};
   const SIZE_T count = log.empty() ? 2 : 3;
   // The child inherits only these handles, whatever else the game has opened.
@@ -92,7 +101,7 @@ std::unique_ptr<Child> Child::start(const std::vector<std::string>& command, con
     return std::unique_ptr<Child>(new Child(std::make_unique<Handles>(Handles{made.hProcess, write})));
   }
   ::CloseHandle(write);
-  return problem = "error " + std::to_string(error), nullptr;
+  return problem = describe_program_failure(command[0], "error " + std::to_string(error)), nullptr;
 }
 
 bool Child::runs() {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <complex>
 #include <cstdio>
 #include <utility>
@@ -92,11 +93,9 @@ void Client::tick() {
   std::string problem, wrong;
   if (in.worker) {
     const auto pause = in.worker->mailbox().record_tick(in.options.clock());
-    if (in.view.armed && pause.game > in.view.lease && on.stood_still)
-      on.stood_still({pause.game, pause.worker > 0.75 * pause.game});
-  }
-  if (in.worker) {
+    const bool stood = in.view.armed && pause.game > in.view.lease;
     newer = in.worker->mailbox().take_updates(in.view, in.events, in.state);
+    if (stood && !in.is_lost() && on.stood_still) on.stood_still({pause.game, pause.worker > 0.75 * pause.game});
   }
   {
     const std::lock_guard<std::mutex> guard(in.lock);
@@ -120,6 +119,11 @@ void Client::tick() {
     in.touches.report_changes(in.state.scene == in.view.scene ? &in.state : nullptr, on);
     if (in.has_state && in.closed == closed && on.state_changed) on.state_changed(in.state);
   }
+}
+
+/// Returns whether the session that the game knows has ended.
+bool Client::Impl::is_lost() const {
+  return std::any_of(events.begin(), events.end(), [](const Event& event) { return event.kind == Event::Kind::lost; });
 }
 
 void Client::Impl::dispatch(Event& event, const Events& on) {
@@ -178,7 +182,7 @@ std::string Standstill::text() const {
   char figures[32];
   std::snprintf(figures, sizeof figures, "%.1f", seconds);
   const char* what = whole ? "the program stood still (a breakpoint, or the computer slept)" : "the game did not tick";
-  return std::string(what) + " for " + figures + " s, so it was silent; it goes on";
+  return std::string(what) + " for " + figures + " s, so it was silent meanwhile";
 }
 
 }  // namespace pacinian

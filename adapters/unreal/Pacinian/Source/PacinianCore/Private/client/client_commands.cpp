@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "object_validation.h"
@@ -47,11 +48,12 @@ bool Client::Impl::tell(Act act) {
   return is_games_thread("a call") && worker && worker->mailbox().change_outgoing(session, act);
 }
 
-/// Returns whether the call comes from the thread that ticked last, or no thread has ticked. Reports the first wrong
-/// call.
+/// Returns whether the call comes from the thread that ticked last; before the first tick, from the one that called
+/// first. Reports the first wrong call.
 bool Client::Impl::is_games_thread(const char* call) {
-  const std::thread::id game = thread.load();
-  if (game == std::thread::id() || game == std::this_thread::get_id()) return true;
+  std::thread::id game;
+  const std::thread::id self = std::this_thread::get_id();
+  if (thread.compare_exchange_strong(game, self) || game == self) return true;
   const std::lock_guard<std::mutex> guard(lock);
   if (!std::exchange(told_thread, true)) wrong_call = call;
   return false;
@@ -76,9 +78,17 @@ bool Client::Impl::report_no_session(const char* what, bool done) {
   return false;
 }
 
+/// Returns the highest radiation pressure that the server allows [Pa].
+double Client::Impl::max_pressure() const {
+  if (view.abilities)
+    for (const auto& [name, limit] : view.abilities->limits)
+      if (name == "pressure") return limit;
+  return std::numeric_limits<double>::infinity();
+}
+
 bool Client::put(std::string_view name, wire::Object object) {
   Refusal why;
-  if (in_->is_games_thread("put") && client::refuse(name, object, why)) {
+  if (in_->is_games_thread("put") && client::refuse(name, object, in_->max_pressure(), why)) {
     in_->refusals.push_back(std::move(why));
     return false;
   }

@@ -26,6 +26,8 @@ struct Client::Impl {
   bool ask(client::Request request);
   bool report_no_session(const char* what, bool done);
   bool is_games_thread(const char* call);
+  bool is_lost() const;
+  double max_pressure() const;
   void dispatch(client::Event& event, const Events& on);
   void stopped(const std::string& problem);
 
@@ -45,7 +47,7 @@ struct Client::Impl {
   std::function<void(const Refusal&)> stop_refused;  ///< of the last stop
   std::string wrong_call;  ///< from another thread than the game's
   bool told_thread = false;
-  std::atomic<std::thread::id> thread{std::thread::id()};  ///< the thread that ticked last
+  std::atomic<std::thread::id> thread{std::thread::id()};  ///< that ticked last, or called first
   client::EmergencyStop emergency_stop;  ///< destroyed first, because it uses the others
 };
 

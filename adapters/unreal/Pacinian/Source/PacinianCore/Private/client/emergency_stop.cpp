@@ -48,7 +48,9 @@ void EmergencyStop::run() {
     guard.lock();
     if (wanted_ > 0) continue;
     busy_.store(false);
-    done_(problem);
+    guard.unlock();
+    done_(problem);  // which may call `stop`
+    guard.lock();
   }
 }
 

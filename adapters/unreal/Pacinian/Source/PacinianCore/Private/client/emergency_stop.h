@@ -17,7 +17,7 @@ namespace pacinian::client {
 /// the server has confirmed the stop, or the time is over.
 class EmergencyStop {
  public:
-  /// done: called by that thread with the reason for a failure, or with "".
+  /// done: called by that thread with the reason for a failure, or with ""; may call `stop`.
   EmergencyStop(const Options& options, std::function<void(const std::string&)> done)
       : options_(options), done_(std::move(done)) {}
   ~EmergencyStop();

@@ -56,10 +56,10 @@ struct Line {
 
 class LibzmqTransport final : public Transport {
  public:
-  bool open(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
-    for (std::size_t i = 0; i < (to_all ? lines_.size() : 1); ++i)
+  bool open(const ConnectionFile& connection, bool all_sockets, ConnectionFailure& loss) {
+    for (std::size_t i = 0; i < (all_sockets ? lines_.size() : 1); ++i)
       if (!open(channels[i], connection, loss)) return false;
-    count_ = to_all ? lines_.size() : 1;
+    count_ = all_sockets ? lines_.size() : 1;
     return true;
   }
 
@@ -146,9 +146,10 @@ class LibzmqTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> connect_by_libzmq(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
+std::unique_ptr<Transport> connect_by_libzmq(const ConnectionFile& connection, bool all_sockets,
+                                             ConnectionFailure& loss) {
   auto made = std::make_unique<LibzmqTransport>();
-  if (!made->open(connection, to_all, loss)) return nullptr;
+  if (!made->open(connection, all_sockets, loss)) return nullptr;
   return made;
 }
 

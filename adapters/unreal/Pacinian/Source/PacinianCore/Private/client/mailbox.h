@@ -92,13 +92,15 @@ class Mailbox {
     fresh_ = false;
   }
 
-  /// Adds events. If there are too many, the oldest that the game has not taken are dropped.
+  /// Adds events. If there are too many, the oldest that the game has not taken are dropped. A session that begins and
+  /// ends between two ticks is not reported.
   void add_events(std::vector<Event>& events, bool forget_ended) {
     const std::lock_guard<std::mutex> guard(lock_);
     for (std::size_t i = events_.size(); forget_ended && i-- > 0;)
       if (events_[i].kind == Event::Kind::ended)
         events_.erase(events_.begin() + static_cast<std::ptrdiff_t>(i));
     for (Event& event : events) {
+      if (event.kind == Event::Kind::lost && drop_connected()) continue;
       if (events_.size() >= most) events_.erase(events_.begin());
       events_.push_back(std::move(event));
     }
@@ -122,6 +124,15 @@ class Mailbox {
 
  private:
   static constexpr std::size_t most = 200;  ///< events
+
+  /// Drops the event that a session has begun. Returns false if the game has taken it.
+  bool drop_connected() {
+    const auto begun = std::find_if(events_.begin(), events_.end(),
+                                    [](const Event& event) { return event.kind == Event::Kind::connected; });
+    if (begun == events_.end()) return false;
+    events_.erase(begun);
+    return true;
+  }
 
   std::mutex lock_;
   Outbox boxes_[2];

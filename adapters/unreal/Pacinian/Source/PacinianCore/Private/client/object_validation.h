@@ -14,8 +14,9 @@ inline constexpr std::size_t largest = wire::MAX_COMMAND_BYTES - 1024;  ///< [by
 /// Returns whether a name has 1 to 64 characters, in UTF-8.
 bool is_name(std::string_view name);
 
-/// Returns whether the server would reject an object, and why: it rejects a whole message because of one wrong object.
-/// Does not know the limits in the server's own settings.
-bool refuse(std::string_view name, const wire::Object& object, Refusal& why);
+/// Returns whether the server would reject an object, and why. For most of these reasons, the server would reject the
+/// whole message, with all other objects in it. Not checked: whether a curve has a length, a mesh is closed and so on;
+/// such an object alone is left out. most: the highest radiation pressure that the server allows [Pa].
+bool refuse(std::string_view name, const wire::Object& object, double most, Refusal& why);
 
 }  // namespace pacinian::client

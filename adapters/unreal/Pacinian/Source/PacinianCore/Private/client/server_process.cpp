@@ -18,7 +18,6 @@ constexpr double first_pause = 2.0, longest_pause = 30.0;  // [s] between two st
 constexpr double well = 10.0;                 // [s] of running, after which the first pause applies again
 constexpr std::chrono::milliseconds look{10};  // between two checks whether the server has ended
 constexpr std::streamoff tail = 2000;         // [bytes] of a log
-constexpr char advice[] = "install Pacinian, or give the program's full path";
 constexpr int killed = -9;                    // exit code of a child that SIGKILL ended
 
 /// Returns the last line of a log that reports an error; empty if there is none.
@@ -42,9 +41,8 @@ struct ServerProcess::Impl {
     if (!options.connection_path.empty())
       command.insert(command.end(), {"--connection", options.connection_path});
     command.insert(command.end(), options.arguments.begin(), options.arguments.end());
-    std::string why;
-    child = client::Child::start(command, options.log, why);
-    problem = child ? "" : options.program + " cannot be started: " + why + "; " + advice;
+    problem.clear();
+    child = client::Child::start(command, options.log, problem);
     started = now;
     rest(now);
     return child != nullptr;
@@ -103,11 +101,11 @@ void ServerProcess::tick(bool connected) {
   if (!connected && !in.child && now >= in.due) in.begin(now);
 }
 
-void ServerProcess::stop(double patience) {
+void ServerProcess::stop(double max_wait) {
   in_->wanted = false;
   if (!in_->child) return;
   in_->child->close_input();
-  for (const double end = steady_clock() + patience; in_->child->runs(); std::this_thread::sleep_for(look))
+  for (const double end = steady_clock() + max_wait; in_->child->runs(); std::this_thread::sleep_for(look))
     if (steady_clock() > end) in_->child->kill();
   in_->child.reset();
 }

@@ -16,13 +16,13 @@
 
 namespace pacinian::client {
 
-/// Runs one session after another, from hello to bye; nothing of a lost session continues in the next.
+/// Runs one session after another, from hello to bye. Nothing of a lost session continues in the next.
 ///
 /// Does no input or output and does not read a clock: received bytes and times [s] are arguments. Messages go to a
 /// sink, and events to `events`.
 class ServerSession {
  public:
-  static constexpr double renewal_share = 0.1;  ///< fraction of the lease between two renewals
+  static constexpr double renewal_share = 0.125;  ///< interval between renewals, as a fraction of the lease
   static constexpr double change = 12.0;  ///< [s] longest time to open a solver or backend
 
   /// timeout: for an answer [s].

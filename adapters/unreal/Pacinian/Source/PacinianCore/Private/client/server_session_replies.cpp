@@ -138,7 +138,8 @@ void ServerSession::handle_welcome(double now) {
 
 /// Ends the session because the server rejects the client. Reports each reason once, although the client tries again.
 void ServerSession::reject(const Refusal& refusal) {
-  const std::string why = refusal.message + (refusal.advice.empty() ? "" : ": " + refusal.advice);
+  const std::string field = refusal.path.empty() ? "" : " (" + refusal.path + ")";
+  const std::string why = refusal.message + field + (refusal.advice.empty() ? "" : ": " + refusal.advice);
   if (!loss_.refused || loss_.why != why) add_event(Event::Kind::refused, refusal);
   set_lost({why, true});
 }

@@ -30,13 +30,13 @@ zmtp::Settings make_settings(Channel channel, const std::string& token) {
 
 class TokenTransport final : public Transport {
  public:
-  bool open(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
+  bool open(const ConnectionFile& connection, bool all_sockets, ConnectionFailure& loss) {
     const std::size_t size = connection.token.size();
     if (size == 0 || size > zmtp::Login::max_size) {
       loss = {"the connection has no token, or no keys of a client", true};
       return false;
     }
-    for (std::size_t i = 0; i < (to_all ? sockets_.size() : 1); ++i) {
+    for (std::size_t i = 0; i < (all_sockets ? sockets_.size() : 1); ++i) {
       const Channel channel = channels[i];
       const auto at = zmtp::read_endpoint(connection.at(channel));
       if (!at || !at->is_loopback()) {  // a token is sent in clear text
@@ -88,9 +88,10 @@ class TokenTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> connect_by_token(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss) {
+std::unique_ptr<Transport> connect_by_token(const ConnectionFile& connection, bool all_sockets,
+                                            ConnectionFailure& loss) {
   auto made = std::make_unique<TokenTransport>();
-  if (!made->open(connection, to_all, loss)) return nullptr;
+  if (!made->open(connection, all_sockets, loss)) return nullptr;
   return made;
 }
 

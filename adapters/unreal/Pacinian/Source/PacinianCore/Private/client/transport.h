@@ -36,8 +36,8 @@ class Transport {
   virtual void wait(double seconds, const WakeEvent* wake) = 0;
 };
 
-/// Starts to connect, to all channels or only to `control`: with a token by the system's sockets, with CURVE keys by
-/// libzmq. Returns null and the reason on failure.
-std::unique_ptr<Transport> connect(const ConnectionFile& connection, bool to_all, ConnectionFailure& loss);
+/// Starts to connect, over the system's sockets if the server uses a token, and over libzmq if it uses CURVE keys.
+/// Returns null and the reason on failure. all_sockets: also connect `command` and `state`; otherwise only `control`.
+std::unique_ptr<Transport> connect(const ConnectionFile& connection, bool all_sockets, ConnectionFailure& loss);
 
 }  // namespace pacinian::client

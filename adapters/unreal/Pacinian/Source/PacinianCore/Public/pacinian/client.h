@@ -70,8 +70,9 @@ class Client {
   /// Returns the time since a state was published [s]; the error is at most half of the shortest round trip.
   PACINIANCORE_API double age(const wire::State& state) const;
 
-  /// Adds an object, or replaces the one with this name. If the server would reject it, returns false, and the next
-  /// tick calls `on.refused` with the object's name.
+  /// Adds an object, or replaces the one with this name. If a field is wrong by the wire's rules, or the radiation pressure
+  /// higher than the server allows, returns false, and the next tick calls `on.refused` with the object's name. What only
+  /// the server can check, such as whether a mesh is closed, it refuses later; then `on.refused` is called, too.
   PACINIANCORE_API bool put(std::string_view name, wire::Object object);
   /// Moves an existing object. motion: its velocities from now on; null: none. Clamps to 10 m along each
   /// axis and to 100 m/s; returns false for numbers that are not finite.
@@ -96,7 +97,8 @@ class Client {
   PACINIANCORE_API bool disarm();
   /// Emergency stop: silences the array at once, whoever owns the output, until `reset`. May be called from any thread,
   /// with or without a session. If the server does not confirm the stop, the next tick calls `on.refused`. refused: is
-  /// called then, too, at once and on another thread, for programs that do not tick; must not call the client.
+  /// called then, too, at once and on another thread, for programs that do not tick; of the client it may
+  /// call only `stop`.
   PACINIANCORE_API void stop(std::function<void(const Refusal&)> refused = {});
   /// Allows arming again after an emergency stop or a fault.
   PACINIANCORE_API bool reset();

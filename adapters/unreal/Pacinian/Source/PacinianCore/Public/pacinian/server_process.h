@@ -18,7 +18,7 @@ class ServerProcess {
     std::string program = "pacinian";  ///< its path, or its name if the system finds it
     std::vector<std::string> arguments;  ///< more arguments of `serve`, such as the path of a configuration
     std::string connection_path;  ///< by default, the path in PACINIAN_CONNECTION, or the place where the server writes it
-    std::string log;              ///< a file for the server's output; by default, none
+    std::string log;              ///< a file for the server's output, in a folder that exists; by default, none
   };
 
   PACINIANCORE_API explicit ServerProcess(Options options);
@@ -33,7 +33,7 @@ class ServerProcess {
   PACINIANCORE_API void tick(bool connected);
   /// Stops the server, and with it all sound, if this program has started it. Waits this time at most [s], then kills
   /// it.
-  PACINIANCORE_API void stop(double patience = 5.0);
+  PACINIANCORE_API void stop(double max_wait = 5.0);
 
   /// Returns whether the server was started here, and has not ended.
   PACINIANCORE_API bool runs() const;

@@ -49,7 +49,8 @@ using FieldCallback = std::function<void(const std::vector<std::complex<float>>&
 
 /// Event handlers. `Client::tick` calls them, on its thread.
 struct Events {
-  /// A session has started, with an empty scene. Put the objects, and arm.
+  /// A session has started, with an empty scene. Put the objects, and arm. A session that begins and ends between two
+  /// ticks is not reported.
   std::function<void()> connected;
   /// The session has ended, and with it all objects.
   std::function<void(const std::string& why)> lost;
@@ -61,7 +62,7 @@ struct Events {
   /// A hand begins to feel an object of this client's scene, still feels it, or no longer feels it; then with the last
   /// report. Touches arrive with the states, 60 times a second.
   std::function<void(const wire::TouchState&)> touch_began, touch_moved, touch_ended;
-  /// The game stood still. The output sounds again by itself if the client armed it with `resume` and still owns it,
+  /// The game stood still, and its session goes on. The output sounds again by itself if the client armed it with `resume` and still owns it,
   /// and if nothing else has ended the sound.
   std::function<void(const Standstill&)> stood_still;
 };
