@@ -133,7 +133,7 @@ def test_the_report_tells_what_is_felt_between_solutions() -> None:
     with renderer:
         renderer._pipeline.background = Delayed(clock)
         renderer._pipeline.schedule = Beside(TICK, True, SOLVE_TICKS, SOLVE_TICKS)
-        for k in range(1000):
+        for k in range(600):
             clock.time = renderer.start + k * TICK
             renderer.tick(clock.time)
             if k > BEGIN / TICK and k % 13 == 0:

@@ -25,6 +25,7 @@ const PROBLEMS: Record<string, string> = {
   "forces above the pressure limit": "More force is asked than `safety.pressure` allows.",
   "hands lost": "The tracker sees no hand.",
   halted: "The renderer was stopped by a fault.",
+  "measurements failed": "A measurement of the output has failed, for example in a user's function. The output goes on.",
 };
 
 export interface Reason {
