@@ -147,7 +147,8 @@ class Session:
         limits: `Limits(gain=1.0)` by default. scale: "exact" (these pressures) or "max" (as strong as the solver can
         make them, in these proportions).
         deadline: time from now [s]; the solver then returns its best result so far. With a deadline, regions are less
-        exact and take half the time: there are no corrections, and on skin they keep the phases of a wave.
+        exact and take half the time: there are no corrections, and on skin they keep the phases of a wave, unless an
+        earlier solve for the same contact has needed more than the array can make.
         solver: for this solve, in place of the session's. out: array to write the gains to: contiguous, complex64
         (complex128 in double precision), shape (N,).
 

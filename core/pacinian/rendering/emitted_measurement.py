@@ -10,6 +10,7 @@ import numpy as np
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.reachability import ReachabilityFilter
+from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.scene.sampling.touched_skin import stays_on_skin
 from pacinian.solving.felt_regions import FeltPlaces, FeltSums
@@ -17,7 +18,6 @@ from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 
 if TYPE_CHECKING:
-    from pacinian.scene.objects import Object
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.types import Floats, Gains
@@ -41,7 +41,7 @@ class Probe:
     def look_between(
         self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
     ) -> dict[str, FeltSums]:
-        """Return the sums at some places between samples, by the name of each object that has regions.
+        """Return the sums at some places between samples, by the label of each object that has regions.
 
         Contacts that stay on skin are left out: see `look_on_skin`. targets, facing: of the samples. gains: (K, N), of
         the frames whose mean is felt.
@@ -59,12 +59,13 @@ class Probe:
         places = FeltPlaces.some(samples.positions, targets, facing, PLACES, self._chance, rest)
         every = places.sums(self._measure(places.points, places.facing, gains))
         for number in np.unique(regions[rest]).tolist():
-            name = name_of(items[objects[np.flatnonzero(regions == number)[0]]])
+            i = int(objects[np.flatnonzero(regions == number)[0]])
+            name = label_object(items[i], i)
             found[name] = found.get(name, FeltSums()).plus(every[number])
         return found
 
     def look_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
-        """Return the sums at places on touched skin and beside it, by the name of each object that touches it.
+        """Return the sums at places on touched skin and beside it, by the label of each object that touches it.
 
         places: as returned by `Sampler.scatter_places`. gains: as for `look_between`.
         """
@@ -78,7 +79,7 @@ class Probe:
         beside = places.regions == BESIDE
         measured = FeltPlaces(places.positions, t * t, number, beside, facing, len(which))
         for i, sums in zip(which.tolist(), measured.sums(p), strict=True):
-            name = name_of(places.items[i])
+            name = label_object(places.items[i], i)
             found[name] = found.get(name, FeltSums()).plus(sums)
         return found
 
@@ -113,8 +114,3 @@ class Probe:
         """Return the root mean square over the frames at the points of the propagator, (M,) [Pa]."""
         p = np.array([self._propagator.apply(g) for g in gains])
         return np.asarray(np.sqrt((np.abs(p).astype(np.float64) ** 2).mean(axis=0)))
-
-
-def name_of(item: Object) -> str:
-    """Return the object's name, or its type if it has none."""
-    return item.name or type(item).__name__.lower()

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.neighbours import find_nearest
 from pacinian.rendering.emitted_measurement import PLACES_ON_SKIN, Probe
-from pacinian.rendering.measurement_schedule import Measurement, MeasurementSchedule
+from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK, Measurement, MeasurementSchedule
 from pacinian.scene.sampling.sampler import Sampler
 
 if TYPE_CHECKING:
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
     from pacinian.types import Gains
+
+
+# Smallest distance of a place beside a contact from the samples of objects that are not measured with it [m].
+MIN_DISTANCE = 0.015
 
 
 class _Moment(NamedTuple):
@@ -53,6 +58,10 @@ class FeltMonitor:
         self._moment: _Moment | None = None
         self._observer = Sampler(perception=False)
         self._observer.prepare(self._session.array, self._session.medium)
+
+    def forget(self) -> None:
+        """Forget what was kept and measured, so that the next measurement does not depend on how long the last took."""
+        self._schedule, self._moment = MeasurementSchedule(TICKS_PER_LOOK), None
 
     def watch(
         self, scene: Scene, result: SolveResult, limits: Limits, t: float, ticks: int
@@ -109,6 +118,11 @@ class FeltMonitor:
         self._observer.skin = self._sampler.skin
         places = self._observer.scatter_places(moment.scene, moment.time, PLACES_ON_SKIN)
         played, full = moment.result.solutions.samples, moment.result.sample_counts.samples
+        others = played.radiation_pressure > 0.0
+        others &= ~np.isin(played.regions, places.regions[places.regions >= 0])
+        if others.any() and len(places):  # what other objects press beside a contact was asked for
+            away = find_nearest(played.positions[others], places.positions)[0]
+            places = places.only((places.regions >= 0) | (away > MIN_DISTANCE))
         P = places.radiation_pressure.copy()
         for number in set(places.regions.tolist()):
             asked = full.sum_force(number)

@@ -18,7 +18,7 @@ from pacinian.rendering.deviation_log import (
     WEAKENED,
     mark,
 )
-from pacinian.scene.sampling.sample_counts import label_object
+from pacinian.scene.sampling.sample_counts import TOO_FAST, label_object
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -67,9 +67,9 @@ def _describe(before: SolveResult, played: SolveResult, between: bool, held_back
         reasons.add(SLEW_LIMITED)
     if played.solutions.hurried:
         reasons.add(FEWER_FRAMES)
-    if counts.clean and not reasons and not short:
+    if counts.clean and not reasons and not short and not played.too_fast:
         return NOTHING
-    made: Reasons = counts.deviations
+    made: Reasons = mark(counts.deviations, played.too_fast, TOO_FAST)
     for label, count in _count(short, lambda one: one.weakened).items():
         made = mark(made, [label], WEAKENED, count)
     for label, count in _count_missed(played.solutions, short).items():

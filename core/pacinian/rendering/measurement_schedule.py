@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from pacinian.rendering.field_steering import Motion
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.felt_regions import FeltSums
 
@@ -28,10 +29,13 @@ class Measurement(NamedTuple):
 
 
 class MeasurementSchedule:
-    """Counts ticks, and knows what was measured last."""
+    """Counts ticks, and knows what was measured last.
 
-    def __init__(self) -> None:
-        self._wait, self._chance = FIRST_LOOK, np.random.default_rng(0)  # ticks until the next look
+    first: number of ticks until the first measurement.
+    """
+
+    def __init__(self, first: int = FIRST_LOOK) -> None:
+        self._wait, self._chance = first, np.random.default_rng(0)  # ticks until the next look
         self._measured: SolutionSequence | None = None
         self._looks = 0  # at these solutions
 
@@ -48,12 +52,19 @@ class MeasurementSchedule:
             return False
         last = self._measured
         same = last is not None and solutions.rows == last.rows
-        if targets.regions is None:
-            if same:
-                return False
-        elif solutions is last and self._looks >= MAX_LOOKS_AT_REST:
+        if same and targets.regions is None:
             return False
-        self._looks = self._looks + 1 if solutions is last else 1
+        rests = same and last is not None and _is_at(solutions.motion, last.motion)
+        if rests and self._looks >= MAX_LOOKS_AT_REST:
+            return False
+        self._looks = self._looks + 1 if rests else 1
         self._wait = TICKS_PER_LOOK + int(self._chance.integers(MAX_DELAY))
         self._measured = solutions
         return True
+
+
+def _is_at(motion: Motion | None, other: Motion | None) -> bool:
+    """Return whether two motions have the same place, and rest there."""
+    if motion is None or other is None:
+        return motion is other
+    return motion.rests_like(other)

@@ -29,7 +29,7 @@ from pacinian.rendering.scene_warnings import is_too_fast
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.steered_solver import PATIENCE
 from pacinian.rendering.warmup import load_envelopes, try_out
-from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, TOO_FAST, SampleCounts
+from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts, label_object
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.skip_reasons import MEASUREMENTS_FAILED, NOT_DUE, NOTHING_CHANGED, UNDER_WAY
@@ -242,8 +242,8 @@ class Pipeline:
         """Sample and solve in this tick. Measure beside it, if that may be late."""
         if not self._measures:
             self._discard_job()
-        elif self.background.done:  # not recorded, because no frame depends on it
-            self._take_job()
+        elif self.background.done or self._recording_clock.replays:
+            self._take_job()  # at a time that is not recorded; `_solve_beside` forgets it
         self._solved_now = True
         self.stages.enter("sample")
         self._play(self._make_job(scene, limits, solver, t, self.stages, beside=False)())
@@ -264,6 +264,7 @@ class Pipeline:
         """
         if self._solved_now:
             self.finish_measuring()
+            self._monitor.forget()  # because measurements beside the ticks delay solves
             self._solved_now = False
         self.schedule.pass_ticks(ticks)
         if self.background.running:
@@ -361,7 +362,7 @@ class Pipeline:
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
-            self._note_too_fast(counts, solutions)
+            fast = self._find_too_fast(solutions)
             fresh, pressures = tuple(self.solver.fresh), None
             if beside:  # a steered field makes at its samples what it made where it was solved for
                 same = (
@@ -376,7 +377,9 @@ class Pipeline:
             seconds = self._job_recording_clock.now() - begin if beside else math.nan
             if beside:
                 stages.enter("drive")  # ends "solve"
-            return SolveResult(scene, counts, solutions, solver, fresh, pressures, at, seconds)
+            return SolveResult(
+                scene, counts, solutions, solver, fresh, pressures, at, seconds, fast
+            )
 
         return run
 
@@ -500,10 +503,12 @@ class Pipeline:
             if found.any():
                 counts.drop(reason, found)
 
-    def _note_too_fast(self, counts: SampleCounts, play: SolutionSequence) -> None:
-        """Note the objects whose vibration the device cannot play, if each frame of a cycle has only every K-th row."""
-        items = counts.samples.items
+    def _find_too_fast(self, play: SolutionSequence) -> tuple[str, ...]:
+        """Return the labels of the objects whose vibration the device cannot play.
+
+        Each of several frames in turn has only its share of the device's rate.
+        """
+        items = play.samples.items
         rate = self.playback.capability.rate / (len(play.rows) if play.cycle else 1)
-        for i in np.unique(counts.samples.objects).tolist():
-            if is_too_fast(items[i], rate):
-                counts.note_object(TOO_FAST, i)
+        used = np.unique(play.samples.objects).tolist()
+        return tuple(label_object(items[i], i) for i in used if is_too_fast(items[i], rate))

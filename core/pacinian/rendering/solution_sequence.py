@@ -86,6 +86,7 @@ class SolveResult(NamedTuple):
     solver: the solver that was used. fresh: those of `solutions` that are new. sample_pressures: sound
     pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
     time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
+    too_fast: labels of the objects whose vibration the device cannot play.
     """
 
     scene: Scene
@@ -96,6 +97,7 @@ class SolveResult(NamedTuple):
     sample_pressures: Floats | None = None
     time: float = 0.0
     seconds: float = math.nan
+    too_fast: tuple[str, ...] = ()
 
     @property
     def tells_time(self) -> bool:

@@ -9,6 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.rendering.emitted_measurement import SAMPLES, Probe
+from pacinian.rendering.measurement_schedule import MAX_LOOKS_AT_REST
 from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
@@ -129,7 +130,7 @@ def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
     sampler.prepare(ARRAY, AIR)
     samples = sampler.sample(pc.Scene((disc(0.0, 1.0),))).only(np.arange(count))
     samples.positions[:] = q
-    found = looked(session, samples, solution, 10)["surface"]
+    found = looked(session, samples, solution, 10)["surface 0"]
     assert found.force == pytest.approx(1.0, abs=0.05)
 
 
@@ -216,3 +217,58 @@ def test_what_is_measured_uneven_is_not_as_asked() -> None:
     assert coarse["measured uneven"].ticks >= 2
     assert not told[0].as_asked
     assert "measured uneven" not in fine
+
+
+def test_what_a_point_presses_beside_a_contact_is_not_spill() -> None:
+    four = pc.autd(2, 2)
+    x, y = four.centre[:2].tolist()
+    ball = pc.Volume(
+        name="ball", shape=pc.Sphere(0.02), pose=pc.Pose((x, y, 0.163)), radiation_pressure=2.0
+    )
+    point = pc.Point(position=(x, y - 0.035, 0.18), force=4e-4)
+    hand = pc.Hand.open("right", pc.Pose((x, y, 0.1955)))
+    spills = []
+    for items in ((ball,), (ball, point)):
+        scene = pc.Scene(items, hands=(hand,))
+        with pc.Renderer(four, scene, clock=ManualClock(), adaptive=False) as renderer:
+            for k in range(400):
+                renderer.tick(k * 1e-3)
+            spills.append(renderer.report.compute_felt()["ball"].spill)
+    assert spills[1] < 2.0 * spills[0]
+
+
+def test_an_object_without_a_name_has_the_same_label_in_all_reports() -> None:
+    device, how = Simulated(phases=2), {"clock": ManualClock(), "adaptive": False}
+    with pc.Renderer(ARRAY, pc.Scene((disc(0.0, 1.0),)), backend=device, **how) as renderer:
+        report = renderer.run(0.2)
+    assert list(report.compute_felt()) == ["surface 0"]
+    assert "measured uneven" in report.deviations.totals["surface 0"]
+
+
+def test_frames_in_turn_that_rest_are_measured_some_times_only() -> None:
+    plate = pc.Surface(
+        shape=pc.Rectangle(0.08, 0.08), pose=pc.Pose(tuple(MIDDLE)), radiation_pressure=1.0
+    )
+    how = {"clock": ManualClock(), "adaptive": False}
+    with pc.Renderer(ARRAY, pc.Scene((plate,)), **how) as renderer:
+        for k in range(1500):
+            renderer.tick(k * 1e-3)
+        assert len(renderer.cycle_gains) > 1
+        assert MAX_LOOKS_AT_REST <= len(renderer.report.errors) < 2 * MAX_LOOKS_AT_REST
+
+
+def test_a_vibration_too_fast_for_each_of_two_frames_is_told() -> None:
+    plate = pc.Surface(
+        name="plate",
+        shape=pc.Rectangle(0.08, 0.08),
+        pose=pc.Pose(tuple(MIDDLE)),
+        radiation_pressure=1.0,
+        envelope=pc.Sine(300.0),
+    )
+    for rate, told in ((1000.0, True), (2000.0, False)):
+        how = {"clock": ManualClock(), "adaptive": False, "backend": Simulated(rate=rate)}
+        with pc.Renderer(ARRAY, pc.Scene((plate,)), **how) as renderer:
+            for k in range(50):
+                renderer.tick(k * 1e-3)
+            assert len(renderer.cycle_gains) == 2
+            assert ("too fast for the device" in renderer.report.deviations.totals["plate"]) is told

@@ -97,7 +97,7 @@ def test_a_region_over_budget_is_covered_in_bands_and_has_no_holes(most: int) ->
     assert mean.mean() == pytest.approx(1.0, abs=0.03)
     assert off(mean, 1.0) < 0.15
     assert not (mean < 0.5).any()
-    told = renderer.report.compute_felt(1)["surface"]
+    told = renderer.report.compute_felt(1)["surface 0"]
     assert told.force == pytest.approx(1.0, abs=0.1)
     assert told.holes == 0.0
 

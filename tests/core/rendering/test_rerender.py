@@ -7,6 +7,7 @@ import dataclasses
 import itertools
 import math
 import shutil
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -454,3 +455,30 @@ def test_it_comes_out_the_same_whenever_a_zone_is_prepared(
     assert any(loud) == (ready < 10)
     monkeypatch.setattr(Preparation, "_kept", {})
     assert again(path) == (10, 0)
+
+
+def test_limits_that_change_while_a_measurement_runs_beside_change_no_frame(tmp_path: Path) -> None:
+    """Then solves run in the ticks, and when the measurement is taken depends on how long it took."""
+    path, clock = tmp_path / "r", Slow(0.0)
+    x, y = ARRAY.centre[:2].tolist()
+    ball = pc.Volume(shape=pc.Sphere(0.02), pose=pc.Pose((x, y, 0.163)), radiation_pressure=1.0)
+
+    def scene(t: float) -> pc.Scene:
+        at = pc.Pose((x + 0.1 * t - 0.02, y, 0.1955))
+        return pc.Scene((ball,), hands=(pc.Hand.open("right", at),))
+
+    renderer = pc.Renderer(ARRAY, scene, clock=clock, recorder=pc.Recorder(path))
+    begun = None
+    with renderer:
+        pipeline = renderer._pipeline
+        for k in range(420):
+            clock.each = 4e-5 if k < 60 else 0.0  # solves move beside the ticks
+            clock.time = max(clock.time, renderer.start + k * TICK)
+            if begun is None and k > 130 and pipeline._measures and pipeline.background.running:
+                begun = k
+            if begun is not None and begun <= k < begun + 150:
+                renderer.limits = pc.Limits(gain=1.0 - 1e-6 * (k - begun + 1))
+            renderer.tick(renderer.start + k * TICK)
+            time.sleep(2e-4)  # the measurement goes on
+    assert begun is not None
+    assert rerender(pc.Recording(path)).different == 0

@@ -34,12 +34,13 @@ ANYWHERE = np.empty((0, 3))  # no places that skin must face
 class Contact:
     """The part of a hand's skin that is inside a surface or a volume, or within reach of it.
 
-    touched: indices of the skin's points. force: on each of them [N]. near: indices of the skin's points that may have
-    touched points beside them. press: presses points between those of the skin as the material does; returns the
-    indices of those that are pressed, and the force on each [N]. fine: largest spacing at which each sample presses as
-    the material does there [m]. At a coarser spacing, the force of each point is distributed among the nodes of one
-    level of detail of the skin. This keeps the total, and nothing jumps as the contact moves. least: pressure below
-    which nobody feels a sample [Pa]. faint: number of nodes left out for that reason.
+    touched: indices of the skin's points. force: on each of them [N]. candidates: indices of all points of the skin
+    near the object, (I,). distance: of these from it, negative inside, (I,) [m]. press: presses points between those
+    of the skin as the material does; returns the indices of those that are pressed, and the force on each [N]. fine:
+    largest spacing at which each sample presses as the material does there [m]. At a coarser spacing, the force of
+    each point is distributed among the nodes of one level of detail of the skin. This keeps the total, and nothing
+    jumps as the contact moves. least: pressure below which nobody feels a sample [Pa]. faint: number of nodes left
+    out for that reason.
     """
 
     item: Surface | Volume
@@ -50,7 +51,8 @@ class Contact:
     touched: Indices
     force: Floats
     least: float
-    near: Indices
+    candidates: Indices
+    distance: Floats
     press: Callable[[FineSkin], tuple[Indices, Floats]]
     fine: float = 0.0
     faint: int = 0
@@ -70,12 +72,25 @@ class Contact:
         """Area of the touched skin [m^2]."""
         return float(self.hand.area[self.touched].sum())
 
+    def find_near(self, some: Indices) -> Indices:
+        """Return those points of the skin that may have touched points beside them. some: of `candidates`, by index.
+
+        A point between those of the skin may be touched although the nearest of those is not.
+        """
+        close = self.distance[some] < self.item.material.reach + FINEST_SKIN_SPACING
+        if isinstance(self.item, Surface) and not close.all():
+            # behind a sheet, the distance jumps at its outline
+            points, rest = self.hand.points, np.flatnonzero(~close)
+            away = find_nearest(points[self.touched], points[self.candidates[some[rest]]])[0]
+            close[rest] = away < NEIGHBOUR_DISTANCE
+        return self.candidates[some[close]]
+
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
         hand, of, skin = self.hand, None, (self.hand.points, self.hand.normals)
         level = hand.find_fine_level(spacing) if spacing <= self.fine else None
         if level is not None:
-            of = hand.refine(self.near, level)
+            of = hand.refine(self.find_near(np.arange(len(self.candidates))), level)
             nodes, force = self.press(of)
             area, skin = of.area[nodes], (of.points, of.normals)
         else:
@@ -128,7 +143,6 @@ def find_contact(
     material, most = item.material, item.pressure
     reach = material.reach
     corners = ANYWHERE if resolving is None else resolving.corners
-    # a point between those of the skin may be touched although the nearest of those is not
     margin = reach + FINEST_SKIN_SPACING
     which, local = hand.find_near(pose, item.bounding_radius + margin, corners)
     if not len(which):
@@ -164,8 +178,4 @@ def find_contact(
         force *= share
         return nodes, force
 
-    close = d < margin
-    if isinstance(item, Surface):  # its distance jumps at its outline, behind it
-        close |= find_nearest(local[inside], local)[0] < NEIGHBOUR_DISTANCE
-    near = which[close]
-    return Contact(item, index, name, hand, items, which[inside], force, least, near, press)
+    return Contact(item, index, name, hand, items, which[inside], force, least, which, d, press)

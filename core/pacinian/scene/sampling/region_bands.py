@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.scene.sampling.samples import BESIDE
+
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
@@ -32,16 +34,17 @@ class Bands:
 
         K is the smallest number of bands that each have at most `budget` samples, but at most `most`. Regions of more
         than 32 samples are cut across their longest side into K bands with equal numbers of samples. All other samples
-        have equal shares in all bands.
+        have equal shares in all bands. Silent samples do not count, because bands do not have fewer of them.
         """
-        if most == 1 or len(samples) <= SPARE * budget:
+        pressing = int((samples.regions != BESIDE).sum())
+        if most == 1 or pressing <= SPARE * budget:
             self._count = 1
             return np.ones((len(samples), 1))
         regions, counts = np.unique(samples.regions, return_counts=True)
         large = regions[(regions >= 0) & (counts > MIN_DIVIDED_SAMPLES)]
         divided = np.isin(samples.regions, large)
         many = int(divided.sum())
-        few = len(samples) - many
+        few = pressing - many
 
         def fits(count: int, budget: float) -> bool:
             return (

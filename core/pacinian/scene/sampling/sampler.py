@@ -104,6 +104,7 @@ COUNTED = {
 MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
 MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
 MAX_UNSEEN = 8  # largest number of objects that are checked for skin that faces away
+MAX_SCATTERED = 8  # largest number of objects whose contacts are measured at a time
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
@@ -227,20 +228,21 @@ class Sampler:
         """Return random places on the touched skin and beside it at time t [s], as `scatter_places` describes.
 
         Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
-        Contacts of objects whose technique moves their samples are left out. count: of places, roughly. Forgets hands
-        and poses, so use a sampler of its own for it, without perception.
+        Objects whose technique moves their samples are left out; of many objects, some are taken by chance. count: of
+        places, roughly. Forgets hands and poses, so use a sampler of its own for it, without perception.
         """
         self._tracks, self._hands = PosePredictor(), {}
         hands = self._track_hands(scene, t, SampleCounts(scene.objects))
         if not hands or self._resolving is None:
             return no_samples()
-        found = cull(scene.bounds, t, self._boxes(scene, hands, skin=True)).tolist()
-        contacts = [
-            source
-            for source, _ in self._sources(scene, t, found, hands, skin=True)
-            if isinstance(source, Contact) and stays_on_skin(source.item)
-        ]
+        near = cull(scene.bounds, t, self._boxes(scene, hands, skin=True)).tolist()
+        found = [i for i in near if stays_on_skin(scene.objects[i])]
+        if len(found) > MAX_SCATTERED:
+            found = self._chance.choice(found, MAX_SCATTERED, replace=False).tolist()
+        sources = self._sources(scene, t, found, hands, skin=True)
+        contacts = [source for source, _ in sources if isinstance(source, Contact)]
         places = scatter_places(contacts, count, self._resolving.corners, self._chance)
+        places = places.changed(capsules=_all([hand.capsules for hand, _ in hands]))
         return self._cut(scene.workspace)(places)
 
     def _sample(self, scene: Scene, t: float) -> Samples:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.types import Floats
 
+TRIED = 3  # number of candidates of a contact that are tried for each place
 MIN_PLACES = 8  # smallest number of places on one contact
 MARGIN = (
     FINEST_SKIN_SPACING / 4.0
@@ -71,7 +72,8 @@ def _scatter_within(
 ) -> Samples:
     """Return random places on the touched skin, at most `count`."""
     hand = contact.hand
-    some = np.sort(chance.choice(contact.near, min(count, len(contact.near)), replace=False))
+    some = contact.find_near(chance.permutation(len(contact.candidates))[: TRIED * count])
+    some = np.sort(some[:count])
     fine, spacing = hand.find_finest(some)
     fine = fine.only(chance.choice(len(fine.area), count, p=fine.area / fine.area.sum()))
     # move each place within its cell, along the skin
@@ -110,7 +112,7 @@ def _scatter_beside(
     q = hand.points[np.concatenate(touched)]
     low, high = q.min(axis=0) - OUTER, q.max(axis=0) + OUTER
     x, y, z = ((low < hand.points) & (hand.points < high)).T
-    some = chance.permutation(np.flatnonzero(x & y & z))[: 16 * count]
+    some = chance.permutation(np.flatnonzero(x & y & z))[: 8 * count]
     away = corners - hand.points[some, None]
     some = some[(np.einsum("kj,kvj->kv", hand.normals[some], away) > 0.0).any(axis=1)]
     some, nearest = some[hand.find_exposed(some)], np.zeros(0, np.intp)

@@ -6,7 +6,7 @@ import math
 import threading
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from msgspec import Struct
@@ -55,10 +55,6 @@ class Solid(Protocol):
         ...
 
 
-# Held while the function of any `SDF` runs, because a loop samples and measures in different threads.
-ONE_AT_A_TIME = threading.RLock()
-
-
 class SDF(Struct, frozen=True, eq=False, dict=True):
     """A volume given by a signed-distance function.
 
@@ -76,6 +72,12 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
             check_length("extent", half)
 
     @property
+    def _alone(self) -> threading.RLock:
+        """Held while the function runs, because a loop samples and measures in different threads."""
+        own = cast("dict[str, threading.RLock]", self.__dict__)
+        return own.setdefault("_lock", threading.RLock())  # in one step
+
+    @property
     def area(self) -> float:
         """Surface area [m^2], estimated on a grid."""
         return self._area
@@ -91,7 +93,7 @@ class SDF(Struct, frozen=True, eq=False, dict=True):
 
     def distance(self, points: Floats) -> Floats:
         """Return the signed distance of points, (K, 3), (K,) [m]; negative inside. Raises ArgumentError."""
-        with ONE_AT_A_TIME:
+        with self._alone:
             d = check_real("function", self.function(points.copy()))
         if d.shape != (len(points),) or not np.isfinite(d).all():
             raise ArgumentError(

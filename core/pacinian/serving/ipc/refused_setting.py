@@ -26,6 +26,7 @@ class RefusedSetting(Struct, frozen=True):
 
 def refuse_setting(folder: Path, key: str, problem: str) -> NoReturn:
     """In a child process, report a wrong setting, and end. Raises SystemExit."""
+    problem = problem.encode("utf-8", "replace").decode()  # it may name a path that is not Unicode
     try:
         (folder / NAME).write_bytes(msgspec.json.encode(RefusedSetting(key, problem)))
     except OSError:  # such as a full disk: at least standard error gets the text

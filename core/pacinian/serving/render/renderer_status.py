@@ -10,15 +10,14 @@ from msgspec.structs import asdict
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
-from pacinian.rendering.emitted_measurement import name_of
 from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
+from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.samples import BESIDE
 from pacinian.serving.render.touch_report import find_touches
 
 if TYPE_CHECKING:
     from pacinian.rendering.renderer import Renderer
     from pacinian.scene.hands.hand import Hand
-    from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
 # Number of measurements averaged for `felt`. They take about a second together.
@@ -74,7 +73,7 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
         "index": index.astype("<i4").tobytes(),
         "objects": tuple(samples.items[i].name for i in used.tolist()),
         "error": error,
-        "felt": _encode_felt(renderer, [samples.items[i] for i in used.tolist()]),
+        "felt": _encode_felt(renderer, [label_object(samples.items[i], i) for i in used.tolist()]),
         "status": solution.status.name,
         "touches": tuple(asdict(touch) for touch in find_touches(samples, hands)),
     }
@@ -94,10 +93,10 @@ def _zones(renderer: Renderer) -> dict[str, Any]:
     }
 
 
-def _encode_felt(renderer: Renderer, items: list[Object]) -> bytes:
+def _encode_felt(renderer: Renderer, labels: list[str]) -> bytes:
     """Return force, rms, holes and spill of each object, over the last measurements."""
     felt = renderer.report.compute_felt(LOOKS)
-    figures = [felt.get(name_of(item), UNKNOWN) for item in items]
+    figures = [felt.get(label, UNKNOWN) for label in labels]
     return np.array(figures, dtype="<f4").tobytes()
 
 

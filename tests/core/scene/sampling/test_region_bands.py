@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.sampling.region_bands import MIN_DIVIDED_SAMPLES, WIDER, Bands
+from pacinian.scene.sampling.samples import join_samples
 
 from ..tools import random_pose
 
@@ -89,3 +90,13 @@ def test_bands_stay_where_they_are_as_a_region_turns_and_shrinks() -> None:
     barely = int(count * WIDER / (K - 1)) + 1  # one band fewer would just suffice
     assert bands.shares(turned, barely, 8).shape[1] == K
     assert bands.shares(turned, int(1.2 * barely), 8).shape[1] < K
+
+
+def test_silent_samples_do_not_make_bands() -> None:
+    """A frame may be full of them. Then a few samples that fade would cut a small contact into bands."""
+    found = samples(plate(0.02, 0.02))
+    M = len(found)
+    silent = found.changed(radiation_pressure=np.zeros(M), regions=np.full(M, -2), area=np.zeros(M))
+    both = join_samples([found, silent, silent])
+    assert Bands().shares(found, 2 * M, 4).shape[1] == 1
+    assert Bands().shares(both, 2 * M, 4).shape[1] == 1

@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 
 import pacinian as pc
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
+from pacinian.scene.hands.capsules import make_capsules
 from pacinian.scene.sampling.touched_skin import INNER, OUTER
 from pacinian_lab.regions.contacts import CONTACTS
 
@@ -54,7 +55,7 @@ def test_places_cover_the_touched_skin_evenly() -> None:
     points, asked = find_touched(BALL)
     assert KDTree(inside.positions).query(points)[0].max() < 1.5e-3
     rim = 2.0  # [Pa]
-    assert (inside.radiation_pressure < rim).mean() == pytest.approx((asked < rim).mean(), abs=0.02)
+    assert (inside.radiation_pressure < rim).mean() == pytest.approx((asked < rim).mean(), abs=0.03)
     assert inside.radiation_pressure.mean() == pytest.approx(asked.mean(), rel=0.02)
     again = scatter(BALL, count=50)
     assert 30 < (again.regions >= 0).sum() <= 50
@@ -130,6 +131,8 @@ def test_each_hand_and_each_object_has_places_of_its_own() -> None:
     assert set(places.objects[inside].tolist()) == {0, 1}
     assert len(set(places.regions[inside].tolist())) == 2
     assert (places.radiation_pressure[places.objects == 1] <= 1.0).all()
+    assert places.capsules is not None  # one hand may shade the other
+    assert len(places.capsules) == 2 * len(make_capsules(HAND))
 
 
 def test_nothing_is_scattered_without_contact_or_where_a_technique_moves_the_samples() -> None:
