@@ -55,6 +55,9 @@ FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
 PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
+# Smallest force that the phases of one wave make, relative to the target, for which solves with a deadline keep them,
+# and largest number of points for which they relax them.
+MIN_FORCE_OF_WAVE, MAX_RELAXED_IN_TIME = 0.85, 200
 MAX_MULTIPLE = 1e6  # largest factor by which a solution is scaled instead of solved again
 
 
@@ -314,13 +317,17 @@ class Session:
     def _choose_phases(self, made: Solution, budget: Budget) -> None:
         """Decide from the last solution whether the next solves with a deadline relax the phases on skin.
 
-        They do once the phases of one wave need more than the array can make, until there is no contact with skin.
+        They do once the array makes much less than the target with the phases of one wave, until there is no contact
+        with skin. Not if there are so many points that it would take too long.
         """
-        before = self._relaxes
-        if made.facing is None or made.targets.regions is None or made.status is Status.silent:
+        before, few = self._relaxes, len(made.targets.amplitudes) <= MAX_RELAXED_IN_TIME
+        on_skin = made.facing is not None and made.targets.regions is not None
+        if not (few and on_skin) or made.status is Status.silent:
             self._relaxes = False
         elif made.status is Status.limited and self.refines and not budget.endless:
-            self._relaxes = True
+            force = float((np.abs(made.sound_pressure) ** 2)[~made.targets.beside].sum())
+            asked = float((made.targets.amplitudes**2).sum())
+            self._relaxes = self._relaxes or force < MIN_FORCE_OF_WAVE * asked
         self.unsettled = self._relaxes and not before
 
     def _scale_last(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:

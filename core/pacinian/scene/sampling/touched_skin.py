@@ -73,24 +73,25 @@ def _scatter_within(
     """Return random places on the touched skin, at most `count`."""
     hand = contact.hand
     some = contact.find_near(chance.permutation(len(contact.candidates))[: TRIED * count])
-    some = np.sort(some[:count])
+    some = np.sort(some[:count] if len(some) else contact.touched[:count])
     fine, spacing = hand.find_finest(some)
-    fine = fine.only(chance.choice(len(fine.area), count, p=fine.area / fine.area.sum()))
+    drawn = 2 * count  # because some lie beside the touched skin
+    fine = fine.only(chance.choice(len(fine.area), drawn, p=fine.area / fine.area.sum()))
     # move each place within its cell, along the skin
-    turn, r = chance.uniform(0.0, 2.0 * np.pi, count), spacing / 2.0 * np.sqrt(chance.random(count))
+    turn, r = chance.uniform(0.0, 2.0 * np.pi, drawn), spacing / 2.0 * np.sqrt(chance.random(drawn))
     across = np.cross(fine.normals, np.eye(3)[np.abs(fine.normals).argmin(axis=1)])
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     aside = np.cross(fine.normals, across)
     moved = np.cos(turn)[:, None] * across + np.sin(turn)[:, None] * aside
     fine = fine._replace(points=fine.points + r[:, None] * moved)
-    own, total, pressing = np.zeros(count), np.zeros(count), np.zeros(count)
+    own, total, pressing = np.zeros((3, drawn))
     for one in (contact, *sharing):
         nodes, force = one.press(fine)
         total[nodes] += force / fine.area[nodes]
         pressing[nodes] += force > 0.0
         if one is contact:
             own[:] = total
-    nodes = np.flatnonzero(own)
+    nodes = np.flatnonzero(own)[:count]
     P, K = total[nodes] / pressing[nodes], len(nodes)
     return no_samples(contact.items, hand.capsules).changed(
         positions=fine.points[nodes],
@@ -112,7 +113,7 @@ def _scatter_beside(
     q = hand.points[np.concatenate(touched)]
     low, high = q.min(axis=0) - OUTER, q.max(axis=0) + OUTER
     x, y, z = ((low < hand.points) & (hand.points < high)).T
-    some = chance.permutation(np.flatnonzero(x & y & z))[: 8 * count]
+    some = chance.permutation(np.flatnonzero(x & y & z))[: 16 * count]
     away = corners - hand.points[some, None]
     some = some[(np.einsum("kj,kvj->kv", hand.normals[some], away) > 0.0).any(axis=1)]
     some, nearest = some[hand.find_exposed(some)], np.zeros(0, np.intp)
