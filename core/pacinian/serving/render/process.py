@@ -31,10 +31,10 @@ CHECK_INTERVAL = 0.002  # interval between two checks for a device [s]
 
 def main() -> None:
     """Render until the parent ends or asks this process to end."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    config = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
-    configure(config.settings.log, "render")
     try:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        config = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
+        configure(config.settings.log, "render")
         _render(config)
     except KeyboardInterrupt:
         return

@@ -32,6 +32,7 @@ from pacinian.serving.ipc.messages import (
     SetQuiet,
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
+from pacinian.serving.render import process
 from pacinian.serving.render.background_loader import BackgroundLoader
 from pacinian.serving.render.render_loop import EARLY, FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
@@ -795,3 +796,19 @@ def test_objects_of_a_bus_that_has_gone_do_not_sound_again(server: Server) -> No
     assert not server.sounds
     assert not server.loop.replica.scene.objects
     assert server.taken == ChangesAck(0, server.loop.run, server.run + 1)
+
+
+@pytest.mark.parametrize("stage", ["read_launch_config", "configure", "_render"])
+def test_a_process_that_is_ended_while_it_starts_ends_without_a_traceback(
+    stage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def end(*_: Any) -> Any:
+        raise KeyboardInterrupt
+
+    config = child_process.LaunchConfig("", Settings())
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    monkeypatch.setattr(child_process, "read_launch_config", lambda _: config)
+    monkeypatch.setattr(process, "configure", lambda *_: None)
+    owner = child_process if stage == "read_launch_config" else process
+    monkeypatch.setattr(owner, stage, end)
+    process.main()
