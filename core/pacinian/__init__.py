@@ -15,6 +15,7 @@ argument_checks.py  checks of arguments
 types.py            array types
 toml_json_files.py  reads TOML and JSON files; errors name the key, and suggest the right one; JSON Schemas
 neighbours.py       nearest points; neighbours.hpp: its k-d tree
+atomic_file.py      replaces a file as a whole, so that a full disk leaves the old one
 exclusive_lock.py   exclusive locks on open files
 closeable.py        the base of what a `with` statement closes
 """

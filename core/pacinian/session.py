@@ -102,9 +102,8 @@ class Session:
         self._solving = threading.Lock()
         self._zones = Preparation()
         self._work = np.zeros(len(array), dtype=self.propagator.dtype)
-        self._relaxes = (
-            False  # whether the next solve relaxes phases on skin although it has a deadline
-        )
+        # whether the next solve relaxes the phases on skin although it has a deadline
+        self._relaxes = False
         self.unsettled = False
         """Whether another solve for the same problem may come nearer to the targets, because it relaxes the phases."""
         self._base: Solution | None = None  # solved by a solver; its gains are in _work

@@ -10,6 +10,5 @@ scan_robust_fit.py  the least squares of `fit_scan`: Gauss-Newton, Cauchy weight
 usb.py              `UsbKind`: finds, lists and selects USB devices by vendor, product, serial number
 usb_link.py         `UsbLink`: claims a device; control requests, bulk OUT frames, within the time limits it is given
 usb_errors.py       pyusb's errors in words, with advice: permission, driver, unplugged
-atomic_file.py      replaces a file as a whole, so that a full disk leaves the old one
 device_users.py     which other programs have a device open, so that it is busy
 """

@@ -10,7 +10,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian.argument_checks import check_integer, check_number
-from pacinian.devices.atomic_file import replace_file
+from pacinian.atomic_file import replace_file
 from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.toml_json_files import read_bytes

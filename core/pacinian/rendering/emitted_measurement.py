@@ -60,8 +60,8 @@ class Probe:
         every = places.sums(self._measure(places.points, places.facing, gains))
         for number in np.unique(regions[rest]).tolist():
             i = int(objects[np.flatnonzero(regions == number)[0]])
-            name = label_object(items[i], i)
-            found[name] = found.get(name, FeltSums()).plus(every[number])
+            label = label_object(items[i], i)
+            found[label] = found.get(label, FeltSums()).plus(every[number])
         return found
 
     def look_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
@@ -79,8 +79,8 @@ class Probe:
         beside = places.regions == BESIDE
         measured = FeltPlaces(places.positions, t * t, number, beside, facing, len(which))
         for i, sums in zip(which.tolist(), measured.sums(p), strict=True):
-            name = label_object(places.items[i], i)
-            found[name] = found.get(name, FeltSums()).plus(sums)
+            label = label_object(places.items[i], i)
+            found[label] = found.get(label, FeltSums()).plus(sums)
         return found
 
     def estimate_error(self, samples: Samples, targets: Targets, gains: Gains) -> float:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.errors import describe_error
 from pacinian.neighbours import find_nearest
 from pacinian.rendering.emitted_measurement import PLACES_ON_SKIN, Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK, Measurement, MeasurementSchedule
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # Smallest distance of a place beside a contact from the samples of objects that are not measured with it [m].
-MIN_DISTANCE = 0.015
+MIN_DISTANCE_TO_OTHERS = 0.015
 
 
 class _Moment(NamedTuple):
@@ -49,7 +51,7 @@ class FeltMonitor:
 
     def __init__(self, session: Session, sampler: Sampler, playback: Playback) -> None:
         self._session, self._sampler, self._playback = session, sampler, playback
-        self._probe = Probe(session)
+        self._probe, self._failed = Probe(session), False
         self.reset()
 
     def reset(self) -> None:
@@ -79,7 +81,7 @@ class FeltMonitor:
     def take_job(self) -> Callable[[], Measurement | None] | None:
         """Return a function that measures what was kept, and forget it; None if nothing was kept.
 
-        The function returns None if it fails, for example in a user's function, because no frame depends on it.
+        The function returns None if it fails, for example in a user's function. The first failure is logged.
         """
         if (moment := self._moment) is None:
             return None
@@ -88,7 +90,13 @@ class FeltMonitor:
         def measure() -> Measurement | None:
             try:
                 return self._measure(moment)
-            except Exception:
+            except Exception as error:
+                if not self._failed:
+                    log = logging.getLogger("pacinian")
+                    log.warning(
+                        "a measurement failed, the output goes on: %s", describe_error(error)
+                    )
+                self._failed = True
                 return None
 
         return measure
@@ -122,7 +130,7 @@ class FeltMonitor:
         others &= ~np.isin(played.regions, places.regions[places.regions >= 0])
         if others.any() and len(places):  # what other objects press beside a contact was asked for
             away = find_nearest(played.positions[others], places.positions)[0]
-            places = places.only((places.regions >= 0) | (away > MIN_DISTANCE))
+            places = places.only((places.regions >= 0) | (away > MIN_DISTANCE_TO_OTHERS))
         P = places.radiation_pressure.copy()
         for number in set(places.regions.tolist()):
             asked = full.sum_force(number)

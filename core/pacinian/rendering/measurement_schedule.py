@@ -16,9 +16,8 @@ TICKS_PER_LOOK = 64  # smallest number of ticks between measurements of the emit
 MAX_DELAY = 16
 # Number of ticks from silence to the first measurement, so that the first solves have more time.
 FIRST_LOOK = 4
-MAX_LOOKS_AT_REST = (
-    8  # largest number of measurements of regions that rest, at other places each time
-)
+# Largest number of measurements of regions that rest, at other places each time.
+MAX_LOOKS_AT_REST = 8
 
 
 class Measurement(NamedTuple):
@@ -54,7 +53,7 @@ class MeasurementSchedule:
         same = last is not None and solutions.rows == last.rows
         if same and targets.regions is None:
             return False
-        rests = same and last is not None and _is_at(solutions.motion, last.motion)
+        rests = same and last is not None and _rest_at_one_place(solutions.motion, last.motion)
         if rests and self._looks >= MAX_LOOKS_AT_REST:
             return False
         self._looks = self._looks + 1 if rests else 1
@@ -63,7 +62,7 @@ class MeasurementSchedule:
         return True
 
 
-def _is_at(motion: Motion | None, other: Motion | None) -> bool:
+def _rest_at_one_place(motion: Motion | None, other: Motion | None) -> bool:
     """Return whether two motions have the same place, and rest there."""
     if motion is None or other is None:
         return motion is other

@@ -165,8 +165,9 @@ class Pipeline:
             return
         times, gap = compute_row_times(capability, self.period)
         self._discard_job()
-        self.played = self.played._replace(sample_pressures=None)
         self.playback.use(capability, times, gap)
+        fast = self._find_too_fast(self.played.solutions)
+        self.played = self.played._replace(sample_pressures=None, too_fast=fast)
         self.solver.times = times
         self.solver.cycle.most = split_frames(self._most, capability.rate)
 
@@ -362,7 +363,9 @@ class Pipeline:
             self.solver.cycle.budget = self.sampler.frame_budget
             near = MAX_CREEP if beside and self._adaptive else 0.0
             solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
-            fast = self._find_too_fast(solutions)
+            fast = last.too_fast
+            if solutions is not last.solutions:
+                fast = self._find_too_fast(solutions)
             fresh, pressures = tuple(self.solver.fresh), None
             if beside:  # a steered field makes at its samples what it made where it was solved for
                 same = (

@@ -26,7 +26,7 @@ MAX_LISTED = 4  # largest number of objects in a notebook's card
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
 # A measurement at this many places or more whose force or rms error exceeds these is a deviation.
-MIN_PLACES, MAX_FORCE_ERROR, MAX_RMS = 16, 0.15, 0.25
+MIN_JUDGED_PLACES, MAX_MEASURED_FORCE_ERROR, MAX_MEASURED_RMS = 16, 0.15, 0.25
 LOOKS = 1000  # number of recent measurements of the felt pressure that are kept
 # Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors are kept.
 REMEMBERED = 100_000
@@ -80,9 +80,8 @@ class Report:
     _felt: deque[dict[str, FeltSums]] = field(
         default_factory=lambda: deque(maxlen=LOOKS), repr=False
     )
-    _uneven: list[str] = field(
-        default_factory=list, repr=False
-    )  # by the measurements since the last tick
+    # labels of the objects that were measured uneven since the last tick
+    _uneven: list[str] = field(default_factory=list, repr=False)
 
     def tick(
         self, seconds: float, late: bool, time: float = 0.0, deviations: Reasons = NOTHING
@@ -116,11 +115,12 @@ class Report:
         self._uneven += [name for name, sums in felt.items() if _is_uneven(sums)]
 
     def compute_felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
-        """Return what was felt of each object that has regions, by name, over the last measurements.
+        """Return what was felt of each object that has regions, by label, over the last measurements.
 
-        In free air, it is measured between the samples of solutions. On skin, it is measured over all touched skin at
-        moments between and during solutions, against the pressures that the material asks for there, and on skin 3 to
-        30 mm beside. looks: number of measurements; the loop makes one every 64 to 79 ticks, at 24 to some 50 places.
+        In free air, it is measured between the samples of solutions. On skin, it is measured at random moments, also
+        between two solutions: over all touched skin, against the pressures that the material asks for there, and on
+        skin 3 to 30 mm beside. looks: number of measurements; the loop makes one every 64 to 79 ticks, at 24 to some
+        50 places.
         """
         sums: dict[str, FeltSums] = {}
         for found in list(self._felt)[-looks:]:
@@ -239,8 +239,8 @@ class Report:
 def _is_uneven(sums: FeltSums) -> bool:
     """Return whether a measurement shows clearly more or less than the target, or great unevenness."""
     felt = sums.felt
-    wrong = abs(felt.force - 1.0) > MAX_FORCE_ERROR or felt.rms > MAX_RMS
-    return sums.places >= MIN_PLACES and wrong
+    wrong = abs(felt.force - 1.0) > MAX_MEASURED_FORCE_ERROR or felt.rms > MAX_MEASURED_RMS
+    return sums.places >= MIN_JUDGED_PLACES and wrong
 
 
 class StageTimer:

@@ -147,16 +147,16 @@ class FeltPlaces:
         facing: SkinFacing | None,
         count: int,
         chance: Generator,
-        of: Flags,
+        chosen: Flags,
     ) -> FeltPlaces:
         """Return a random subset of such places: `count` half way, at most as many beside.
 
-        of: which samples, (M,), to take places of: one at least, all of them with regions. A place beside a region lies
+        chosen: which samples, (M,), have places: at least one, all of them with regions. A place beside a region lies
         outward from a sample and its neighbour. Takes 0.1 ms, where `of` takes tens of ms.
         """
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
-        own = np.flatnonzero(of[sounding])
+        own = np.flatnonzero(chosen[sounding])
         first = chance.choice(own, 2 * count)
         d = points[sounding[first]][:, None] - points[sounding]
         square = np.einsum("mok,mok->mo", d, d)

@@ -22,7 +22,7 @@ from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.argument_checks import check_near, check_numbers
-from pacinian.devices.atomic_file import replace_file
+from pacinian.atomic_file import replace_file
 from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets

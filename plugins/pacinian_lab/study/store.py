@@ -13,7 +13,7 @@ import uuid
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pacinian.devices.atomic_file import replace_file
+from pacinian.atomic_file import replace_file
 from pacinian.errors import MissingExtra, RecordingError
 from pacinian.exclusive_lock import try_lock
 from pacinian_lab.study.measures import MEASURES

@@ -72,7 +72,7 @@ class Contact:
         """Area of the touched skin [m^2]."""
         return float(self.hand.area[self.touched].sum())
 
-    def find_near(self, some: Indices) -> Indices:
+    def find_bordering(self, some: Indices) -> Indices:
         """Return those points of the skin that may have touched points beside them. some: of `candidates`, by index.
 
         A point between those of the skin may be touched although the nearest of those is not.
@@ -90,7 +90,7 @@ class Contact:
         hand, of, skin = self.hand, None, (self.hand.points, self.hand.normals)
         level = hand.find_fine_level(spacing) if spacing <= self.fine else None
         if level is not None:
-            of = hand.refine(self.find_near(np.arange(len(self.candidates))), level)
+            of = hand.refine(self.find_bordering(np.arange(len(self.candidates))), level)
             nodes, force = self.press(of)
             area, skin = of.area[nodes], (of.points, of.normals)
         else:

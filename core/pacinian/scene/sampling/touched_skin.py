@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
 TRIED = 3  # number of candidates of a contact that are tried for each place
 MIN_PLACES = 8  # smallest number of places on one contact
-MARGIN = (
-    FINEST_SKIN_SPACING / 4.0
-)  # how far touched skin goes on beyond its outer points, roughly [m]
+# Distance by which touched skin extends beyond its outermost points, roughly [m].
+MARGIN = FINEST_SKIN_SPACING / 4.0
 # Limits of the distance from the places beside a contact to the touched points of the skin [m]. Half of the places are
 # no farther away than CLOSE, because the pressure is mostly highest there.
 INNER, CLOSE, OUTER = 3e-3 + MARGIN, 10e-3, 30e-3
@@ -72,7 +71,7 @@ def _scatter_within(
 ) -> Samples:
     """Return random places on the touched skin, at most `count`."""
     hand = contact.hand
-    some = contact.find_near(chance.permutation(len(contact.candidates))[: TRIED * count])
+    some = contact.find_bordering(chance.permutation(len(contact.candidates))[: TRIED * count])
     some = np.sort(some[:count] if len(some) else contact.touched[:count])
     fine, spacing = hand.find_finest(some)
     drawn = 2 * count  # because some lie beside the touched skin

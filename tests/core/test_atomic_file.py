@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pacinian.devices.atomic_file import replace_file
+from pacinian.atomic_file import replace_file
 
 if TYPE_CHECKING:
     from pathlib import Path
