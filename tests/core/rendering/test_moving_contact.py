@@ -24,7 +24,7 @@ from pacinian_plugins.backends.simulated import Simulated
 from .manual_background import ManualBackground
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from pacinian.types import Floats
 
@@ -79,24 +79,31 @@ def carry(velocity: Floats) -> Callable[[float], pc.Scene]:
     return lambda t: find_update(int(t * TRACKED + 1e-9))
 
 
-def measure_power(velocity: Floats) -> Floats:
-    """Return the mean squared pressure on a patch that moves with the hand, at each tick [Pa^2]."""
+def play(
+    array: pc.Array, scene: Callable[[float], pc.Scene], seconds: float
+) -> Iterator[tuple[float, Any, pc.Report]]:
+    """Render a scene with solves beside the ticks. Yields time [s], emitted gains and report after each tick."""
     clock, device = ManualClock(), Simulated(amplitudes=1 << 16, phases=1 << 16)
-    renderer = pc.Renderer(ARRAY, carry(velocity), backend=device, clock=clock)
-    side = np.linspace(-6e-3, 6e-3, 9)
-    patch = np.array([(X + x, Y + y, PALM) for x in side for y in side])
-    powers: list[float] = []
+    renderer = pc.Renderer(array, scene, backend=device, clock=clock)
     with renderer:
         renderer._pipeline.background = Delayed(clock)
         renderer._pipeline.schedule = Beside(TICK, True, SOLVE_TICKS, SOLVE_TICKS)
-        for k in range(round(END / TICK)):
+        for k in range(round(seconds / TICK)):
             clock.time = renderer.start + k * TICK
             renderer.tick(clock.time)
-            if k * TICK >= BEGIN:
-                g = renderer.last_frame.gains(device.capability)[-1]
-                q = patch + velocity * (k * TICK - 0.15)
-                powers.append(float((np.abs(pc.field(ARRAY, g, q, AIR)) ** 2).mean()))
+            yield k * TICK, renderer.last_frame.gains(device.capability)[-1], renderer.report
         assert not renderer.report.faults
+
+
+def measure_power(velocity: Floats) -> Floats:
+    """Return the mean squared pressure on a patch that moves with the hand, at each tick [Pa^2]."""
+    side = np.linspace(-6e-3, 6e-3, 9)
+    patch = np.array([(X + x, Y + y, PALM) for x in side for y in side])
+    powers: list[float] = []
+    for t, g, _ in play(ARRAY, carry(velocity), END):
+        if t >= BEGIN:
+            q = patch + velocity * (t - 0.15)
+            powers.append(float((np.abs(pc.field(ARRAY, g, q, AIR)) ** 2).mean()))
     return np.array(powers)
 
 
@@ -128,20 +135,14 @@ def test_the_report_tells_what_is_felt_between_solutions() -> None:
     def scene(t: float) -> pc.Scene:
         return find_update(int(t * TRACKED + 1e-9))
 
-    clock, device = ManualClock(), Simulated(amplitudes=1 << 16, phases=1 << 16)
-    renderer, felt = pc.Renderer(ARRAY, scene, backend=device, clock=clock), list[Any]()
-    with renderer:
-        renderer._pipeline.background = Delayed(clock)
-        renderer._pipeline.schedule = Beside(TICK, True, SOLVE_TICKS, SOLVE_TICKS)
-        for k in range(600):
-            clock.time = renderer.start + k * TICK
-            renderer.tick(clock.time)
-            if k > BEGIN / TICK and k % 13 == 0:
-                g = renderer.last_frame.gains(device.capability)[-1]
-                felt.append(measure_felt(ARRAY, AIR, scene(k * TICK), k * TICK, g))
-        told = renderer.report.compute_felt()["ball"]
+    felt = list[Any]()
+    for k, (t, g, report) in enumerate(play(ARRAY, scene, 0.6)):
+        if t > BEGIN and k % 13 == 0:
+            felt.append(measure_felt(ARRAY, AIR, scene(t), t, g))
+        told = report.compute_felt().get("ball")
     force, rms = np.mean([f.force for f in felt]), np.sqrt(np.mean([f.rms**2 for f in felt]))
     assert rms > 0.15
+    assert told is not None
     assert told.force == pytest.approx(force, abs=0.06)
     assert told.rms == pytest.approx(rms, rel=0.25)
 
@@ -234,16 +235,11 @@ def test_a_contact_that_one_wave_cannot_make_is_made_by_relaxed_phases(speed: fl
     def scene(t: float) -> pc.Scene:
         return find_update(int(t * TRACKED + 1e-9) if speed else 0)
 
-    clock, device = ManualClock(), Simulated(amplitudes=1 << 16, phases=1 << 16)
-    renderer, felt = pc.Renderer(four, scene, backend=device, clock=clock), list[Any]()
-    with renderer:
-        renderer._pipeline.background = Delayed(clock)
-        renderer._pipeline.schedule = Beside(TICK, True, SOLVE_TICKS, SOLVE_TICKS)
-        for k in range(round(END / TICK)):
-            clock.time = renderer.start + k * TICK
-            renderer.tick(clock.time)
-            if k * TICK >= BEGIN and k % 9 == 0:
-                g = renderer.last_frame.gains(device.capability)[-1]
-                felt.append(measure_felt(four, AIR, scene(k * TICK), k * TICK, g))
-    assert np.mean([f.force for f in felt]) > 0.93
-    assert np.mean([f.rms for f in felt]) < 0.2
+    felt = [
+        measure_felt(four, AIR, scene(t), t, g)
+        for k, (t, g, _) in enumerate(play(four, scene, END))
+        if t >= BEGIN and k % 9 == 0
+    ]
+    assert None not in felt
+    assert np.mean([f.force for f in felt if f]) > 0.93
+    assert np.mean([f.rms for f in felt if f]) < 0.2

@@ -336,6 +336,19 @@ def test_a_first_device_that_does_not_open_is_a_fault() -> None:
     assert not bench.gate.fault
 
 
+def fail_to_make(error: BaseException) -> Bench:
+    """Return a bench whose backend could not be made, because of this error."""
+    bench = Bench()
+
+    def make(choice: object) -> pc.Backend:
+        raise error
+
+    bench.devices._make = make
+    bench.devices.begin(RequestedSettings())
+    bench.run()
+    return bench
+
+
 @pytest.mark.parametrize(
     ("error", "wrong"),
     [
@@ -349,14 +362,7 @@ def test_a_first_device_that_does_not_open_is_a_fault() -> None:
 def test_options_that_no_device_accepts_are_told_from_a_device_that_is_absent(
     error: Exception, wrong: str
 ) -> None:
-    bench = Bench()
-
-    def make(choice: object) -> pc.Backend:
-        raise error
-
-    bench.devices._make = make
-    bench.devices.begin(RequestedSettings())
-    bench.run()
+    bench = fail_to_make(error)
     assert str(error) in bench.gate.fault
     assert bench.devices.wrong_setting == wrong
 
@@ -372,14 +378,7 @@ def test_an_array_that_does_not_fit_the_device_is_no_wrong_option() -> None:
 
 @pytest.mark.parametrize("error", [SystemExit(1), KeyboardInterrupt(), OSError()])
 def test_whatever_a_plug_in_raises_ends_in_a_reason(error: BaseException) -> None:
-    bench = Bench()
-
-    def make(choice: object) -> pc.Backend:
-        raise error
-
-    bench.devices._make = make
-    bench.devices.begin(RequestedSettings())
-    bench.run()
+    bench = fail_to_make(error)
     assert bench.gate.fault.startswith(f"a: {type(error).__name__}")
 
 
