@@ -265,8 +265,7 @@ def test_costs_as_a_table_and_as_json(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cost, "TIMES", 2)
     (row,) = json.loads(invoke("--cost", "--json").stdout)
     assert (row["transducers"], row["samples"]) == (249, 60)
-    assert 0.0 < row["build_ms"] < row["cold_ms"]
-    assert row["warm_ms"] > 0.0
+    assert all(row[step] > 0.0 for step in ("build_ms", "cold_ms", "warm_ms"))
     assert 0.0 <= row["saturation"] < 1.0
     assert row["cold_steps"] >= 1
     told = invoke("--cost").output
