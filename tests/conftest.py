@@ -67,7 +67,10 @@ def is_deep(config: pytest.Config) -> bool:
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects tests
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Sort tests into tiers. Files whose tests share a slow fixture come first."""
+    """Sort tests into tiers. Files whose tests take longest come first, then those that share a slow fixture.
+
+    Otherwise, one process would still work at the end, while all others have nothing left to do.
+    """
     properties = set()
     for item in items:
         test = getattr(item, "obj", None)
@@ -80,8 +83,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not is_deep(config) and not config.getoption("--hypothesis-profile"):
         for test in properties:
             try_fewer_examples(test)
-    first = {item.path for item in items if shares_fixtures(item)}
-    items.sort(key=lambda item: item.path not in first)
+    limits: dict[Path, float] = {}  # longest time limit of a test in each file [s]
+    for item in items:
+        limits[item.path] = max(limits.get(item.path, 0.0), find_time_limit(item))
+    shared = {item.path for item in items if shares_fixtures(item)}
+    items.sort(key=lambda item: (-limits[item.path], item.path not in shared))
+
+
+def find_time_limit(item: pytest.Item) -> float:
+    """Return a test's own time limit [s]; 0 if it has none. Only tests that take long have one."""
+    marker = item.get_closest_marker("timeout")
+    return 0.0 if marker is None else float(marker.args[0])
 
 
 def try_fewer_examples(test: Any) -> None:

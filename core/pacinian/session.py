@@ -54,7 +54,7 @@ AIR = Air()
 FULL_DRIVE = Limits()
 ENDLESS = Budget()
 SILENCE = Result()
-PREPARES = Result(late=True, note="silent: the quiet zones are being prepared")
+PREPARING_ZONES = Result(late=True, note="silent: the quiet zones are being prepared")
 # Smallest force that the phases of one wave make, relative to the target, for which solves with a deadline keep them,
 # and largest number of points for which they relax them.
 MIN_FORCE_OF_WAVE, MAX_RELAXED_IN_TIME = 0.85, 200
@@ -192,7 +192,7 @@ class Session:
         if (
             not self.unsettled
             and warm is not None
-            and (c := self._multiple(targets, limits, solver)) == c
+            and (c := self._find_multiple(targets, limits, solver)) == c
         ):
             self.last = self._scale_last(c, targets, out, start)
             return self.last
@@ -289,7 +289,7 @@ class Session:
                 propagator.version += 1
         return nulls is not None or not limits.zones
 
-    def _multiple(self, targets: Targets, limits: Limits, solver: Solver) -> float:
+    def _find_multiple(self, targets: Targets, limits: Limits, solver: Solver) -> float:
         """Return the c for which c times the last solved gains are the solution; NaN if there is none."""
         base = self._base
         now = solver, limits, self.propagator.version, self.tilt, self.refines
@@ -332,7 +332,7 @@ class Session:
     def _scale_last(self, c: float, targets: Targets, out: Complexes, start: float) -> Solution:
         """Return the last solved solution, scaled by c."""
         base, work = self._base, self.propagator.work
-        assert base is not None  # `_multiple` has checked it
+        assert base is not None  # `_find_multiple` has checked it
         work.solutions_kept += c == 1.0
         work.solutions_scaled += c != 1.0
         np.multiply(self._work, c, out=out, casting="unsafe")
@@ -355,7 +355,7 @@ class Session:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # not `out`, which may hold the gains of `warm`
         g[:] = 0.0
-        version, result, asked = propagator.version, SILENCE if ready else PREPARES, targets
+        version, result, asked = propagator.version, SILENCE if ready else PREPARING_ZONES, targets
         propagator.work.solved += 1
         if targets.norm and ready:
             if targets.regions is not None:

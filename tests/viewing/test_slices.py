@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import math
 import os
 import signal
+import struct
 import subprocess
 import sys
+from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -259,6 +262,39 @@ def test_a_fine_slice_is_interpolated_and_a_process_that_is_killed_is_replaced(
     assert other.pid != worker.pid
     fields.close()
     other.wait(LIMIT)
+
+
+def begin_to_answer(model: bytes, gains: bytes) -> bytes:
+    """Write the first bytes of a long answer; then be killed."""
+    for pipe in gc.get_objects():
+        if isinstance(pipe, Connection) and pipe.writable:
+            os.write(pipe.fileno(), struct.pack("!i", 1 << 20) + b"begin")
+    os.kill(os.getpid(), signal.SIGKILL)
+    return b""
+
+
+def test_a_process_that_is_killed_in_the_middle_of_an_answer_is_not_waited_for(
+    fields: FieldWorker,
+) -> None:
+    async def run() -> None:
+        async with asyncio.timeout(LIMIT):
+            with pytest.raises(pc.ArgumentError, match="killed twice"):
+                await fields._run(begin_to_answer, DRIVE)
+
+    asyncio.run(run())
+    assert computed(fields, HERE) == [exactly(HERE)]
+
+
+def fail(model: bytes, gains: bytes) -> bytes:
+    raise ZeroDivisionError("no reason")
+
+
+def test_an_error_of_a_computation_is_told_and_the_process_goes_on(fields: FieldWorker) -> None:
+    with pytest.raises(pc.ArgumentError, match="ZeroDivisionError: no reason"):
+        asyncio.run(fields._run(fail, DRIVE))
+    (worker,) = workers()
+    assert computed(fields, HERE) == [exactly(HERE)]
+    assert workers() == [worker]
 
 
 def test_what_is_being_computed_at_the_end_starts_no_other_process(fields: FieldWorker) -> None:

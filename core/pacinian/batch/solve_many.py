@@ -41,7 +41,7 @@ MIN_IN_PROCESSES = 2e-5  # time of a problem from which the transfer of its solu
 MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]
 MAX_PART = 0.02  # time of the problems that a process gets at once [s]
 PARTS = 16  # parts for each process, so that none waits long for the last
-POLL = 0.005  # time between looks whether a process has started [s]
+POLL = 0.005  # time between two checks whether a process has started [s]
 
 
 class Solutions(Sequence["Solution"]):

@@ -29,7 +29,7 @@ DEVICES = 2241 * 4  # transducers for which shared memory should have room
 
 def examine(connection: str | None) -> list[Finding]:
     """Return all findings, in the order in which they should be fixed."""
-    looks: dict[str, Callable[[], Finding]] = {
+    probes: dict[str, Callable[[], Finding]] = {
         "Python": python,
         "libraries": libraries,
         "extras": extras,
@@ -43,8 +43,8 @@ def examine(connection: str | None) -> list[Finding]:
         "USB": usb,
     }
     if sys.platform == "linux":
-        looks["USB permissions"] = permissions
-    found = [_safely(name, look) for name, look in looks.items()]
+        probes["USB permissions"] = permissions
+    found = [_safely(name, probe) for name, probe in probes.items()]
     found.append(_safely("connection file", lambda: file(connection)))
     if found[-1].level == "ok" and not found[-1].fix:
         found.append(_safely("server", lambda: server(connection)))

@@ -199,7 +199,7 @@ class Client(ReconnectingClient):
                 if now >= due:
                     self.renew()
                     due = now + every
-                self._live(again=False).look(min(due, end) - self._clock())
+                self._live(again=False).handle_messages(min(due, end) - self._clock())
         except KeyboardInterrupt:
             with suppress(ServerError):
                 self.disarm()

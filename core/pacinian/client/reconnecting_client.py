@@ -55,7 +55,7 @@ class ReconnectingClient(Closeable):
     @property
     def errors(self) -> list[Refused]:
         """Errors of the calls that did not wait. Reading this clears them."""
-        self._look()
+        self._handle_messages()
         errors = list(self._server_session.errors)
         self._server_session.errors.clear()
         return errors
@@ -63,7 +63,7 @@ class ReconnectingClient(Closeable):
     @property
     def connected(self) -> bool:
         """Whether the session is still connected."""
-        self._look()
+        self._handle_messages()
         return not self._server_session.lost
 
     @property
@@ -129,9 +129,9 @@ class ReconnectingClient(Closeable):
         if self._closed and not closed:
             raise ConnectionLost("this Client was closed")
 
-    def _look(self) -> None:
+    def _handle_messages(self) -> None:
         with suppress(ConnectionLost):
-            self._live(again=False).look()
+            self._live(again=False).handle_messages()
 
     def _live(self, *, again: bool = True) -> ServerSession:
         self._check()

@@ -121,7 +121,7 @@ class ServerSession:
         self.notices.clear()
         self.armed = self.owner = True
         self._resumes = resume
-        self.look()
+        self.handle_messages()
 
     def stop(self) -> None:
         """Send an emergency stop, which needs no session."""
@@ -129,7 +129,7 @@ class ServerSession:
 
     def request_nowait(self, kind: type[Request], **fields: Any) -> int:
         """Send a request without waiting; return its number. Its error, if any, goes to `errors` with that number."""
-        self.look()
+        self.handle_messages()
         request = kind(session=self.welcome.session, id=self._number(), **fields)
         if not self._send(self._control, encode(request)):
             self.lose("the server takes no more requests")
@@ -137,7 +137,7 @@ class ServerSession:
 
     def send_command(self, command: AnyCommand, answer: type[R]) -> R:
         """Send a command; return the reply."""
-        self.look()
+        self.handle_messages()
         if not self._flush(self.timeout):
             self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
         sequence = next(self._sequence)
@@ -145,7 +145,7 @@ class ServerSession:
 
     def send_nowait(self, command: AnyCommand) -> None:
         """Send a command without waiting. While there is no room, it waits, and replaces what it makes useless."""
-        self.look()
+        self.handle_messages()
         if self._flush() and self._post(command):
             return
         encode(command)  # raises now if it never can be sent
@@ -154,7 +154,7 @@ class ServerSession:
     def renew(self) -> None:
         """Renew the lease without waiting. Raises, once, each reason why the output was disarmed."""
         try:
-            self.look()
+            self.handle_messages()
         except ConnectionLost:
             if self.notices:  # it arrived before the loss
                 raise self.notices.popleft() from None
@@ -164,17 +164,17 @@ class ServerSession:
         if self.notices:
             raise self.notices.popleft()
 
-    def look(self, wait: float = 0.0) -> None:
+    def handle_messages(self, wait: float = 0.0) -> None:
         """Handle what has arrived; wait at most `wait` [s] for the first message."""
         self._receive(wait)
         while self._come:
             self._note(self._come.popleft())
-        self._go_on()
+        self._raise_if_lost()
 
     def newest(self, timeout: float) -> State | None:
         """Return the newest published state; wait at most `timeout` [s] for it. None if none arrived."""
         end = self.clock() + timeout
-        self.look()
+        self.handle_messages()
         if self._states is None:
             self._states = make_socket(self._context, zmq.SUB, self._connection)
             connect(self._states, self._connection.state)
@@ -196,7 +196,7 @@ class ServerSession:
                 and left <= self.renewal_interval
             ):
                 return None
-            self.look()
+            self.handle_messages()
 
     def close(self) -> None:
         """Say bye if the server listens, and close the session."""
@@ -221,13 +221,13 @@ class ServerSession:
         number = self._number()
         what = type(message).__name__.lower()
         data = encode(replace(message, id=number))
-        self.look()
+        self.handle_messages()
         sent = self.clock()
         found = (
             self._answer(number, sent + timeout, lease) if self._send(link, data, timeout) else None
         )
         if found is None:
-            self._go_on()
+            self._raise_if_lost()
             self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
         self.server_clock.add_trip(sent, self.clock())
         if isinstance(found, Error):
@@ -271,7 +271,7 @@ class ServerSession:
         """
         if self.lost:
             raise ConnectionLost(self.lost)
-        self._go_on()
+        self._raise_if_lost()
         ready = dict(self._poller.poll(0 if self._come else milliseconds(wait)))
         for link in self._links:
             if link.socket in ready:
@@ -279,7 +279,7 @@ class ServerSession:
         for link in self._links:
             if link.monitor in ready and not self._ended:
                 self._ended = str(link.read_loss())
-        self._go_on()
+        self._raise_if_lost()
         if not self._ended and (lease or self._renews_itself) and self.clock() >= self._due:
             self._renew()
         return bool(self._come)
@@ -289,7 +289,7 @@ class ServerSession:
         """Whether the session may renew itself, because such a renewal cannot let the output sound."""
         return not self.armed and not (self.owner and self._resumes)
 
-    def _go_on(self) -> None:
+    def _raise_if_lost(self) -> None:
         """Raise ConnectionLost if a link has ended and no earlier message is left."""
         if self._ended and not self._come:
             self.lose(self._ended)

@@ -91,14 +91,14 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     colours = np.asarray(scale.to_rgba(P)).reshape(-1, 4)
     size = _find_dot(q) if lone else DOT
     felt = Discs(q, colours, np.full(len(q), size)).only(P > 0.0)
-    looks = (
+    cameras = (
         [(ABOVE, boxes[0], LONE_ZOOM)]
         if lone
         else list(zip((ABOVE, BELOW), boxes, ZOOMS, strict=True))
     )
     views: list[View] = []
-    for k, (angle, box, zoom) in enumerate(looks):
-        panel = part.add_subplot(1, len(looks), k + 1, projection="3d")
+    for k, (angle, box, zoom) in enumerate(cameras):
+        panel = part.add_subplot(1, len(cameras), k + 1, projection="3d")
         eye, view = towards(*angle), View(panel, angle, box, zoom)
         hands = [skin(hand, eye) for hand in scene.hands if not hand.lost]
         things: list[Discs] = []

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 MIN_ERROR = 1e-6  # least relative error drawn, about single precision
 SETTINGS = "steps", "passes"  # names of settings that limit the iterations
-MAX_LOOKS = 100_000  # maximum number of clock readings
+MAX_CLOCK_READINGS = 100_000  # maximum number of clock readings
 TALL = 2.6  # [inch]
 NAME_WIDTH = 6.0  # width of the axis over the most iterations, for names on the right
 
@@ -160,7 +160,7 @@ class Looks:
 def _counts() -> Iterator[int]:
     """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, ..."""
     count = 1
-    while count < MAX_LOOKS:
+    while count < MAX_CLOCK_READINGS:
         yield count
         count = max(count + 1, round(1.25 * count))
 

@@ -38,13 +38,13 @@ class Probe:
         self._asked: tuple[Floats | Gains, ...] = ()
         self._heard: Floats = np.empty(0)
 
-    def look_between(
+    def measure_between(
         self, samples: Samples, targets: Targets, facing: SkinFacing | None, gains: Gains
     ) -> dict[str, FeltSums]:
         """Return the sums at some places between samples, by the label of each object that has regions.
 
-        Contacts that stay on skin are left out: see `look_on_skin`. targets, facing: of the samples. gains: (K, N), of
-        the frames whose mean is felt.
+        Contacts that stay on skin are left out: see `measure_on_skin`. targets, facing: of the samples. gains: (K, N),
+        of the frames whose mean is felt.
         """
         found: dict[str, FeltSums] = {}
         regions = targets.regions
@@ -56,7 +56,9 @@ class Probe:
             rest &= ~np.isin(objects, [i for i, item in enumerate(items) if stays_on_skin(item)])
         if not rest.any():
             return found
-        places = FeltPlaces.some(samples.positions, targets, facing, PLACES, self._chance, rest)
+        places = FeltPlaces.random_places(
+            samples.positions, targets, facing, PLACES, self._chance, rest
+        )
         every = places.sums(self._measure(places.points, places.facing, gains))
         for number in np.unique(regions[rest]).tolist():
             i = int(objects[np.flatnonzero(regions == number)[0]])
@@ -64,10 +66,10 @@ class Probe:
             found[label] = found.get(label, FeltSums()).plus(every[number])
         return found
 
-    def look_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
+    def measure_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
         """Return the sums at places on touched skin and beside it, by the label of each object that touches it.
 
-        places: as returned by `Sampler.scatter_places`. gains: as for `look_between`.
+        places: as returned by `Sampler.scatter_places`. gains: as for `measure_between`.
         """
         found: dict[str, FeltSums] = {}
         if not len(places) or places.capsules is None:
@@ -86,7 +88,7 @@ class Probe:
     def estimate_error(self, samples: Samples, targets: Targets, gains: Gains) -> float:
         """Return the relative error of the sound pressures at some samples in free air, other ones each time.
 
-        targets: of the samples. gains: as for `look`.
+        targets: of the samples. gains: as for `measure_between`.
         """
         some = self._chance.permutation(len(samples))[:SAMPLES]
         p = self._measure(samples.positions[some], None, gains)

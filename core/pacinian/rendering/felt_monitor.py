@@ -10,7 +10,11 @@ import numpy as np
 from pacinian.errors import describe_error
 from pacinian.neighbours import find_nearest
 from pacinian.rendering.emitted_measurement import PLACES_ON_SKIN, Probe
-from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK, Measurement, MeasurementSchedule
+from pacinian.rendering.measurement_schedule import (
+    TICKS_PER_MEASUREMENT,
+    Measurement,
+    MeasurementSchedule,
+)
 from pacinian.scene.sampling.sampler import Sampler
 
 if TYPE_CHECKING:
@@ -63,7 +67,7 @@ class FeltMonitor:
 
     def forget(self) -> None:
         """Forget what was kept and measured, so that the next measurement does not depend on how long the last took."""
-        self._schedule, self._moment = MeasurementSchedule(TICKS_PER_LOOK), None
+        self._schedule, self._moment = MeasurementSchedule(TICKS_PER_MEASUREMENT), None
 
     def watch(
         self, scene: Scene, result: SolveResult, limits: Limits, t: float, ticks: int
@@ -115,10 +119,10 @@ class FeltMonitor:
             if p is None:
                 p = probe.compute_pressures(samples.positions, facing, solved)
             error = targets.relative_error(p)
-        felt = probe.look_between(samples, targets, facing, solved)
+        felt = probe.measure_between(samples, targets, facing, solved)
         if facing is not None and targets.regions is not None:
             emitted = [self._playback.quantise_gains(g, moment.limits) for g in moment.gains]
-            felt |= probe.look_on_skin(self._find_places(moment), np.array(emitted))
+            felt |= probe.measure_on_skin(self._find_places(moment), np.array(emitted))
         return Measurement(error, felt)
 
     def _find_places(self, moment: _Moment) -> Samples:

@@ -61,10 +61,10 @@ class Part:
 
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
     that it plays; None before the first. tries: number of solves since the samples changed. rounds: number of these
-    that had enough time. turn: sequence number, among all solves of the cycle, of this frame's last one. retry: time
-    from which to solve again after MAX_TRIES [s]. rest: target of the last solve, relative to this frame's nominal
-    share, (M',). own: mask of the samples that the last solve was for, (M,); of size 0 if its target is forgotten, or
-    before the first solve.
+    that had enough time. last_solve_number: sequence number, among all solves of the cycle, of this frame's last one.
+    retry: time from which to solve again after MAX_TRIES [s]. relative_target: target of the last solve, relative to
+    this frame's nominal share, (M',). own: mask of the samples that the last solve was for, (M,); of size 0 if its
+    target is forgotten, or before the first solve.
     """
 
     session: Session
@@ -72,12 +72,12 @@ class Part:
     solved: CachedSolution | None = None
     tries: int = 0
     rounds: int = 0
-    turn: int = 0
+    last_solve_number: int = 0
     retry: float = -math.inf
-    rest: Floats = field(default_factory=lambda: np.empty(0))
+    relative_target: Floats = field(default_factory=lambda: np.empty(0))
     own: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
 
-    def forget_rest(self) -> None:
+    def forget_target(self) -> None:
         """Forget the target of the last solve."""
         self.own = np.empty(0, np.bool_)
 
@@ -106,14 +106,14 @@ class Cycle:
 
     def reset(self) -> None:
         """Discard all solutions."""
-        self._first.solved, self._first.turn = None, 0
-        self._first.forget_rest()
+        self._first.solved, self._first.last_solve_number = None, 0
+        self._first.forget_target()
         self.parts = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
         self._again = math.inf  # time from which samples given up get another chance [s]
         self._bands, self._banded, self._overdriven = Bands(), False, False
-        self._on_skin, self._tilted, self._turn = False, False, 0
+        self._on_skin, self._tilted, self._solve_number = False, False, 0
         self.samples = no_samples()
         """The samples that the frames render together."""
         self._shares = np.ones((0, 1))
@@ -148,7 +148,7 @@ class Cycle:
         self._moved, self._given_up = True, False
         if not np.array_equal(samples.keys, self.samples.keys):
             for part in self.parts:
-                part.forget_rest()
+                part.forget_target()
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
         self._shares = self._bands.shares(samples, self.budget, min(most, self.max_bands))
@@ -199,9 +199,9 @@ class Cycle:
         first = self._first.session
         if count != len(self.parts):
             for part in self.parts:
-                part.forget_rest()
+                part.forget_target()
         if count < len(self.parts):
-            last = max(self.parts, key=lambda part: part.turn)
+            last = max(self.parts, key=lambda part: part.last_solve_number)
             self._first.solved = last.solved  # until it is solved again
             del self.parts[count:]
         while len(self.parts) < count:
@@ -225,7 +225,7 @@ class Cycle:
             for part in self.parts
             if part.rounds < rounds and (part.tries < MAX_TRIES or t >= part.retry)
         ]
-        return min(open_, key=lambda part: part.turn) if open_ else None
+        return min(open_, key=lambda part: part.last_solve_number) if open_ else None
 
     def sounds(self, part: Part) -> Flags:
         """Return whether each sample sounds in this part, (M,)."""
@@ -251,7 +251,7 @@ class Cycle:
                 others += radiation_pressure(p, part.session.medium)
         return others
 
-    def find_rest(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
+    def find_remaining_target(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
         """Return the target of one frame at its own samples, (M',) [Pa]: what the other frames do not make.
 
         own, P: as for `sum_others`. others: its result. If another frame had no time to come near its target, the
@@ -260,21 +260,21 @@ class Cycle:
         """
         nominal = self.count * self._shares[own, self.parts.index(part)] * P
         if not np.array_equal(own, part.own):
-            part.own, part.rest = own, np.ones(len(P))
+            part.own, part.relative_target = own, np.ones(len(P))
         in_time = (
             one.solved is not None and not one.solved.ran_out_of_time
             for one in self.parts
             if one is not part
         )
         if all(in_time):
-            rest = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
-            part.rest = np.clip(rest, MIN_SHARE, MAX_SHARE)
-        return np.asarray(np.minimum(part.rest * nominal, np.maximum(self.peak, P)))
+            remaining = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
+            part.relative_target = np.clip(remaining, MIN_SHARE, MAX_SHARE)
+        return np.asarray(np.minimum(part.relative_target * nominal, np.maximum(self.peak, P)))
 
     def keep(self, part: Part, solved: CachedSolution, t: float) -> None:
         """Store the new solution of a part, made at time t [s]."""
-        self._turn += 1
-        part.solved, part.turn, part.tries = solved, self._turn, part.tries + 1
+        self._solve_number += 1
+        part.solved, part.last_solve_number, part.tries = solved, self._solve_number, part.tries + 1
         part.rounds += solved.final
         part.retry = t + RETRY_INTERVAL
         if self._tilted and not part.rounds and part.tries == MAX_LATE_TRIES:

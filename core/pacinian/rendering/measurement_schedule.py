@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.felt_regions import FeltSums
 
-TICKS_PER_LOOK = 64  # smallest number of ticks between measurements of the emitted field
-# Largest number of ticks that are added by chance, so that looks see all moments between two solutions.
+TICKS_PER_MEASUREMENT = 64  # smallest number of ticks between measurements of the emitted field
+# Largest number of ticks that are added by chance, so that measurements are made at all moments between two solutions.
 MAX_DELAY = 16
 # Number of ticks from silence to the first measurement, so that the first solves have more time.
-FIRST_LOOK = 4
+TICKS_TO_FIRST_MEASUREMENT = 4
 # Largest number of measurements of regions that rest, at other places each time.
-MAX_LOOKS_AT_REST = 8
+MAX_MEASUREMENTS_AT_REST = 8
 
 
 class Measurement(NamedTuple):
@@ -33,14 +33,15 @@ class MeasurementSchedule:
     first: number of ticks until the first measurement.
     """
 
-    def __init__(self, first: int = FIRST_LOOK) -> None:
-        self._wait, self._chance = first, np.random.default_rng(0)  # ticks until the next look
+    def __init__(self, first: int = TICKS_TO_FIRST_MEASUREMENT) -> None:
+        self._wait = first  # ticks until the next measurement
+        self._chance = np.random.default_rng(0)
         self._measured: SolutionSequence | None = None
-        self._looks = 0  # at these solutions
+        self._measurements = 0  # at these solutions
 
     def pass_ticks(self, played: SolutionSequence, count: int) -> None:
         """Count ticks that play this result, including those that the loop left out because it rested."""
-        self._wait = self._wait - count if len(played.samples) else FIRST_LOOK
+        self._wait = self._wait - count if len(played.samples) else TICKS_TO_FIRST_MEASUREMENT
 
     def begin(self, solutions: SolutionSequence) -> bool:
         """Return whether to measure what is played now, and count it if so."""
@@ -54,10 +55,10 @@ class MeasurementSchedule:
         if same and targets.regions is None:
             return False
         rests = same and last is not None and _rest_at_one_place(solutions.motion, last.motion)
-        if rests and self._looks >= MAX_LOOKS_AT_REST:
+        if rests and self._measurements >= MAX_MEASUREMENTS_AT_REST:
             return False
-        self._looks = self._looks + 1 if rests else 1
-        self._wait = TICKS_PER_LOOK + int(self._chance.integers(MAX_DELAY))
+        self._measurements = self._measurements + 1 if rests else 1
+        self._wait = TICKS_PER_MEASUREMENT + int(self._chance.integers(MAX_DELAY))
         self._measured = solutions
         return True
 

@@ -27,7 +27,7 @@ from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetCo
 from pacinian.rendering.sample_solver import SampleSolver, limits_join
 from pacinian.rendering.scene_warnings import is_too_fast
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
-from pacinian.rendering.steered_solver import PATIENCE
+from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts, label_object
 from pacinian.scene.sampling.samples import no_samples
@@ -51,13 +51,13 @@ if TYPE_CHECKING:
 # Deadline of a solve, relative to the time that it may take: one tick, or `max_ticks` ticks in the background.
 DEADLINE_SHARE = 0.7
 # The loop waits for a background solve that has run for this long [s], or for `max_ticks` ticks if that is longer.
-MAX_AGE = 0.02
+WAIT_FOR_SOLVE_AFTER = 0.02
 # Largest movement of samples since the last background solve for which no other solve is made: a twentieth of a
 # wavelength [m].
-MAX_CREEP = 4e-4
+MAX_UNSOLVED_MOVEMENT = 4e-4
 # Quiet zones, power limits and exact samples take longer to solve for. If the solver ran out of time and the samples
 # are at rest, the next solve beside the ticks gets so many times as long, up to a limit [relative to the deadline].
-PATIENCE_GROWTH, MAX_PATIENCE = 4.0, 32.0
+DEADLINE_FACTOR_GROWTH, MAX_DEADLINE_FACTOR = 4.0, 32.0
 MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 
 
@@ -127,9 +127,9 @@ class Pipeline:
 
         Negative if the frame was solved for a later time.
         """
-        self._aim = -math.inf  # scene time for which the last job solved [s]
+        self._play_time = -math.inf  # scene time for which the last job solved [s]
         self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
-        self._patience = 1.0  # factor on the deadline of the next job beside the ticks
+        self._deadline_factor = 1.0  # factor on the deadline of the next job beside the ticks
         self._measures = False  # whether the job beside the ticks only measures
         self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
@@ -318,13 +318,13 @@ class Pipeline:
 
     def _is_done(self) -> bool:
         """Return whether to take the result of the job now; recorded, because the job's duration decides it."""
-        age = max(MAX_AGE, self.schedule.max_ticks * self.period)
+        limit = max(WAIT_FOR_SOLVE_AFTER, self.schedule.max_ticks * self.period)
         if self.played.solutions.motion is not None and not (self._seen and self._seen.hands):
-            age *= PATIENCE
+            limit *= STEERED_TIME_FACTOR
         if self._seen and self._seen.objects:  # what ends must end soon
-            age *= self._patience
-        old = self.stages.now() - self._started >= age
-        return bool(self._recording_clock.note(lambda: float(old or self.background.done)))
+            limit *= self._deadline_factor
+        overdue = self.stages.now() - self._started >= limit
+        return bool(self._recording_clock.note(lambda: float(overdue or self.background.done)))
 
     def _discard_job(self) -> None:
         """Wait for the job beside the ticks, if one runs, and drop its result."""
@@ -347,9 +347,9 @@ class Pipeline:
         self._set_sampler(limits, solver)
         time = (self.schedule.max_ticks if beside else 1) * self.period
         if beside:
-            time *= self._patience
+            time *= self._deadline_factor
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
-        at = self._find_aim(t, beside)
+        at = self._find_play_time(t, beside)
         last, known = self.played, self.sampler.sample_counts
 
         def run() -> SolveResult:
@@ -361,7 +361,7 @@ class Pipeline:
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
-            near = MAX_CREEP if beside and self._adaptive else 0.0
+            near = MAX_UNSOLVED_MOVEMENT if beside and self._adaptive else 0.0
             solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
             fast = last.too_fast
             if solutions is not last.solutions:
@@ -400,7 +400,7 @@ class Pipeline:
                 return np.asarray(np.sqrt((np.abs(p) ** 2).mean(axis=0)))
         return None
 
-    def _find_aim(self, t: float, beside: bool) -> float:
+    def _find_play_time(self, t: float, beside: bool) -> float:
         """Return the scene time for which a job that begins at time t solves [s].
 
         In the background, this is the time at which the interpolated frames will reach the result: the loop will take
@@ -409,9 +409,9 @@ class Pipeline:
         """
         ticks = self.schedule.ticks + self.schedule.interval
         lead = min(ticks * self.period, MAX_LEAD) if beside else 0.0
-        last = self._aim if self._aim <= t + MAX_LEAD else -math.inf
-        self._aim = max(t + lead, last)
-        return self._aim
+        last = self._play_time if self._play_time <= t + MAX_LEAD else -math.inf
+        self._play_time = max(t + lead, last)
+        return self._play_time
 
     def _play(self, outcome: SolveResult) -> None:
         """Play the result of a job from now on."""
@@ -424,18 +424,20 @@ class Pipeline:
         self.schedule.rests = outcome.solutions is self.played.solutions and self.sampler.still
         for one in outcome.fresh:
             report.count_solve(one.solution.status)
-        self._find_patience(outcome)
+        self._set_deadline_factor(outcome)
         self._before, self.played, self._taken = self.played, outcome, outcome
 
-    def _find_patience(self, outcome: SolveResult) -> None:
+    def _set_deadline_factor(self, outcome: SolveResult) -> None:
         """Set the factor on the deadline of the next job beside the ticks, after this result."""
         limits = outcome.solutions.limits
         rests = outcome.solutions.samples is self.played.solutions.samples
         waits = rests and (limits_join(limits) or limits.zones)
         if waits and any(one.ran_out_of_time for one in outcome.fresh):
-            self._patience = min(PATIENCE_GROWTH * self._patience, MAX_PATIENCE)
+            self._deadline_factor = min(
+                DEADLINE_FACTOR_GROWTH * self._deadline_factor, MAX_DEADLINE_FACTOR
+            )
         elif outcome.fresh or not waits:
-            self._patience = 1.0
+            self._deadline_factor = 1.0
 
     @property
     def _fresh(self) -> tuple[CachedSolution, ...]:

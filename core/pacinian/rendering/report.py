@@ -27,7 +27,7 @@ Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "
 
 # A measurement at this many places or more whose force or rms error exceeds these is a deviation.
 MIN_JUDGED_PLACES, MAX_MEASURED_FORCE_ERROR, MAX_MEASURED_RMS = 16, 0.15, 0.25
-LOOKS = 1000  # number of recent measurements of the felt pressure that are kept
+KEPT_MEASUREMENTS = 1000  # number of recent measurements of the felt pressure that are kept
 # Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors are kept.
 REMEMBERED = 100_000
 
@@ -78,7 +78,7 @@ class Report:
     _errors: Floats = field(default_factory=lambda: np.zeros(REMEMBERED), repr=False)
     _measured: int = 0
     _felt: deque[dict[str, FeltSums]] = field(
-        default_factory=lambda: deque(maxlen=LOOKS), repr=False
+        default_factory=lambda: deque(maxlen=KEPT_MEASUREMENTS), repr=False
     )
     # labels of the objects that were measured uneven since the last tick
     _uneven: list[str] = field(default_factory=list, repr=False)
@@ -114,16 +114,16 @@ class Report:
         self._felt.append(felt)
         self._uneven += [name for name, sums in felt.items() if _is_uneven(sums)]
 
-    def compute_felt(self, looks: int = LOOKS) -> dict[str, FeltRegion]:
+    def compute_felt(self, measurements: int = KEPT_MEASUREMENTS) -> dict[str, FeltRegion]:
         """Return what was felt of each object that has regions, by label, over the last measurements.
 
         In free air, it is measured between the samples of solutions. On skin, it is measured at random moments, also
         between two solutions: over all touched skin, against the pressures that the material asks for there, and on
-        skin 3 to 30 mm beside. looks: number of measurements; the loop makes one every 64 to 79 ticks, at 24 to some
+        skin 3 to 30 mm beside. measurements: number of these; the loop makes one every 64 to 79 ticks, at 24 to some
         50 places.
         """
         sums: dict[str, FeltSums] = {}
-        for found in list(self._felt)[-looks:]:
+        for found in list(self._felt)[-measurements:]:
             for name, more in found.items():
                 sums[name] = sums.get(name, FeltSums()).plus(more)
         return {name: all_.felt for name, all_ in sums.items()}

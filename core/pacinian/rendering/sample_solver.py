@@ -352,7 +352,7 @@ class SampleSolver:
             weakened = kept[(share < WEAKENED_BELOW) & asked]
             P = P * share
         others = self.cycle.sum_others(part, sounded, P, facing) if several else np.zeros(len(q))
-        target = self.cycle.find_rest(part, sounded, P, others) if several else P
+        target = self.cycle.find_remaining_target(part, sounded, P, others) if several else P
         session = part.session
         solution = session.solve(
             q,

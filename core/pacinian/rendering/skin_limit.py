@@ -64,7 +64,7 @@ MAX_NOT_EVALUATED = 7  # largest number of successive solutions that are not eva
 MORE = 1.2
 
 
-class _Look(NamedTuple):
+class _Summary(NamedTuple):
     """What describes an evaluated solution, to compare the next ones with it.
 
     limit: of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of the
@@ -100,7 +100,7 @@ class SkinLimit:
 
     def reset(self) -> None:
         """Evaluate the next solution, whatever was found before."""
-        self._last: _Look | None = None  # whose pressure was far below the limit
+        self._last: _Summary | None = None  # whose pressure was far below the limit
         self._passed = 0  # solutions since then
 
     def enforce(
@@ -136,22 +136,22 @@ class SkinLimit:
         parts = np.ascontiguousarray(parts, np.complex64)
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
-        look = _Look(limit, float(np.abs(parts).sum()), asked, middle, len(skins))
-        if not again and self._is_like_last(look):
+        summary = _Summary(limit, float(np.abs(parts).sum()), asked, middle, len(skins))
+        if not again and self._is_like_last(summary):
             self._passed += 1
             return None
         peak = self._evaluate_peak(parts, skins, samples, limit)
-        self._last, self._passed = (look if peak <= FAR_BELOW * limit else None), 0
+        self._last, self._passed = (summary if peak <= FAR_BELOW * limit else None), 0
         return peak
 
-    def _is_like_last(self, look: _Look) -> bool:
+    def _is_like_last(self, summary: _Summary) -> bool:
         """Return whether a solution is not evaluated, because it is like the last one that was."""
         last = self._last
         if last is None or self._passed == MAX_NOT_EVALUATED:
             return False
-        away = look.middle - last.middle
-        more = look.drive > MORE * last.drive or look.asked > MORE * last.asked
-        same = look.limit == last.limit and look.hands == last.hands
+        away = summary.middle - last.middle
+        more = summary.drive > MORE * last.drive or summary.asked > MORE * last.asked
+        same = summary.limit == last.limit and summary.hands == last.hands
         return same and not more and float(away @ away) < self._wavelength**2
 
     def _evaluate_peak(

@@ -22,7 +22,8 @@ MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
 LIMITED_FROM = 0.02  # share of the transducers at their limit from which MAX_LIMITED_SHIFT holds
 # Largest error of a solution that ran out of time, relative to that of the solution that it replaces.
 MAX_ERROR_RATIO = 1.25
-PATIENCE = 2.5  # factor on the time that a solve may take while there is a field to steer
+# Factor on the time that a solve may take while there is a field to steer.
+STEERED_TIME_FACTOR = 2.5
 
 
 class Anchor(NamedTuple):
@@ -77,7 +78,7 @@ class SteeredSolver:
             anchor = self._anchor = Anchor(samples, motion.centre)
         played = self._played
         since = played and tracker.find_motion(samples, *played[1], MAX_LATE_SHIFT)
-        solutions = solve(anchor.samples, PATIENCE if since or goes_on else 1.0)
+        solutions = solve(anchor.samples, STEERED_TIME_FACTOR if since or goes_on else 1.0)
         late = any(one.ran_out_of_time for one in solutions.rows)
         limited = any(one.solution.saturation >= LIMITED_FROM for one in solutions.rows)
         self._late = late and is_due(solutions)

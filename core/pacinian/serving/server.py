@@ -78,7 +78,7 @@ def serve(
     _hold_standard_files()
     path = locate_connection(settings.connection)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(_alone(path))
+        stack.enter_context(_lock_connection_file(path))
         configure(settings.log, "control")
         _raise_file_limit()
         stack.callback(flush)
@@ -111,11 +111,11 @@ def serve(
         config = child_process.LaunchConfig(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
         supervisor = Supervisor(
-            functools.partial(_begin, start, config, secrets, pipes),
+            functools.partial(_start_child, start, config, secrets, pipes),
             settings.safety.hang_timeout,
             plugins=_name_plugins(settings),
         )
-        stack.callback(_end, supervisor, files["device"])
+        stack.callback(_end_children, supervisor, files["device"])
         control = ControlLoop(settings, doors, files, supervisor)
         stack.enter_context(_metrics(settings, control, doors))
         try:
@@ -131,12 +131,12 @@ def serve(
                     trim_memory()
         finally:
             notify("STOPPING=1")
-            control.let_go()
+            control.silence_all()
             doors.close()  # the files of connections are needed to remove the connection file
             log().info("end")
 
 
-def _begin(
+def _start_child(
     start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process],
     config: child_process.LaunchConfig,
     secrets: dict[str, str],
@@ -180,7 +180,7 @@ def _keep_description(settings: Settings, folder: Path) -> Settings:
     return replace(settings, array=settings.array.copy_to(folder / "array.json"))
 
 
-def _alone(path: Path) -> FileLock:
+def _lock_connection_file(path: Path) -> FileLock:
     """Lock the connection file for this process. Raises ServerError."""
     try:
         make_folder(path.parent)
@@ -231,13 +231,13 @@ def _raise_file_limit() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
-def _end(supervisor: Supervisor, device: SharedRegister) -> None:
+def _end_children(supervisor: Supervisor, device: SharedRegister) -> None:
     """End all processes. Raises ServerError if the device may still sound."""
 
     def has_device(since: float) -> bool:
         read = device.read()
         found = None if read is None else msgspec.msgpack.decode(read[1], type=DeviceStatus)
-        return found is not None and found.beat >= since and found.generation > 0
+        return found is not None and found.heartbeat >= since and found.generation > 0
 
     for name in supervisor.end(has_device):
         log().error("had to be killed", name=name)

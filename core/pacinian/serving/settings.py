@@ -102,7 +102,7 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     strong effect. zones: quiet zones of the installation.
     """
 
-    lease: float = 0.25
+    lease: float = 0.25  # also in the documents of the wire: `LEASE` in wire/markdown.py
     frame_timeout: float = 0.02
     hang_timeout: float = 2.0
     session_timeout: float = 10.0

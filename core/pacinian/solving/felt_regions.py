@@ -115,7 +115,9 @@ class FeltPlaces:
     count: int
 
     @classmethod
-    def of(cls, points: Floats, targets: Targets, facing: SkinFacing | None) -> FeltPlaces:
+    def between_samples(
+        cls, points: Floats, targets: Targets, facing: SkinFacing | None
+    ) -> FeltPlaces:
         """Return places half way between neighbouring samples, and 3 to 5 mm beside their region.
 
         points: the samples, (M, 3) [m]. Half way, the target is the mean of both samples. A region of one sample is
@@ -140,7 +142,7 @@ class FeltPlaces:
         return cls._at(points, targets, facing, (first, second), outside, of)
 
     @classmethod
-    def some(
+    def random_places(
         cls,
         points: Floats,
         targets: Targets,
@@ -152,7 +154,7 @@ class FeltPlaces:
         """Return a random subset of such places: `count` half way, at most as many beside.
 
         chosen: which samples, (M,), have places: at least one, all of them with regions. A place beside a region lies
-        outward from a sample and its neighbour. Takes 0.1 ms, where `of` takes tens of ms.
+        outward from a sample and its neighbour. Takes 0.1 ms, where `between_samples` takes tens of ms.
         """
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
@@ -208,7 +210,7 @@ class FeltPlaces:
             int(targets.regions.max()) + 1,
         )
 
-    def heard_by(self, propagator: Propagator) -> FeltPlaces:
+    def set_points_of(self, propagator: Propagator) -> FeltPlaces:
         """Move the propagator's points to these places, without those on a transducer. Returns the places used."""
         try:
             propagator.set_points(self.points, self.facing)
@@ -280,8 +282,8 @@ def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
     return kept[first], kept[second], float(np.median(nearest[others]))
 
 
-def _around(points: Floats, radius: float, every: KDTree) -> tuple[Floats, Indices]:
-    """Return places 3 to 5 mm from a sample, along the surface, and no nearer to any sample in `every`.
+def _around(points: Floats, radius: float, all_samples: KDTree) -> tuple[Floats, Indices]:
+    """Return places 3 to 5 mm from a sample, along the surface, and no nearer to any sample in `all_samples`.
 
     points: samples of one region, (M, 3) [m]. radius: neighbours within it determine the tangent plane [m]. Returns
     the index of each place's sample, too.
@@ -300,5 +302,5 @@ def _around(points: Floats, radius: float, every: KDTree) -> tuple[Floats, Indic
         at.append(np.full(len(BESIDE) * AROUND, i))
     found, which = np.concatenate(places), np.concatenate(at)
     wanted = np.tile(np.repeat(BESIDE, AROUND), len(points))
-    free = every.query(found)[0] >= 0.99 * wanted
+    free = all_samples.query(found)[0] >= 0.99 * wanted
     return found[free], which[free]

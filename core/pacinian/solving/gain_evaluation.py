@@ -95,7 +95,9 @@ def measure_felt(propagator: Propagator, solution: Solution) -> Solution:
     if targets.regions is None or not targets.norm:
         return solution
     between = Propagator(propagator.array, propagator.medium, propagator.precision)
-    places = FeltPlaces.of(propagator.points, targets, propagator.facing).heard_by(between)
+    places = FeltPlaces.between_samples(
+        propagator.points, targets, propagator.facing
+    ).set_points_of(between)
     p = between.apply(solution.gains)
     multiple = (
         1.0

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike
 
 LIMIT = 10.0  # duration of a call [s]
-POLL_INTERVAL = 0.01  # period of polling `heard` [s]
+POLL_INTERVAL = 0.01  # period of polling `measure_gains` [s]
 QUIET = 0.1  # drive of the trials, relative to full drive
 OFF = 0.02  # deviation of the emitted gains, relative to full drive
 
@@ -38,18 +38,18 @@ def check_backend(
     make: Callable[[], Backend],
     array: Array | None = None,
     *,
-    heard: Callable[[Any], ArrayLike] | None = None,
+    measure_gains: Callable[[Any], ArrayLike] | None = None,
     lose: Callable[[Any], None] | None = None,
     limit: float = LIMIT,
 ) -> None:
     """Check a backend against every rule of its interface. Opens the device several times and drives it at a tenth.
 
-    make: constructs the backend, as users do. array: array with which it is opened; by default an AUTD unit. heard:
-    returns the gains (N,) that the backend or a model of its device emits now; without it, no emission is checked.
-    lose: unplugs the device, which is not plugged in again. limit: time limit of each call [s]. Raises NotConforming,
-    which lists the broken rules.
+    make: constructs the backend, as users do. array: array with which it is opened; by default an AUTD unit.
+    measure_gains: returns the gains (N,) that the backend or a model of its device emits now; without it, no emission
+    is checked. lose: unplugs the device, which is not plugged in again. limit: time limit of each call [s]. Raises
+    NotConforming, which lists the broken rules.
     """
-    kit = _Kit(make, array or autd(), heard, limit)
+    kit = _Kit(make, array or autd(), measure_gains, limit)
     rules = {
         "class": kit.its_class,
         "find_devices": kit.find_devices,
@@ -81,10 +81,10 @@ class _Kit:
         self,
         make: Callable[[], Backend],
         array: Array,
-        heard: Callable[[Any], ArrayLike] | None,
+        measure_gains: Callable[[Any], ArrayLike] | None,
         limit: float,
     ) -> None:
-        self.array, self._make, self._heard, self._limit = array, make, heard, limit
+        self.array, self._make, self._measure_gains, self._limit = array, make, measure_gains, limit
         self._sequence = 0
 
     # ------------------------------------------------------------------ building blocks of the rules
@@ -129,22 +129,24 @@ class _Kit:
             raise Broken(seen) from error
         raise Broken(f"{what} is accepted: it must raise BackendError")
 
-    def require_heard(self, backend: Backend, asked: Frame | None, when: str) -> None:
-        """Require that the last row of a frame, or silence if it is None, is heard within the time limit."""
-        if self._heard is None:
+    def require_emitted(self, backend: Backend, asked: Frame | None, when: str) -> None:
+        """Require that the last row of a frame, or silence if it is None, is emitted within the time limit."""
+        if (measure := self._measure_gains) is None:
             return
         can, N = backend.capability, len(self.array)
         want = np.zeros(N) if asked is None else asked.gains(can)[-1]
         due = time.monotonic() + self._limit
         while True:
-            got = np.asarray(call_with_limit("heard()", lambda: self._heard(backend), self._limit))  # type: ignore[misc]
-            require(got.shape == (N,), f"heard() must give {N} gains, not {got.shape}")
+            got = np.asarray(
+                call_with_limit("measure_gains()", lambda: measure(backend), self._limit)
+            )
+            require(got.shape == (N,), f"measure_gains() must give {N} gains, not {got.shape}")
             off = float(np.abs(got - want).max())
             if off <= (OFF if asked is not None else 0.0):
                 return
             if time.monotonic() > due:
                 what = "silence" if asked is None else "what was sent"
-                raise Broken(f"{when}, {what} is not what is heard: {off:.3g} of full drive off")
+                raise Broken(f"{when}, {what} is not what is emitted: {off:.3g} of full drive off")
             time.sleep(POLL_INTERVAL)
 
     # ------------------------------------------------------------------ the rules
@@ -189,7 +191,7 @@ class _Kit:
     def open_silent(self) -> None:
         """It is silent after `open`."""
         with self.open_backend() as backend:
-            self.require_heard(backend, None, "after open()")
+            self.require_emitted(backend, None, "after open()")
 
     def sounds(self) -> None:
         """It emits what is sent, and frames of amplitude 0 are silent."""
@@ -197,7 +199,7 @@ class _Kit:
             for share in (QUIET, 0.0, QUIET):
                 frame = self.frame(backend.capability, share)
                 self.call(backend.send, frame)
-                self.require_heard(backend, frame, "after send()")
+                self.require_emitted(backend, frame, "after send()")
 
     def leaves_frames(self) -> None:
         """It does not write to a frame, because the loop may send it again."""
@@ -234,7 +236,7 @@ class _Kit:
                 frame = self.frame(backend.capability, rows=rows)
                 self._sequence += rows
                 self.call(backend.send, frame)
-                self.require_heard(backend, frame, f"after {rows} rows")
+                self.require_emitted(backend, frame, f"after {rows} rows")
 
     def silence(self) -> None:
         """`silence` silences at any time after `open`, any number of times."""
@@ -243,7 +245,7 @@ class _Kit:
             self.call(backend.send, self.frame(backend.capability))
             for _ in range(3):
                 self.call(backend.silence)
-                self.require_heard(backend, None, "after silence()")
+                self.require_emitted(backend, None, "after silence()")
 
     def sounds_again(self) -> None:
         """It emits what is sent after `silence`."""
@@ -251,7 +253,7 @@ class _Kit:
             for _ in range(2):
                 frame = self.frame(backend.capability)
                 self.call(backend.send, frame)
-                self.require_heard(backend, frame, "after silence() and send()")
+                self.require_emitted(backend, frame, "after silence() and send()")
                 self.call(backend.silence)
 
     def close_silent(self) -> None:
@@ -259,7 +261,7 @@ class _Kit:
         with self.open_backend() as backend:
             self.call(backend.send, self.frame(backend.capability))
             self.call(backend.close)
-            self.require_heard(backend, None, "after close()")
+            self.require_emitted(backend, None, "after close()")
 
     def close_twice(self) -> None:
         """`close` may be called twice."""
@@ -272,7 +274,7 @@ class _Kit:
         with self.open_backend() as backend:
             self.call(backend.close)
             self.refuses("send() after close()", backend.send, self.frame(backend.capability))
-            self.require_heard(backend, None, "after close() and send()")
+            self.require_emitted(backend, None, "after close() and send()")
 
     def gives_back(self) -> None:
         """After `close`, another backend can open the device."""

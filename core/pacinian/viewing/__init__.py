@@ -10,7 +10,8 @@ states.py                reads published states and frames, polls scene and prop
 scene_mirror.py          copy of the rendered scene; each object is sent once
 recent_frames.py         the last frames, for the mean of a modulated field
 time_shares.py           shares of time of these frames, from envelopes
-slices.py                computes the field in planes and boxes and on skin, in a process of low priority
+slices.py                computes the field in planes and boxes and on skin
+field_process.py         the process of low priority that does this
 array_model.py           array and medium of that process
 region_error.py          felt pressure minus target on regions, between samples too
 feed_file.py             recordings of the viewer (.feed): written and read

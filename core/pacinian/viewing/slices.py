@@ -1,32 +1,24 @@
-"""Computes the field in planes and boxes, in a separate process of low priority."""
+"""Computes the field in planes and boxes, in another process: see field_process.py."""
 
 from __future__ import annotations
 
 import asyncio
 import functools
 import math
-import multiprocessing
-import os
 import pickle
-import signal
-import sys
-import threading
 from collections import deque
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pacinian.acoustics.interpolated_field import InterpolatedField
 from pacinian.errors import ArgumentError
-from pacinian.serving.ipc.scheduling import AUTOGROUP
+from pacinian.viewing.field_process import FieldProcess, ProcessEnded
 from pacinian.viewing.messages import Skin, Slice, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from multiprocessing.process import BaseProcess
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -62,7 +54,8 @@ class FieldWorker:
     """Computes fields for all pages, in batches, so that the pages take turns."""
 
     def __init__(self) -> None:
-        self._pool: ProcessPoolExecutor | None = None
+        self._process: FieldProcess | None = None
+        self._thread = ThreadPoolExecutor(1, "slices")  # waits for the process
         self._closed = False
         self._rough: deque[InterpolatedField] = deque(maxlen=16)  # grids too inexact to interpolate
 
@@ -102,39 +95,29 @@ class FieldWorker:
         """Run `work` in the other process, which is restarted once if it was killed."""
         loop = asyncio.get_running_loop()
         for _ in range(2):
-            pool = self._start()
+            process = self._start()
+            call = functools.partial(process.call, work, drive.model.packed, drive.gains, *about)
             try:
-                made = loop.run_in_executor(pool, work, drive.model.packed, drive.gains, *about)
-                # if cancelled work waits when its process is killed, the pool does not end
-                return await asyncio.shield(made)
-            except BrokenProcessPool:
-                if pool is self._pool:
-                    self._kill()
+                return await loop.run_in_executor(self._thread, call)
+            except ProcessEnded:
+                if process is self._process:
+                    self._process = None
         raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
 
-    def _start(self) -> ProcessPoolExecutor:
+    def _start(self) -> FieldProcess:
         """Start the other process, if there is none."""
         if self._closed:
             raise ArgumentError("slice", "cannot be computed: the viewer ends")
-        if self._pool is None:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(1, context, initializer=start_worker, initargs=(CALM,))
-            self._pool.submit(os.getpid)  # the pool starts a process when it gets work
-        return self._pool
+        if self._process is None:
+            self._process = FieldProcess(CALM)
+        return self._process
 
     def close(self) -> None:
-        """Kill the process, for otherwise the interpreter would wait for its work at exit. Start no other."""
+        """Kill the process, whatever it does. Start no other."""
         self._closed = True
-        self._kill()
-
-    def _kill(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            workers: dict[int, BaseProcess] = getattr(pool, "_processes", None) or {}
-            running = list(workers.values())  # as `kill_workers` does since Python 3.14
-            pool.shutdown(wait=False, cancel_futures=True)
-            for worker in running:
-                worker.kill()
+        self._thread.shutdown(wait=False, cancel_futures=True)
+        if self._process is not None:
+            self._process.kill()
 
 
 def interpolate_pressure(
@@ -251,32 +234,3 @@ def _unpack_model(model: bytes) -> tuple[Array, Air]:
 @functools.lru_cache(maxsize=2)
 def _points(where: InterpolatedField) -> Floats:
     return where.points.reshape(-1, 3)
-
-
-def start_worker(nice: int) -> None:
-    """Import what fields need, then lower the priority: on a busy machine, imports would else take a minute."""
-    from pacinian.acoustics import propagation
-    from pacinian.solving import propagator
-    from pacinian.viewing import region_error
-
-    del propagation, propagator, region_error
-    lower_own_priority(nice)
-
-
-def lower_own_priority(nice: int) -> None:
-    """Lower the priority of this process, and end it with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C
-    if sys.platform != "win32":
-        with suppress(OSError):
-            os.setsid()
-        os.nice(nice)
-    if sys.platform == "linux":
-        with suppress(OSError):
-            AUTOGROUP.write_text(str(nice))
-    threading.Thread(target=_with_parent, daemon=True).start()
-
-
-def _with_parent() -> None:
-    if (parent := multiprocessing.parent_process()) is not None:
-        parent.join()
-        os._exit(0)

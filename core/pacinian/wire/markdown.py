@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
     Kinds = Iterable[type[Struct]]
 
-LEASE = 0.25  # default lease [s]
+# Default lease [s]. Equals `Safety.lease` in serving/settings.py, which the wire must not import; a test compares them.
+LEASE = 0.25
 
 
 def make_guide() -> str:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 NEAR = 0.25  # horizontal distance from a focus within which its peak is searched [wavelengths]
 QUIET_RADIUS = 0.001  # of a quiet place [m]: 2 mm is a bead
-LOOKS, ROUNDS = 100, 5  # places of one search; searches, each in a third of the radius
+SEARCHED_PLACES, ROUNDS = 100, 5  # places of one search; searches, each in a third of the radius
 
 
 @dataclass(frozen=True)
@@ -79,17 +79,17 @@ def find_peak(example: Example, gains: Complexes, focus: Floats) -> tuple[Floats
     place, radius = focus, NEAR * 2.0 * math.pi / example.wavenumber
     limit, disc = radius, _ball() * [1.0, 1.0, 0.0]
     for _ in range(ROUNDS):
-        looks = place + radius * disc
-        looks = looks[np.linalg.norm(looks - focus, axis=1) <= limit]
-        place = looks[np.abs(field(example, gains, looks)).argmax()]
+        places = place + radius * disc
+        places = places[np.linalg.norm(places - focus, axis=1) <= limit]
+        place = places[np.abs(field(example, gains, places)).argmax()]
         radius /= 3.0
     return place, float(np.abs(field(example, gains, place[None]))[0])
 
 
 def _ball() -> Floats:
-    """Return points in the unit ball, (LOOKS, 3)."""
+    """Return points in the unit ball, (SEARCHED_PLACES, 3)."""
     rng = np.random.default_rng(0)
-    d = rng.normal(size=(LOOKS, 3))
+    d = rng.normal(size=(SEARCHED_PLACES, 3))
     return np.asarray(
-        np.cbrt(rng.random((LOOKS, 1))) * d / np.linalg.norm(d, axis=1, keepdims=True)
+        np.cbrt(rng.random((SEARCHED_PLACES, 1))) * d / np.linalg.norm(d, axis=1, keepdims=True)
     )

@@ -37,7 +37,7 @@ SLOWER = (2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
 # the rate counts as held up to this share of late ticks above the dummy loop's
 MAX_LATE_SHARE = 0.005
 SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
-LOOKS = 20  # ticks per run whose errors are evaluated
+EVALUATED_TICKS = 20  # ticks per run whose errors are evaluated
 NO_BUDGET = 100_000  # samples; in effect, no budget
 
 
@@ -50,8 +50,8 @@ class Row:
     percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: time since the moment that a
     tick's frame was solved for, median [ms]; negative while it lies ahead. samples: median. stages: mean time per tick
     [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
-    rms, holes and spill over all skin that regions touch, medians of the looks with contact; None if there are none.
-    left_out: fraction of the scene's force that was not requested from the array.
+    rms, holes and spill over all skin that regions touch, medians of the evaluated ticks with contact; None if there
+    are none. left_out: fraction of the scene's force that was not requested from the array.
     """
 
     scene: str
@@ -70,7 +70,7 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class EvaluatedTick:
     """Input and output of a tick, at time t [s] of the scene.
 
     sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: time since the
@@ -105,7 +105,7 @@ class Look:
 
 
 class Run:
-    """A scene on a renderer, alternating with a dummy loop, for `seconds` [s]. Looks at some of the ticks.
+    """A scene on a renderer, alternating with a dummy loop, for `seconds` [s]. Evaluates some of the ticks.
 
     Updates are made in advance, as a tracker's or a game's thread would do, so that a tick does not include them
     unless the loop is late by more than SPARE. rate: of the ticks [Hz].
@@ -114,7 +114,7 @@ class Run:
     def __init__(
         self, array: Array, scene: Callable[[float], Scene], seconds: float, rate: float = RATE
     ) -> None:
-        self.looks: list[Look] = []
+        self.evaluated: list[EvaluatedTick] = []
 
         @functools.cache
         def at(update: int) -> Scene:
@@ -126,9 +126,10 @@ class Run:
         self._now = 0.0, self._scene(0)
         device = registry.backend("simulated", rate=RATE)
         self.renderer = Renderer(array, self._at, backend=device, rate=rate)
-        self._gap = max(1, round(seconds * rate / LOOKS))  # ticks between looks
+        # ticks from one evaluated tick to the next
+        self._gap = max(1, round(seconds * rate / EVALUATED_TICKS))
         with self.renderer as renderer:
-            self.dummy = alternate(renderer, seconds, self._look)
+            self.dummy = alternate(renderer, seconds, self._keep_tick)
             self.report = renderer.report
         if self.report.interrupted:
             raise KeyboardInterrupt
@@ -139,13 +140,17 @@ class Run:
         self._now = t, self._scene(int(t * TRACKED))
         return self._now[1]
 
-    def _look(self, report: Report) -> None:
+    def _keep_tick(self, report: Report) -> None:
         """Keep the data of a tick for evaluation after the run."""
         samples, targets = self.renderer.samples, self.renderer.targets
-        if samples is None or targets is None or report.ticks < self._gap * (len(self.looks) + 1):
+        if (
+            samples is None
+            or targets is None
+            or report.ticks < self._gap * (len(self.evaluated) + 1)
+        ):
             return
         sounding, lag = self.renderer.cycle_gains, self.renderer.lag
-        self.looks.append(Look(*self._now, samples, targets, sounding, lag))
+        self.evaluated.append(EvaluatedTick(*self._now, samples, targets, sounding, lag))
 
     @property
     def held(self) -> bool:
@@ -157,8 +162,8 @@ class Run:
         """Return the results."""
         report, session = self.report, self.renderer.session
         array, medium = session.array, session.medium
-        asked = sum(look.asked for look in self.looks)
-        sounded = sum(look.compute_sounded(medium) for look in self.looks)
+        asked = sum(tick.asked for tick in self.evaluated)
+        sounded = sum(tick.compute_sounded(medium) for tick in self.evaluated)
         return Row(
             scene=name,
             p50_ms=report.tick_ms(50),
@@ -167,18 +172,19 @@ class Run:
             dummy_late=self.dummy.late_share,
             rate=1.0 / self.renderer.period if self.held else 0.0,
             solves=report.solves / (report.ticks * self.renderer.period),
-            lag_ms=1e3 * median(look.lag for look in self.looks),
-            samples=round(median(len(look.samples) for look in self.looks)),
+            lag_ms=1e3 * median(tick.lag for tick in self.evaluated),
+            samples=round(median(len(tick.samples) for tick in self.evaluated)),
             stages={k: 1e3 * v / report.ticks for k, v in report.stages.items()},
-            error_at_samples=median(look.error(array, medium) for look in self.looks),
+            error_at_samples=median(tick.error(array, medium) for tick in self.evaluated),
             felt=self._measure_felt(array, medium),
             left_out=max(0.0, 1.0 - sounded / asked) if asked else 0.0,
         )
 
     def _measure_felt(self, array: Array, medium: Air) -> dict[str, float] | None:
-        """Return the medians of what the skin felt, over the looks with contact."""
+        """Return the medians of what the skin felt, over the evaluated ticks with contact."""
         every = [
-            measure_felt(array, medium, look.scene, look.t, look.sounding) for look in self.looks
+            measure_felt(array, medium, tick.scene, tick.t, tick.sounding)
+            for tick in self.evaluated
         ]
         found = [felt for felt in every if felt is not None]
         if not found:

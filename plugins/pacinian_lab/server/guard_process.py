@@ -108,7 +108,7 @@ class GuardProcess(Closeable):
         """Return when the output fell silent, by the guard's clock [s], or None if the reason was another one."""
         after = self.wait(lambda device: device.silences > before.silences)
         counted = after.reasons.get(reason, 0) > before.reasons.get(reason, 0)
-        return after.beat if counted else None
+        return after.heartbeat if counted else None
 
 
 def levels(array: Array) -> bytes:

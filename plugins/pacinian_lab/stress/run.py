@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 GRAM = 1e-6  # relative to the mean of the diagonal: one rounding of a sum in single precision
 HURRY = 0.03  # [s] deadline for solvers that promise nothing about the optimum
 MOVED = 8  # number of points that `drift` moves
-LOOKS = 20  # number of comparisons with a new propagator
+COMPARISONS = 20  # number of comparisons with a new propagator
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def drift(updates: int) -> Evidence:
         q[rng.integers(MOVED)] = rng.uniform((-0.05, -0.05, 0.05), (0.05, 0.05, 0.15))
         kept.set_points(q)
         G = kept.gram
-        if n % max(1, updates // LOOKS) == 0:
+        if n % max(1, updates // COMPARISONS) == 0:
             new = Propagator(array, air)
             new.set_points(q)
             worst = max(worst, float(np.abs(G - new.gram).max()) / new.power)

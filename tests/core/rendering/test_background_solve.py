@@ -18,8 +18,8 @@ from pacinian.gallery import SCENES
 from pacinian.rendering.background_schedule import REST_INTERVAL, BackgroundSchedule
 from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.emitted_measurement import Probe
-from pacinian.rendering.measurement_schedule import TICKS_PER_LOOK
-from pacinian.rendering.pipeline import MAX_AGE, Pipeline
+from pacinian.rendering.measurement_schedule import TICKS_PER_MEASUREMENT
+from pacinian.rendering.pipeline import WAIT_FOR_SOLVE_AFTER, Pipeline
 from pacinian.rendering.rerender import rerender
 from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.modulation.technique import AM
@@ -295,7 +295,8 @@ def test_the_loop_waits_for_a_solve_that_is_too_old() -> None:
             clock.wait_until(k * TICK)
             renderer.tick(k * TICK)
             x = renderer.rendered_scene.objects[0].pose.position[0]
-            assert k * TICK - x <= 3.0 * MAX_AGE + 3 * TICK  # a measurement may run in between
+            # a measurement may run in between
+            assert k * TICK - x <= 3.0 * WAIT_FOR_SOLVE_AFTER + 3 * TICK
         assert renderer.report.solves >= 3
 
 
@@ -314,15 +315,15 @@ def test_no_solution_waits_for_a_measurement() -> None:
     """A measurement runs instead of the solve that would follow."""
     renderer, _ = make(at)
     with renderer:
-        for k in range(TICKS_PER_LOOK):
+        for k in range(TICKS_PER_MEASUREMENT):
             renderer.tick(k * TICK)
-        assert (renderer.report.solves, len(renderer.report.errors)) == (TICKS_PER_LOOK, 1)
+        assert (renderer.report.solves, len(renderer.report.errors)) == (TICKS_PER_MEASUREMENT, 1)
         background = solve_beside(renderer)
         while len(renderer.report.errors) < 2:
             k += 1
             renderer.tick(k * TICK)
         report = renderer.report
-        assert report.solves - TICKS_PER_LOOK == background.started - 2  # one is under way
+        assert report.solves - TICKS_PER_MEASUREMENT == background.started - 2  # one is under way
         assert background.started > 2
 
 
@@ -348,7 +349,7 @@ def test_only_one_measurement_is_under_way(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(Probe, "compute_pressures", hear)
     renderer, _ = make(lambda t: at(0.02 * t))
     with renderer:
-        for k in range(4 * TICKS_PER_LOOK):
+        for k in range(4 * TICKS_PER_MEASUREMENT):
             renderer.tick(k * TICK)
         assert threading.main_thread() not in threads
         assert len(threads) <= 1

@@ -9,7 +9,7 @@ import pytest
 
 import pacinian as pc
 from pacinian.rendering.emitted_measurement import SAMPLES, Probe
-from pacinian.rendering.measurement_schedule import MAX_LOOKS_AT_REST
+from pacinian.rendering.measurement_schedule import MAX_MEASUREMENTS_AT_REST
 from pacinian.solving.felt_regions import FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
@@ -35,10 +35,10 @@ def disc(x: float, pressure: float, name: str = "") -> pc.Surface:
     return pc.Surface(shape=pc.Disc(0.012), pose=pose, radiation_pressure=pressure, name=name)
 
 
-def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, looks: int) -> Any:
+def measured(session: pc.Session, samples: pc.Samples, solution: pc.Solution, times: int) -> Any:
     probe, sums = Probe(session), dict[str, FeltSums]()
-    for _ in range(looks):
-        for name, found in probe.look_between(
+    for _ in range(times):
+        for name, found in probe.measure_between(
             samples, solution.targets, session.propagator.facing, solution.gains[None]
         ).items():
             sums[name] = sums.get(name, FeltSums()).plus(found)
@@ -46,11 +46,11 @@ def looked(session: pc.Session, samples: pc.Samples, solution: pc.Solution, look
 
 
 @pytest.mark.parametrize("strength", [1.0, 0.3])
-def test_many_looks_find_what_all_places_say(strength: float) -> None:
+def test_many_measurements_find_what_all_places_say(strength: float) -> None:
     session, samples, solution = solved(disc(-0.02, 1.0, "one"), disc(0.02, 2.0, "two"))
     solution.gains[:] *= np.float32(strength)  # as if the device had weakened them
     every = session.measure_felt(solution).felt
-    found = looked(session, samples, solution, 100)
+    found = measured(session, samples, solution, 100)
     assert found.keys() == {"one", "two"}
     for name, some in found.items():
         first = samples.items[samples.objects[0]].name
@@ -76,7 +76,7 @@ def test_unevenness_between_good_samples_is_found() -> None:
     solution = session.solve(few.positions, amplitudes)
     asked = session.solve(few.positions, amplitudes, regions=few.regions)
     of = {"targets": asked.targets}
-    found = looked(session, few, pc.Solution(**{**vars(solution), **of}), 50)["disc"]
+    found = measured(session, few, pc.Solution(**{**vars(solution), **of}), 50)["disc"]
     assert solution.error < 1e-2
     assert found.rms > 0.2
     assert not found.even
@@ -130,14 +130,16 @@ def test_regions_of_one_and_two_samples_are_looked_at(count: int) -> None:
     sampler.prepare(ARRAY, AIR)
     samples = sampler.sample(pc.Scene((disc(0.0, 1.0),))).only(np.arange(count))
     samples.positions[:] = q
-    found = looked(session, samples, solution, 10)["surface 0"]
+    found = measured(session, samples, solution, 10)["surface 0"]
     assert found.force == pytest.approx(1.0, abs=0.05)
 
 
 def test_points_have_none_and_the_report_has_each_object() -> None:
     point = pc.Point(position=(MIDDLE[0] + 0.03, MIDDLE[1], MIDDLE[2]), radiation_pressure=3.0)
     session, samples, solution = solved(point)
-    assert Probe(session).look_between(samples, solution.targets, None, solution.gains[None]) == {}
+    assert (
+        Probe(session).measure_between(samples, solution.targets, None, solution.gains[None]) == {}
+    )
     scene = pc.Scene((point, disc(-0.01, 1.0, "disc")))
     with pc.Renderer(ARRAY, scene, clock=ManualClock()) as renderer:
         summary = renderer.run(2.0).summary()
@@ -194,7 +196,7 @@ def test_a_measurement_that_fails_silences_nothing(monkeypatch: pytest.MonkeyPat
     def fail(*_: Any) -> Any:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(Probe, "look_between", fail)
+    monkeypatch.setattr(Probe, "measure_between", fail)
     for adaptive in (False, True):
         how = {"clock": ManualClock(), "adaptive": adaptive}
         with pc.Renderer(ARRAY, pc.Scene((disc(0.0, 1.0, "disc"),)), **how) as renderer:
@@ -254,7 +256,8 @@ def test_frames_in_turn_that_rest_are_measured_some_times_only() -> None:
         for k in range(1500):
             renderer.tick(k * 1e-3)
         assert len(renderer.cycle_gains) > 1
-        assert MAX_LOOKS_AT_REST <= len(renderer.report.errors) < 2 * MAX_LOOKS_AT_REST
+        count = len(renderer.report.errors)
+        assert MAX_MEASUREMENTS_AT_REST <= count < 2 * MAX_MEASUREMENTS_AT_REST
 
 
 def test_a_vibration_too_fast_for_each_of_two_frames_is_told() -> None:

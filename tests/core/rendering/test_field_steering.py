@@ -25,7 +25,7 @@ from pacinian.rendering.steered_solver import (
     MAX_LATE_SHIFT,
     MAX_LIMITED_SHIFT,
     MAX_SHIFT,
-    PATIENCE,
+    STEERED_TIME_FACTOR,
     SteeredSolver,
 )
 from pacinian.testing import ManualClock
@@ -275,7 +275,7 @@ def test_a_solution_is_steered_until_the_next_one_is_as_near_to_its_targets(
         assert played.rows == first.rows
         assert played.motion.shift == pytest.approx([0.004 * n, 0.0, 0.0])
     assert len({id(one.samples) for one in solving.solved}) == 2  # it goes on where it began
-    assert solving.factors[1:] == 4 * [PATIENCE]
+    assert solving.factors[1:] == 4 * [STEERED_TIME_FACTOR]
     solving.error = 0.005
     played = solving.at((0.02, 0.0, 0.0), 0.05)
     assert played.rows != first.rows

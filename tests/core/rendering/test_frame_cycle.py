@@ -350,7 +350,7 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
 
     def find(made: float, solved: Any) -> Any:
         other.solved = solved
-        return cycle.find_rest(part, own, P, made * P)
+        return cycle.find_remaining_target(part, own, P, made * P)
 
     assert find(0.2, late) == pytest.approx(P), "half of twice the pressure"
     assert find(0.8, held) == pytest.approx(1.2 * P)

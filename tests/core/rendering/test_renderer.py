@@ -628,7 +628,8 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
             pc.Scene((runs,)), backend=Simulated(rate=1000.0 * rows), adaptive=False
         )
         report = renderer.run(0.1)
-        assert len(report.errors) == 2  # in tick FIRST_LOOK, and TICKS_PER_LOOK later
+        # in tick TICKS_TO_FIRST_MEASUREMENT, and TICKS_PER_MEASUREMENT later
+        assert len(report.errors) == 2
         assert 0.0 < report.error < 0.02
 
 

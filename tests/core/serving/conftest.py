@@ -71,7 +71,7 @@ class Pretender:
             loud = permit.armed != 0 and now < permit.until
             given = {"name": "pretended", "backends": (Plugin(name="pretended"),), **self.extra}
             value = DeviceStatus(
-                generation=1, next=0, phases=16, amplitudes=16, rate=1000.0, watchdog=None, beat=now,
+                generation=1, next_generation=0, phases=16, amplitudes=16, rate=1000.0, watchdog=None, heartbeat=now,
                 sounding=loud, **given,
             )  # fmt: skip
         elif self.name == "bus":

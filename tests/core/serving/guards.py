@@ -147,7 +147,7 @@ class Server:
         device = self.device
         assert device is not None
         self.sequence += 1
-        made_for = device.next or device.generation
+        made_for = device.next_generation or device.generation
         head = FrameHead(self.sequence, 0.0, self.epoch, made_for, 2, N)
         levels = np.full((2, 2, N), 5, np.uint16)
         self.memory["frame"].write(head.pack(), levels.data)

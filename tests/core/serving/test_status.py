@@ -126,7 +126,7 @@ class Status(RuleBasedStateMachine):
         self.run_threads()
         self.guard_turns()
         self.renderer_tells()
-        self.control_looks()
+        self.control_checks()
         hello = Hello(id=1, protocol=(MAJOR, MINOR), client="game")
         self.control.sessions.handle(b"game", "", hello, self.clock.now())
         for _, reply in self.control.sessions.take_replies():
@@ -242,7 +242,7 @@ class Status(RuleBasedStateMachine):
 
     def ask(self, message: Struct) -> None:
         self.control._do(b"game", "", message, self.clock.now())  # type: ignore[arg-type]
-        self.control._settle()
+        self.control._write_changes_and_reply()
 
     @rule()
     def arm(self) -> None:
@@ -269,18 +269,18 @@ class Status(RuleBasedStateMachine):
     def pass_time(self, seconds: float) -> None:
         self.clock.advance(seconds)
         self.control.sessions.pass_time(self.clock.now())
-        self.control._settle()
+        self.control._write_changes_and_reply()
 
     @rule()
-    def control_looks(self) -> None:
-        self.control._look(self.clock.now())
+    def control_checks(self) -> None:
+        self.control._check_processes(self.clock.now())
         self.seen = self.told if self.guarded and self.has_told else "faulted"
         self.seen_halted = self.told_halted
 
     @property
     def has_told(self) -> bool:
         """Return whether the present guard has reported."""
-        return self.control.view.device.beat >= self.started
+        return self.control.view.device.heartbeat >= self.started
 
     @rule()
     def all_goes_on(self) -> None:
@@ -288,7 +288,7 @@ class Status(RuleBasedStateMachine):
         self.run_threads()
         self.guard_turns()
         self.renderer_tells()
-        self.control_looks()
+        self.control_checks()
 
     @invariant()
     def no_better_is_said_than_what_is(self) -> None:

@@ -190,7 +190,7 @@ def test_what_is_felt_is_looked_at_between_the_samples_and_beside():
         patch(),
         Targets.make_checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int)),
     )
-    places = FeltPlaces.of(q, targets, None)
+    places = FeltPlaces.between_samples(q, targets, None)
     away = np.sqrt(((places.points[:, None] - q) ** 2).sum(axis=2)).min(axis=1)
     inside, beside = ~places.beside, places.beside
     assert (np.abs(places.points[inside, :2]) <= 1.5 * 0.0034 + 1e-12).all()
@@ -208,7 +208,7 @@ def test_the_figures_of_what_is_felt():
     targets = Targets.make_checked(
         32, np.repeat([3.0, 0.0], 16), None, "exact", np.repeat([0, 1], 16)
     )
-    places = FeltPlaces.of(q, targets, None)
+    places = FeltPlaces.between_samples(q, targets, None)
     own = places.region == 0
     p = np.where(places.beside, 1.5, 3.0) + 0j
     assert places.measure_felt(p) == (pc.FeltRegion(1.0, 0.0, 0.0, 0.25), pc.FeltRegion())

@@ -232,7 +232,9 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def check(make: Any) -> None:
-    check_backend(make, ARRAY, heard=lambda d: d.now, lose=lambda d: setattr(d, "gone", True))
+    check_backend(
+        make, ARRAY, measure_gains=lambda d: d.now, lose=lambda d: setattr(d, "gone", True)
+    )
 
 
 def test_a_right_one_passes() -> None:
@@ -296,5 +298,5 @@ def test_without_ears_nothing_is_said_of_what_sounds() -> None:
 @pytest.mark.parametrize("array", [None, ARRAY])
 def test_the_simulated_array_conforms(array: pc.Array | None) -> None:
     simulated: Any = discover_plugins().find("backend", "simulated").cls
-    check_backend(simulated, array, heard=lambda d: d.gains, lose=lambda d: d.disconnect())
+    check_backend(simulated, array, measure_gains=lambda d: d.gains, lose=lambda d: d.disconnect())
     check_backend(lambda: pc.backend("simulated", phases=32, amplitudes=2, rate=100.0), array)

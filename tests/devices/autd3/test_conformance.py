@@ -17,7 +17,9 @@ SHORT = 0.1  # [s]
 
 def test_on_the_emulator() -> None:
     check_backend(
-        lambda: Autd3(link="emulator"), heard=lambda backend: backend.line.gains(), limit=PATIENCE
+        lambda: Autd3(link="emulator"),
+        measure_gains=lambda backend: backend.line.gains(),
+        limit=PATIENCE,
     )
 
 

@@ -19,9 +19,15 @@ def test_on_usb_in_memory() -> None:
             library=it.bus, wait=it.clock.advance, clock=it.clock.now, serials=["FT1"], rate=2000.0
         )
 
-    def heard(backend: Any) -> Any:
+    def measure_gains(backend: Any) -> Any:
         it.clock.advance(1e-3)
         return it.fpga.gains()
 
-    check_backend(make, ARRAY, heard=heard, lose=lambda backend: it.chip.unplug(), limit=PATIENCE)
+    check_backend(
+        make,
+        ARRAY,
+        measure_gains=measure_gains,
+        lose=lambda backend: it.chip.unplug(),
+        limit=PATIENCE,
+    )
     assert it.bus.open == 0

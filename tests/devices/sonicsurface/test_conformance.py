@@ -29,14 +29,14 @@ def terminal() -> Iterator[Terminal]:
 
 
 def test_on_a_terminal(terminal: Terminal) -> None:
-    def heard(backend: SonicSurface) -> object:
+    def measure_gains(backend: SonicSurface) -> object:
         terminal.pump()
         return terminal.board.gains()
 
     check_backend(
         lambda: SonicSurface(port=terminal.name, timeout=1.0),
         ARRAY,
-        heard=heard,
+        measure_gains=measure_gains,
         lose=lambda backend: terminal.unplug(),
         limit=PATIENCE,
     )

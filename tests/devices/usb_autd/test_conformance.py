@@ -17,14 +17,14 @@ def test_on_usb_in_memory() -> None:
     device = Units("PUA-1", now=clock.now)
     bus = UsbBus(device)
 
-    def heard(backend: Any) -> pc.Gains:
+    def measure_gains(backend: Any) -> pc.Gains:
         clock.advance(1e-3)
         phase, amplitude = (levels[None] for levels in device.model.levels())
         return pc.Frame(0, 0.0, phase, amplitude).gains(backend.capability)[0]
 
     check_backend(
         lambda: UsbAutd(library=bus),
-        heard=heard,
+        measure_gains=measure_gains,
         lose=lambda backend: device.unplug(),
         limit=PATIENCE,
     )

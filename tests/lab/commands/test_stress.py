@@ -17,7 +17,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two families and few moves."""
     families = {"limits": extreme_problems.limits, "media": ill_conditioned_problems.media}
     monkeypatch.setattr(cases, "FAMILIES", families)
-    monkeypatch.setattr(run, "LOOKS", 2)
+    monkeypatch.setattr(run, "COMPARISONS", 2)
     monkeypatch.setattr("pacinian_lab.commands.stress.MOVES", (100, 200))
     monkeypatch.setenv("COLUMNS", "80")
 

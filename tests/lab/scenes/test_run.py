@@ -70,7 +70,7 @@ def test_a_row_has_the_keys_that_are_promised() -> None:
 def test_the_dummy_loop_has_as_many_ticks() -> None:
     found = run(pc.Scene((POINT,)))
     assert found.report.ticks == found.dummy.ticks == 60
-    assert 1 <= len(found.looks) <= scenes.LOOKS
+    assert 1 <= len(found.evaluated) <= scenes.EVALUATED_TICKS
     row = found.row("point")
     assert row.samples == 1
     assert row.late == found.report.late_share
@@ -92,17 +92,17 @@ def test_the_dummy_loop_burns_as_much_time_as_the_median_tick() -> None:
 def test_the_error_is_that_of_the_session_for_what_the_device_makes() -> None:
     for scene in (pc.Scene((POINT,)), gallery.palm):
         found = run(scene, seconds=0.02)
-        look = found.looks[-1]
-        session, samples = found.renderer.session, look.samples
+        tick = found.evaluated[-1]
+        session, samples = found.renderer.session, tick.samples
         facing = None
         if samples.capsules is not None:
             facing = pc.SkinFacing(samples.normals, samples.capsules)
-        amplitudes, regions = look.targets.amplitudes, samples.regions
+        amplitudes, regions = tick.targets.amplitudes, samples.regions
         session.solve(samples.positions, amplitudes, facing=facing, regions=regions)
-        every = [session.certify(g).sound_pressure for g in look.sounding]
+        every = [session.certify(g).sound_pressure for g in tick.sounding]
         mean = np.sqrt(np.mean([np.abs(p) ** 2 for p in every], axis=0))
-        error = look.targets.relative_error(mean)
-        assert look.error(session.array, session.medium) == pytest.approx(error, rel=1e-6)
+        error = tick.targets.relative_error(mean)
+        assert tick.error(session.array, session.medium) == pytest.approx(error, rel=1e-6)
         assert error > 0.0
 
 
@@ -122,8 +122,8 @@ def test_nothing_is_left_out_where_all_can_be_given() -> None:
 
 def test_what_the_array_cannot_reach_is_left_out() -> None:
     away = pc.Point(position=(0.0, 0.0, 30.0), radiation_pressure=5.0)
-    look = run(pc.Scene((POINT, away))).looks[-1]
-    assert look.compute_sounded(pc.Air()) == pytest.approx(look.asked / 2.0, rel=1e-6)
+    tick = run(pc.Scene((POINT, away))).evaluated[-1]
+    assert tick.compute_sounded(pc.Air()) == pytest.approx(tick.asked / 2.0, rel=1e-6)
 
 
 def test_what_is_over_the_budget_or_too_faint_to_feel_is_left_out() -> None:
@@ -131,9 +131,9 @@ def test_what_is_over_the_budget_or_too_faint_to_feel_is_left_out() -> None:
         shape=pc.Rectangle(0.3, 0.3), pose=pc.Pose((0.0, 0.0, gallery.HEIGHT + 0.004)),
         radiation_pressure=0.1,
     )  # fmt: skip
-    look = run(pc.Scene((faint,), hands=(gallery.HAND,)), array=ARRAY).looks[-1]
-    assert look.asked > 0.0
-    assert look.compute_sounded(pc.Air()) == 0.0
+    tick = run(pc.Scene((faint,), hands=(gallery.HAND,)), array=ARRAY).evaluated[-1]
+    assert tick.asked > 0.0
+    assert tick.compute_sounded(pc.Air()) == 0.0
 
 
 def test_a_rate_is_held_if_p99_is_within_a_tick_and_few_are_late() -> None:

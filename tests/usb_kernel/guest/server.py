@@ -65,8 +65,8 @@ class Server:
         self.told = child_process.LaunchConfig(str(self.folder), settings)
         # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels
         before = DeviceStatus(
-            generation=0, next=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, beat=0.0, sounding=False,
-            backends=(Plugin(name="usb-autd"),),
+            generation=0, next_generation=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, heartbeat=0.0,
+            sounding=False, backends=(Plugin(name="usb-autd"),),
         )  # fmt: skip
         self.files["device"].write(pack(before))
         self._process: child_process.Process | subprocess.Popen[bytes] | None = None

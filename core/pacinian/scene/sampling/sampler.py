@@ -118,9 +118,9 @@ class Sampler:
     twice as many, if `steers` is set. If a scene has more, the sampler samples the objects of lowest priority more
     coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of the
     array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or
-    less if they are small. Where a hand touches them, they use 0.08 to 0.3 times the default, less for smaller
-    contacts. ramp: time in which a pressure rises or falls [s]; 0 disables ramps. perception: whether to leave out
-    samples that are too faint to feel on a hand.
+    less if they are small. Where a hand touches them, they use 0.06 to 0.3 times the default, less for smaller
+    contacts; without the attribute `fine`, at least 0.08 times. ramp: time in which a pressure rises or falls [s]; 0
+    disables ramps. perception: whether to leave out samples that are too faint to feel on a hand.
 
     Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
     would get holes.

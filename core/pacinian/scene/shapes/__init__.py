@@ -12,10 +12,10 @@ csg_shell.py           samples and area of the shell of such a combination
 mesh.py                `Mesh`: triangle mesh, open or closed; its samples
 triangles.py           vertices and faces from a file (OBJ, STL, PLY, ...), limits, normals, areas, whether they close
 mesh_repair.py         merges equal vertices, drops unused ones and faces of two vertices, turns faces outward
-mesh_distance.py       signed distance to a mesh, sign by pseudo-normals
+mesh_distance.py       signed distance to a mesh, sign by pseudo-normals: is a point inside?
 mesh_bounds.py         rough distances to a mesh from a grid of cells, for points far away
 triangle_tree.py       tree of boxes: nearest triangle
-winding.py             winding number: is a point inside?
+winding.py             winding numbers, for mesh_bounds.py and mesh_repair.py
 triangle_points.py     random points on triangles, barycentric coordinates
 closest.hpp            nearest triangle, bodies: called by triangle_tree.py and mesh_repair.py
 cells.hpp              distances between cells: called by mesh_bounds.py

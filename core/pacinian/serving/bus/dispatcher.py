@@ -160,7 +160,7 @@ class CommandDispatcher:
     def bus_status(self, now: float, port: int) -> BusStatus:
         """Return the status of the bus."""
         return BusStatus(
-            beat=now,
+            heartbeat=now,
             clients={
                 key.hex(): (c.objects, c.commands, c.errors, c.dropped, c.age)
                 for key, c in self.clients.items()

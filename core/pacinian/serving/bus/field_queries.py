@@ -39,7 +39,7 @@ class EmittedGains:
 
     def device(self, device: DeviceStatus) -> None:
         """Note the status of the device. Its levels are those of the next device, if there is one."""
-        known, generation = self._devices, device.next or device.generation
+        known, generation = self._devices, device.next_generation or device.generation
         levels = known.get(generation) or device.capability
         self._devices = {
             device.generation: known.get(device.generation, levels),

@@ -49,14 +49,15 @@ REST_PUBLISH_INTERVAL = 0.25  # shortest interval between two states that nobody
 OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = 0.025, 0.5
 # Shortest wait for requests, even if timed work is due sooner [s].
 MIN_WAIT = 0.001
-# Step of the times at which frames are published, in periods.
-GOLDEN = (5.0**0.5 - 1.0) / 2.0
+# Each frame is published later in its period than the frame before, by this share of the period. The golden ratio
+# spreads these moments evenly, so that a viewer sees the whole of a cycle of frames, and of a modulation.
+PUBLISH_PHASE_STEP = (5.0**0.5 - 1.0) / 2.0
 CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]
 # Time after a reset during which a process may still report the fault that was reset, unless it has
 # answered the reset [s].
 FAULT_CLEAR_TIMEOUT = 10.0
 # Maps a process to the component whose faults it reports.
-TELLS_OF = {"guard": "device", "render": "renderer"}
+FAULT_COMPONENTS = {"guard": "device", "render": "renderer"}
 # Longest request that is still decoded from a client over its rate limit, because it may be a stop
 # [bytes].
 MAX_STOP_BYTES = 64
@@ -92,26 +93,26 @@ class ControlLoop:
         self._written: dict[str, object] = {}
         self._stops = PendingStops()
         self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
-        self._due = {"owner": 0.0, "others": 0.0, "look": 0.0, "publish": 0.0, "frame": 0.0}
+        self._due = {"owner": 0.0, "others": 0.0, "check": 0.0, "publish": 0.0, "frame": 0.0}
         self._offset = 0.0  # of the newest published frame in its period
         # Faults that were reset, and until when they are ignored [s].
         self._reset: dict[str, tuple[str, float]] = {}
-        self._settle()
+        self._write_changes_and_reply()
 
     @property
     def ready(self) -> bool:
         """Whether all processes have sent a heartbeat and the renderer has reported."""
         known = self.publisher.known()["solver"]  # the first client must be able to select a solver
-        alive = (self._supervisor.alive(name, beat) for name, beat in self._beats.items())
+        alive = (self._supervisor.alive(name, time) for name, time in self._heartbeats.items())
         return bool(known) and all(alive)
 
     @property
-    def _beats(self) -> dict[str, float]:
+    def _heartbeats(self) -> dict[str, float]:
         view = self.view
         return {
-            "guard": view.device.beat,
-            "bus": view.bus_status.beat,
-            "render": view.report.beat,
+            "guard": view.device.heartbeat,
+            "bus": view.bus_status.heartbeat,
+            "render": view.report.heartbeat,
         }
 
     def round(self) -> None:
@@ -131,11 +132,11 @@ class ControlLoop:
             self._log.warning("connection refused", why=why, more=more)
         now = self._clock()
         self.sessions.pass_time(now)
-        self._settle()
+        self._write_changes_and_reply()
         if self._stops:
             self._confirm_stops(now)
-        if self._is_due("look", CHECK_INTERVAL, now) or self._supervisor.ended:
-            self._look(now)
+        if self._is_due("check", CHECK_INTERVAL, now) or self._supervisor.ended:
+            self._check_processes(now)
         if self._is_due("owner", OWNER_PROBE_INTERVAL, now):
             self._probe(now, owner=True)
         if self._is_due("others", OTHER_PROBE_INTERVAL, now):
@@ -147,12 +148,12 @@ class ControlLoop:
             every = max(every, REST_PUBLISH_INTERVAL)
         if self._is_due("publish", every, now):
             self._publish(now)
-        after = (self._offset + GOLDEN) % 1.0
+        after = (self._offset + PUBLISH_PHASE_STEP) % 1.0
         if self._is_due("frame", every * (1.0 + after - self._offset), now):
             self._offset = after
             self._publish_frame(now)
 
-    def let_go(self) -> None:
+    def silence_all(self) -> None:
         """End all sound: softly where it is permitted, then for good."""
         ownership = self.sessions.lease
         if ownership.owner is not None:
@@ -162,10 +163,10 @@ class ControlLoop:
         while ownership.permit.armed:
             self._doors.wait(MAX_WAIT)
             self.sessions.pass_time(self._clock())
-            self._settle()
+            self._write_changes_and_reply()
         self.sessions.end_all("the server ends", self._clock())
         ownership.stop()
-        self._settle()
+        self._write_changes_and_reply()
         due = self._clock() + REST_WAIT
         while self._stops and self._clock() < due:
             self._doors.wait(MIN_WAIT)
@@ -186,7 +187,7 @@ class ControlLoop:
         if not all(map(self._stops.waits, requests)):
             stopped = self.sessions.lease.permit.stopped
             self.sessions.lease.stop()
-            self._settle()
+            self._write_changes_and_reply()
             self._note_stop("without a connection", before=bool(stopped))
         self._stops.add_datagrams(requests, self._clock())
 
@@ -200,8 +201,8 @@ class ControlLoop:
         """Confirm stops once a guard that lives has reported silence since."""
         self.view.look()
         device = self.view.device
-        guarded = self._supervisor.alive("guard", device.beat)
-        silent = guarded and not device.sounding and device.beat > self._stops.sounding_until
+        guarded = self._supervisor.alive("guard", device.heartbeat)
+        silent = guarded and not device.sounding and device.heartbeat > self._stops.sounding_until
         for peer, reply in self._stops.answer(silent, now, self._doors.stop.confirm):
             try:
                 self._send(peer, reply)
@@ -242,7 +243,7 @@ class ControlLoop:
             return
         try:
             self._do(peer, user, message, now)
-            self._settle()
+            self._write_changes_and_reply()
         except Exception:  # a bug here must not end the server
             self._tell_failure(peer, message.id, user)
 
@@ -258,7 +259,7 @@ class ControlLoop:
             case Stop():
                 stopped = sessions.lease.permit.stopped
                 sessions.handle(peer, user, message, now)
-                self._settle()
+                self._write_changes_and_reply()
                 self._note_stop(user, before=bool(stopped))
                 self._stops.add_message(peer, message.id, now)
             case Capabilities() | Status() | Select():
@@ -276,7 +277,7 @@ class ControlLoop:
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
                 elif reply := self.selection.ask(session, message, self.publisher.known(), now):
                     self._send(peer, reply)
-            case Arm() if not self._supervisor.alive("bus", self.view.bus_status.beat):
+            case Arm() if not self._supervisor.alive("bus", self.view.bus_status.heartbeat):
                 sessions.pass_time(now)
                 if sessions.of(peer, message.session, message.id):
                     problem = "the bus process is restarting"
@@ -297,7 +298,7 @@ class ControlLoop:
         self.selection.reset(self.sessions.resets)
         self._log.info("reset")
 
-    def _settle(self) -> None:
+    def _write_changes_and_reply(self) -> None:
         """Write what has changed for the other processes, then send the replies to the clients."""
         while True:
             ownership = self.sessions.lease
@@ -335,9 +336,9 @@ class ControlLoop:
         for session in self.sessions.all:
             if (session is self.sessions.lease.owner) is owner:
                 self._send(session.peer, self.sessions.probe(session, now))
-        self._settle()
+        self._write_changes_and_reply()
 
-    def _look(self, now: float) -> None:
+    def _check_processes(self, now: float) -> None:
         """Read the statuses of the other processes, and check that they live."""
         self.view.look()
         ownership = self.sessions.lease
@@ -354,12 +355,12 @@ class ControlLoop:
                     self._fault(f"{name}: {fault}")
                     ownership.fail(f"{name}: {fault}")
         sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
-        for name, why in self._supervisor.check(self._beats, sound):
+        for name, why in self._supervisor.check(self._heartbeats, sound):
             self._handle_exit(name, why, now)
-        self.view.guarded = self._supervisor.alive("guard", self.view.device.beat)
+        self.view.guarded = self._supervisor.alive("guard", self.view.device.heartbeat)
         for peer, reply in self.selection.answers(self.view.results, now):
             self._send(peer, reply)
-        self._settle()
+        self._write_changes_and_reply()
 
     def _fault(self, fault: str) -> None:
         self.publisher.fault(fault)
@@ -371,7 +372,8 @@ class ControlLoop:
             return
         problem = f"the process {name!r} {why}, and is restarted"
         self._fault(problem)
-        self._reset.pop(TELLS_OF.get(name, ""), None)  # the new process does not know of the reset
+        # the new process does not know of the reset
+        self._reset.pop(FAULT_COMPONENTS.get(name, ""), None)
         self.sessions.lease.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
@@ -379,8 +381,8 @@ class ControlLoop:
             self._fault("the configured solver replaces the selected one")
 
     def _publish(self, now: float) -> None:
-        self._look(now)  # what is published must have been acted on
-        self._due["look"] = now + CHECK_INTERVAL
+        self._check_processes(now)  # what is published must have been acted on
+        self._due["check"] = now + CHECK_INTERVAL
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
             self.newest = self.publisher.make_next_state(now, self._supervisor.restarts)

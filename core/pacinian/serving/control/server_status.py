@@ -95,7 +95,7 @@ class StatusPublisher:
         self.faults: list[str] = []
         self.fault_count = 0
         self._sequence = 0
-        self._inputs = 0
+        self._input_count = 0
         self._row = -1  # of a frame; the one published last
         array, medium = settings.array.make(), settings.medium.make()
         self._positions, self._normals = pack(array.positions), pack(array.normals)
@@ -172,10 +172,10 @@ class StatusPublisher:
 
     def _new_inputs(self) -> bytes:
         device = self._view.device
-        if device.inputs_until < self._inputs:  # a new guard counts from 0
-            self._inputs = 0
-        new = min(device.inputs_until - self._inputs, len(device.inputs) // INPUT)
-        self._inputs = device.inputs_until
+        if device.input_count < self._input_count:  # a new guard counts from 0
+            self._input_count = 0
+        new = min(device.input_count - self._input_count, len(device.inputs) // INPUT)
+        self._input_count = device.input_count
         return device.inputs[len(device.inputs) - INPUT * new :]
 
     def _clients(self, now: float) -> tuple[ClientState, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP, compute_hang_limit
 from pacinian.serving.ipc.logs import log
 from pacinian.serving.ipc.spawned_process import SystemProcess
 
@@ -56,10 +56,10 @@ class Child:
     """One process.
 
     started: when it was started, or called if it was a spare [s]. patience: time limit to its first heartbeat [s]. due:
-    when to restart it [s]. wait: delay of the restart [s]. beat: its last heartbeat [s]. heard: time watched up to then
-    [s]. named: whether the log has named it because it starts slowly. sounded: whether there may have been sound since
-    it started. If so, its end delays nothing for longer: a device without a watchdog sounds until the next guard has
-    opened it.
+    when to restart it [s]. wait: delay of the restart [s]. heartbeat: time of its last heartbeat [s]. heard: time
+    watched up to then [s]. named: whether the log has named it because it starts slowly. sounded: whether there may
+    have been sound since it started. If so, its end delays nothing for longer: a device without a watchdog sounds until
+    the next guard has opened it.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Child:
     due: float | None = None
     wait: float = MIN_RESTART_DELAY
     restarts: int = 0
-    beat: float = 0.0
+    heartbeat: float = 0.0
     heard: float = 0.0
     named: bool = False
     sounded: bool = False
@@ -126,19 +126,19 @@ class Supervisor:
             for child in self.children.values()
         )
 
-    def alive(self, name: str, beat: float) -> bool:
-        """Return whether the heartbeat `beat` [s] comes from the current process of that name."""
+    def alive(self, name: str, heartbeat: float) -> bool:
+        """Return whether the `heartbeat` [s] comes from the current process of that name."""
         child = self.children[name]
-        return child.due is None and beat >= child.started
+        return child.due is None and heartbeat >= child.started
 
-    def check(self, beats: dict[str, float], sound: bool = False) -> list[tuple[str, str]]:
+    def check(self, heartbeats: dict[str, float], sound: bool = False) -> list[tuple[str, str]]:
         """Check all processes, given their last heartbeats [s]; return the names of those that ended, with reasons.
 
         sound: whether there may be sound. Raises ServerError if a process ends before all were ready.
         """
         ended: list[tuple[str, str]] = []
         now = self._clock()
-        self._watched += min(now - self._last, MAX_LOOK_GAP)
+        self._watched += min(now - self._last, MAX_CHECK_GAP)
         self._last = now
         for name, child in self.children.items():
             now = self._clock()
@@ -146,7 +146,7 @@ class Supervisor:
             child.sounded = child.sounded or (sound and name == GUARD)
             if child.due is not None:
                 why = self._restart_or_promote_spare(child, now)
-            elif why := self._check_child(child, beats.get(name, 0.0), limit):
+            elif why := self._check_child(child, heartbeats.get(name, 0.0), limit):
                 if not self.trusted:
                     plugin = self._plugins.get(name)
                     starts = f", which starts {plugin}," if plugin else ""
@@ -163,15 +163,15 @@ class Supervisor:
                     child.wait = min(MAX_RESTART_DELAY, 2.0 * child.wait)
                 ended.append((name, why))
                 self._restart_or_promote_spare(child, now)  # the spare takes over at once
-        if self.trusted and (why := self._look_after_spare(beats)):
+        if self.trusted and (why := self._look_after_spare(heartbeats)):
             ended.append((SPARE, why))
         return ended
 
-    def _look_after_spare(self, beats: dict[str, float]) -> str:
+    def _look_after_spare(self, heartbeats: dict[str, float]) -> str:
         """Start the spare if it is due; return why there is none."""
         guard, now = self.children[GUARD], self._clock()
         if self._spare is None:
-            if now < self._spare_due or not self.alive(GUARD, beats.get(GUARD, 0.0)):
+            if now < self._spare_due or not self.alive(GUARD, heartbeats.get(GUARD, 0.0)):
                 return ""
             try:
                 self._spare = Child(SPARE, self._start(SPARE, guard.process.pid), now)
@@ -213,12 +213,12 @@ class Supervisor:
         child.restarts += 1
         return ""
 
-    def _check_child(self, child: Child, beat: float, limit: float) -> str:
+    def _check_child(self, child: Child, heartbeat: float, limit: float) -> str:
         if (code := child.process.poll()) is not None:
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        seen = beat >= child.started
-        if beat != child.beat:
-            child.beat, child.heard = beat, self._watched
+        seen = heartbeat >= child.started
+        if heartbeat != child.heartbeat:
+            child.heartbeat, child.heard = heartbeat, self._watched
         waited = self._watched - child.heard
         if waited > SLOW_START and not (seen or child.named):
             child.named = True

@@ -77,7 +77,7 @@ class OutputGate:
         # When the last frame of this epoch was let through [s].
         self._passed = math.nan
         self._gap = 0.0  # longest gap between frames in this epoch [s]
-        self._frames = self._input = self._inputs_until = 0
+        self._frames = self._input = self._input_count = 0
         self._reasons: Counter[str] = Counter()
         self._inputs: deque[bytes] = deque(maxlen=MAX_INPUTS)
 
@@ -106,7 +106,7 @@ class OutputGate:
 
         Opening this guard's device ends the sound of the previous guard's device.
         """
-        self._generations = max(last.generation, last.next, self._generations)
+        self._generations = max(last.generation, last.next_generation, self._generations)
         self.sounding, self.changed = last.sounding, True
 
     @property
@@ -265,7 +265,7 @@ class OutputGate:
         if head.input and head.input != self._input:  # 0: a silent frame, which has no input
             self._input = head.input
             self._inputs.append(_INPUT.pack(head.input, head.sent, head.received, now))
-            self._inputs_until += 1
+            self._input_count += 1
 
     def device(
         self,
@@ -278,13 +278,13 @@ class OutputGate:
         can = self._can if self.next_backend is None else self._next_capability
         return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
-            next=self.next_generation,
+            next_generation=self.next_generation,
             name="" if self.backend is None else shorten(self.backend.name),
             phases=can.phases,
             amplitudes=len(can.sizes),
             rate=can.rate,
             watchdog=can.watchdog,
-            beat=self._clock(),
+            heartbeat=self._clock(),
             sounding=self.sounding or self.stuck,
             fault=self.problem,
             frames=self._frames,
@@ -292,7 +292,7 @@ class OutputGate:
             stale=self.is_stale,
             longest_gap=self._gap,
             inputs=b"".join(self._inputs),
-            inputs_until=self._inputs_until,
+            input_count=self._input_count,
             results=results,
             backends=backends,
             reasons=dict(self._reasons),

@@ -116,7 +116,7 @@ class GuardLoop:
         last = self._last.value
         if last is None or not last.generation:
             return 0.0, False
-        return last.beat, last.sounding or self._permit.value.armed > 0
+        return last.heartbeat, last.sounding or self._permit.value.armed > 0
 
     def __enter__(self) -> GuardLoop:
         """Start opening the device; take over from the previous guard, if there was one."""

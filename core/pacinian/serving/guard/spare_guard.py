@@ -41,8 +41,8 @@ def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float
     poll.register(parent.pipe, select.POLLIN)
     sound = False
     while not (ready := poll.poll(1e3 * (CHECK_INTERVAL if sound else IDLE_INTERVAL))):
-        beat, sound = look()
-        if pulse.detect_hang(beat, sound, time.perf_counter()):
+        heartbeat, sound = look()
+        if pulse.detect_hang(heartbeat, sound, time.perf_counter()):
             with contextlib.suppress(OSError):
                 signal.pidfd_send_signal(guard, signal.SIGKILL)
     if parent.pipe in dict(ready):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.spawned_process import SystemProcess
 
 BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
-LOOK = 10  # interval between two looks at a pipe that is being emptied [ms]
+POLL_TIME = 10  # wait for data of a pipe that is being emptied [ms]
 
 
 class ChildPipe:
@@ -70,8 +70,9 @@ class ChildPipe:
         poll = select.poll()
         poll.register(self.source, select.POLLIN)
         while True:
-            unwritten = self._unwritten  # before the look: then nothing comes after an empty one
-            if poll.poll(LOOK if unwritten else 0):
+            # before the poll: then nothing comes after a poll that finds nothing
+            unwritten = self._unwritten
+            if poll.poll(POLL_TIME if unwritten else 0):
                 os.read(self.source, BYTES)
             elif not unwritten:
                 return

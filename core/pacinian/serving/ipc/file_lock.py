@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 # Flags with which the lock file is opened. If a FIFO is in its place, opening it fails or returns at once.
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 MAX_PID_BYTES = 32
-# Number of looks for the holder's process id, which it writes once it holds the lock, and the pause between two [s].
-LOOKS, LOOK_INTERVAL = 20, 0.01
+# How often the holder's process id is read, because the holder writes it only once it holds the lock, and the pause
+# between two reads [s].
+PID_READS, PID_READ_INTERVAL = 20, 0.01
 
 
 class LockHeld(ServerError):
@@ -97,9 +98,9 @@ def _open(path: Path) -> int:
 
 def _read_holder(file: int) -> int:
     """Return the process id of the holder; 0 if it has written none, as on a full disk."""
-    for look in range(LOOKS):
-        if look:
-            time.sleep(LOOK_INTERVAL)
+    for attempt in range(PID_READS):
+        if attempt:
+            time.sleep(PID_READ_INTERVAL)
         os.lseek(file, 0, os.SEEK_SET)
         content = os.read(file, MAX_PID_BYTES)
         if content.isdigit():

@@ -7,7 +7,7 @@ SOUNDING_HANG_DIVISOR = 8
 MIN_HANG_LIMIT = 0.1  # smallest hang limit of a guard while there may be sound [s]
 # Largest time counted from one check to the next [s]. A process that was late itself cannot tell whether another one is
 # late.
-MAX_LOOK_GAP = 0.05
+MAX_CHECK_GAP = 0.05
 
 
 def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
@@ -24,16 +24,16 @@ class HangDetector:
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
-        self._beat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
+        self._heartbeat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
         self._last = -1.0  # time of the last check [s]
 
-    def detect_hang(self, beat: float, sound: bool, now: float) -> bool:
-        """Check the last heartbeat `beat` [s] at `now` [s]; return whether the guard hangs.
+    def detect_hang(self, heartbeat: float, sound: bool, now: float) -> bool:
+        """Check the last `heartbeat` [s] at `now` [s]; return whether the guard hangs.
 
         sound: whether there may be sound.
         """
-        self._silent += min(now - self._last, MAX_LOOK_GAP)
+        self._silent += min(now - self._last, MAX_CHECK_GAP)
         self._last = now
-        if beat != self._beat or not sound:
-            self._beat, self._silent = beat, 0.0
+        if heartbeat != self._heartbeat or not sound:
+            self._heartbeat, self._silent = heartbeat, 0.0
         return self._silent > self._limit

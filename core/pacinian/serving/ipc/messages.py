@@ -278,7 +278,7 @@ class RendererStatus(Struct, frozen=True, array_like=True):
     reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be put, and why.
     """
 
-    beat: float
+    heartbeat: float
     state: dict[str, Any]
     results: dict[str, str] = {}
     halted: str = ""
@@ -290,25 +290,25 @@ class RendererStatus(Struct, frozen=True, array_like=True):
 class DeviceStatus(Struct, frozen=True, array_like=True):
     """The status of the device.
 
-    generation: counts devices; a frame must name the generation it is for; 0: there is no device. next: the generation
-    that takes over with the first frame for it, or 0. phases, amplitudes, rate: of `next` if there is one, otherwise of
-    `generation`. beat: when the guard ran its last round [s]. fault: of the device, or "". frames: number of frames
-    that the device took. silences: number of times sound was ended; reasons: the same by reason. longest_gap: longest
-    time between frames since the output was last armed [s]. inputs: the last hand updates, as in `State`; inputs_until:
-    number of hand updates so far. results: of orders, by "backend number" and "reset number": "" if done, otherwise the
-    reason. sizes: amplitude of each level, float32; empty if they are evenly spaced. processor: the core that the guard
-    is bound to, or `ANY`. choice: the choice of `generation`; or, if another guard had the device and died, of the
-    device that may still sound.
+    generation: counts devices; a frame must name the generation it is for; 0: there is no device. next_generation: the
+    one that takes over with the first frame for it, or 0. phases, amplitudes, rate: of `next_generation` if there is
+    one, otherwise of `generation`. heartbeat: when the guard ran its last round [s]. fault: of the device, or "".
+    frames: number of frames that the device took. silences: number of times sound was ended; reasons: the same by
+    reason. longest_gap: longest time between frames since the output was last armed [s]. inputs: the last hand updates,
+    as in `State`; input_count: number of hand updates so far. results: of orders, by "backend number" and "reset
+    number": "" if done, otherwise the reason. sizes: amplitude of each level, float32; empty if they are evenly spaced.
+    processor: the core that the guard is bound to, or `ANY`. choice: the choice of `generation`; or, if another guard
+    had the device and died, of the device that may still sound.
     """
 
     generation: int
-    next: int
+    next_generation: int
     name: str
     phases: int
     amplitudes: int
     rate: float
     watchdog: float | None
-    beat: float
+    heartbeat: float
     sounding: bool
     fault: str = ""
     frames: int = 0
@@ -316,7 +316,7 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
     stale: bool = False
     longest_gap: float = 0.0
     inputs: bytes = b""
-    inputs_until: int = 0
+    input_count: int = 0
     results: dict[str, str] = {}
     backends: tuple[Plugin, ...] = ()
     """The backends that can be selected."""
@@ -338,7 +338,7 @@ class BusStatus(Struct, frozen=True, array_like=True):
     port: where the bus listens; 0 until it does. waiting: number of changes that the renderer has not taken yet.
     """
 
-    beat: float
+    heartbeat: float
     clients: dict[str, tuple[int, int, int, int, float]] = {}
     received: int = 0
     superseded: int = 0

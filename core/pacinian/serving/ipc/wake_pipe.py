@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-POLL_INTERVAL = 5e-3  # interval between two looks for news where there are no named pipes [s]
+POLL_INTERVAL = 5e-3  # interval between two checks for news where there are no named pipes [s]
 MAX_SELECTED = 1024  # `select` accepts only file descriptors below this
 BYTES = 1 << 16  # number of bytes read at once: as many as a pipe holds
 

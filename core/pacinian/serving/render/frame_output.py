@@ -116,7 +116,7 @@ class OutputSwitcher:
     def follow(self, renderer: Renderer) -> dict[str, str]:
         """Let the renderer make frames for the device that needs them; return the errors of a new device."""
         device = self._device.value
-        generation = device.next or device.generation
+        generation = device.next_generation or device.generation
         if generation in (0, self._tried):
             return {}
         self._tried = generation
@@ -135,7 +135,7 @@ class OutputSwitcher:
         Raises ArgumentError if the loop does not suit it.
         """
         device = self._device.value
-        generation = self._tried = device.next or device.generation
+        generation = self._tried = device.next_generation or device.generation
         if not generation:
             raise ArgumentError("backend", "must be open")
         check_rate(device.rate, self._rate)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 # Number of measurements averaged for `felt`. They take about a second together.
-LOOKS = 20
+AVERAGED_MEASUREMENTS = 20
 UNKNOWN = (math.nan,) * 4
 FAULTS = 5  # largest number of faults reported
 EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # edges between the bins of `State.tick_counts` [s]
@@ -95,7 +95,7 @@ def _zones(renderer: Renderer) -> dict[str, Any]:
 
 def _encode_felt(renderer: Renderer, labels: list[str]) -> bytes:
     """Return force, rms, holes and spill of each object, over the last measurements."""
-    felt = renderer.report.compute_felt(LOOKS)
+    felt = renderer.report.compute_felt(AVERAGED_MEASUREMENTS)
     figures = [felt.get(label, UNKNOWN) for label in labels]
     return np.array(figures, dtype="<f4").tobytes()
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.errors import PacinianError
-from pacinian.rendering.pipeline import MAX_AGE
+from pacinian.rendering.pipeline import WAIT_FOR_SOLVE_AFTER
 from pacinian.serving.control import process as control_process
 from pacinian.serving.guard import process as guard_process
 from pacinian.serving.ipc.hang_detection import SOUNDING_HANG_DIVISOR
@@ -85,7 +85,12 @@ FAULTS = (
         TICK,
         "delivery and two rounds",
     ),
-    Fault("solver never returns", parts.hang_solver, STALE + MAX_AGE, "age of a solve, stale"),
+    Fault(
+        "solver never returns",
+        parts.hang_solver,
+        STALE + WAIT_FOR_SOLVE_AFTER,
+        "age of a solve, stale",
+    ),
     Fault("solver holds the interpreter", parts.hold_solver, STALE, "stale"),
     Fault("renderer killed -9", parts.kill_render, STALE, "stale"),
     Fault("renderer stopped", parts.stop_render, STALE, "stale"),

@@ -172,8 +172,8 @@ class PhaseFreeSolve:
         w, size = self.workspace, np.abs(self.workspace.p)
         top = self._equalise(MAX_EQUALISE_STEPS)
         y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
-        looks = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
-        found, k = max(looks, default=(0.0, 0))
+        rated = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
+        found, k = max(rated, default=(0.0, 0))
         if found <= most:
             w.y[:] = y
             return top
@@ -255,12 +255,12 @@ class PhaseFreeSolve:
         """
         w, best = self.workspace, Candidate.of(error, self.workspace)
         asked = np.abs(w.p)
-        looks = sorted(
+        rated = sorted(
             self._rate_starts(
                 lambda made: float(np.linalg.norm(made - asked)), RATED_STARTS * self._other_starts
             )
         )
-        for _, k in looks[: self.starts]:
+        for _, k in rated[: self.starts]:
             if self.budget.spent or best.error <= MAX_MET_ERROR:
                 break
             w.y[:] = self._phases(k)
@@ -275,14 +275,14 @@ class PhaseFreeSolve:
 
     def _rate_starts(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
         """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
-        looks = list[tuple[float, int]]()
+        rated = list[tuple[float, int]]()
         for k in range(count):
             if self.budget.spent:
                 break
             self.workspace.y[:] = self._phases(k)
             self._step_equal(MAX_STEPS_3)
-            looks.append((worth(np.hypot(*self.workspace.made)), k))
-        return looks
+            rated.append((worth(np.hypot(*self.workspace.made)), k))
+        return rated
 
     def _phases(self, k: int) -> Complexes:
         """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""

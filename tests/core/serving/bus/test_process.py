@@ -309,8 +309,8 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
         send(socket, put({"a": point()}, session=A, id=1))
         assert server.reply(socket) == Ok(id=1)
         server.until(lambda: "a" in server.renderer.scene)
-        beat = server.bus_status().beat
-        server.until(lambda: server.bus_status().beat > beat)
+        beat = server.bus_status().heartbeat
+        server.until(lambda: server.bus_status().heartbeat > beat)
         assert child_process.end(process, PATIENCE) == 0
 
 

@@ -80,7 +80,7 @@ def test_the_lease_expires_while_the_connection_lives(start_server: Any) -> None
 
 def test_state_is_published_and_can_be_asked_for(server: Any) -> None:
     server.extra["render"] |= {"state": {"solver": "gs", "technique": "am", "intensity": 0.5}}
-    server.extra["guard"] |= {"inputs": bytes(64), "inputs_until": 2, "frames": 9}
+    server.extra["guard"] |= {"inputs": bytes(64), "input_count": 2, "frames": 9}
     next_state = server.states()
     game = server.client().hello("shooter", scene="range")
     assert isinstance(game.ask(Arm), Ok)

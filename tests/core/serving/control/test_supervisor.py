@@ -27,7 +27,7 @@ from pacinian.serving.control.supervisor import (
     Supervisor,
 )
 from pacinian.serving.ipc.hang_detection import (
-    MAX_LOOK_GAP,
+    MAX_CHECK_GAP,
     SOUNDING_HANG_DIVISOR,
     compute_hang_limit,
 )
@@ -239,7 +239,7 @@ def test_one_that_hangs_is_found_however_late_the_looks_are() -> None:
         watch.check(guard=beat)
         looks += 1
     assert watch.log == [("kill", "guard"), ("call", "spare")]
-    assert looks <= math.ceil(1.0 / MAX_LOOK_GAP) + 1
+    assert looks <= math.ceil(1.0 / MAX_CHECK_GAP) + 1
 
 
 def test_one_that_the_system_holds_is_not_waited_for_and_not_replaced_before_it_ends() -> None:

@@ -353,7 +353,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     bench.sound()
     assert bench.gate.take(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
     told = bench.status
-    assert (told.generation, told.next) == (1, 2)
+    assert (told.generation, told.next_generation) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
     assert told.sizes == b""
     assert not bench.step(bench.frame())
@@ -362,7 +362,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     assert not bench.step(after=0.0)
     assert bench.backend.what == ["send", "send", "silence"]
     assert other.log == [(bench.clock.time, "send", 3)]
-    assert (bench.status.generation, bench.status.next) == (2, 0)
+    assert (bench.status.generation, bench.status.next_generation) == (2, 0)
     assert bench.gate.to_close == [bench.backend]
     bench.step(bench.frame())  # still for the old device
     assert other.what == ["send", "silence"]
@@ -452,7 +452,7 @@ def test_each_input_is_noted_once_when_it_is_emitted() -> None:
         bench.frame(rows=0, input=8, sent=1.7, received=99.2), armed=1
     )  # silence, because the hand is lost
     assert inputs(bench) == [[5.0, 1.5, 99.0, first], [8.0, 1.7, 99.2, bench.clock.time]]
-    assert bench.status.inputs_until == 2
+    assert bench.status.input_count == 2
 
 
 def test_the_last_inputs_are_kept() -> None:
@@ -460,7 +460,7 @@ def test_the_last_inputs_are_kept() -> None:
     for k in range(1, MAX_INPUTS + 50):
         bench.step(bench.frame(input=k))
     assert [row[0] for row in inputs(bench)] == list(range(50, MAX_INPUTS + 50))
-    assert bench.status.inputs_until == MAX_INPUTS + 49
+    assert bench.status.input_count == MAX_INPUTS + 49
 
 
 def test_without_a_device_nothing_happens() -> None:

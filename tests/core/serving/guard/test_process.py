@@ -126,7 +126,7 @@ def test_a_backend_that_never_returns_takes_the_guard_with_it(server: Server, lo
     # a restarted guard takes no frame for the device of the old one
     server.start(server.make_config(log))
     second = server.until(
-        lambda device: device.beat > first.beat and device.generation > first.generation
+        lambda device: device.heartbeat > first.heartbeat and device.generation > first.generation
     )
     assert second.generation == first.generation + 1
     assert second.frames == 0

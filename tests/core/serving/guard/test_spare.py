@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.spare_guard import CHECK_INTERVAL
-from pacinian.serving.ipc.hang_detection import MAX_LOOK_GAP, HangDetector
+from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP, HangDetector
 from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
 from pacinian.wire.control import Choice as Selected
 
@@ -64,7 +64,7 @@ def test_one_that_lives_is_not_missed() -> None:
 
 def test_what_was_not_looked_at_proves_nothing() -> None:
     """After a long gap between checks, the machine may have stopped; a missing heartbeat then proves nothing."""
-    assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / MAX_LOOK_GAP
+    assert looked(1e4, sound=True, every=1e3) >= 1e3 * LIMIT / MAX_CHECK_GAP
 
 
 # real processes

@@ -108,7 +108,7 @@ def test_the_loop_makes_frames_for_the_next_device_and_goes_back(wired: Wired) -
     with renderer(wired, wired.outputs.first()) as loop:
         loop.tick()
         for device, generation, rows in (
-            (msgspec.structs.replace(GOOD, next=4, rate=4000.0, phases=256), 4, 4),
+            (msgspec.structs.replace(GOOD, next_generation=4, rate=4000.0, phases=256), 4, 4),
             (msgspec.structs.replace(GOOD, generation=4, rate=4000.0, phases=256), 4, 4),
             (GOOD, 3, 2),
         ):
@@ -127,7 +127,7 @@ def test_a_device_that_does_not_fit_the_loop_is_refused_and_the_old_one_goes_on(
     wired: Wired, rate: float
 ) -> None:
     with renderer(wired, wired.outputs.first()) as loop:
-        wired.set(msgspec.structs.replace(GOOD, next=4, rate=rate))
+        wired.set(msgspec.structs.replace(GOOD, next_generation=4, rate=rate))
         results = wired.outputs.follow(loop)
         assert "frames a tick" in results["device 4"]
         assert wired.outputs.follow(loop) == {}

@@ -224,7 +224,9 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
         "a permit": server.arm,
         "a slow object": lambda: server.put(slow),
         "a solver": lambda: server.tell("requested_settings", orders),
-        "a device": lambda: server.tell("device", msgspec.structs.replace(server.device, next=2)),
+        "a device": lambda: server.tell(
+            "device", msgspec.structs.replace(server.device, next_generation=2)
+        ),
         "a zone": lambda: server.change(zones(ZONE)),
     }
 
@@ -745,7 +747,7 @@ def test_what_cannot_be_reported_is_left_out_and_its_beat_goes_on(
     monkeypatch.setattr("pacinian.serving.render.renderer_status.make_status", state)
     before = server.clock.now()
     report = server.report
-    assert report.beat > before
+    assert report.heartbeat > before
     assert report.state == {}
     monkeypatch.undo()
     assert server.report.state["solver"]
@@ -758,13 +760,13 @@ def test_not_even_a_report_that_cannot_be_written_ends_the_loop(
     def bad(*_: object) -> None:
         raise OSError("no memory")
 
-    before = server.report.beat
+    before = server.report.heartbeat
     with monkeypatch.context() as broken:
         broken.setattr(server.loop, "_publish", bad)
         server.clock.advance(0.1)
         server.loop.run_between()
     after = server.report
-    assert after.beat > before
+    assert after.heartbeat > before
     assert after.state["solver"], "it reports again"
 
 
