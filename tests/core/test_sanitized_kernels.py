@@ -37,7 +37,7 @@ TESTS = (
 )
 # those of whole solves, and of the shape of skin, take long and call no other kernels
 LONG = (
-    "(sound_keeps_off and 0.01)",
+    "sound_keeps_off",
     "get_no_surround",
     "is_even_between",
     "area_is_that",
