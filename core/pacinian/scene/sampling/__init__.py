@@ -12,6 +12,7 @@ Where
     spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
     array_resolution.py       resolution of the array by place; how much of its sound reaches skin of some orientation
     small_region_spacing.py   closer samples for small regions
+    textured_samples.py       samples on the outlines of a texture, and silent ones where it is 0
     silent_samples.py         silent samples beside touched regions, against spill of pressure
     touched_skin.py           random places on touched skin and beside it, where the loop measures
     region_bands.py           parts of a large region that sound in turn

@@ -13,7 +13,7 @@ from pacinian.native import scene as kernels
 from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.scene.objects import Body, Volume
 from pacinian.scene.sampling.array_resolution import weigh_incidence
-from pacinian.scene.sampling.samples import ISOLATED, Samples
+from pacinian.scene.sampling.samples import BESIDE, ISOLATED, Samples
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.scene.shapes.texture import apply_texture
 
@@ -87,18 +87,22 @@ class WholeObject:
 
     def at(self, spacing: float) -> Samples:
         """Return samples about `spacing` [m] apart."""
-        item = self.item
-        local, pose = self.covers.get(item, spacing), self.pose
+        item, pose = self.item, self.pose
+        if forms_region(item):
+            local, factor, silent = self.covers.get_textured(item, spacing)
+        else:
+            local = self.covers.get(item, spacing)
+            factor, silent = np.ones(len(local.points)), np.zeros(len(local.points), np.bool_)
+            apply_texture(getattr(item, "texture", None), local.points, factor)
         if isinstance(getattr(item, "shape", None), Sphere) and not self.textured:
             pose = Pose(pose.position)  # a ball that rolls presses like one that moves as one
         K, R = len(local.points), pose.matrix.T
         normals = local.normals @ R if local.normals.any() else local.normals
-        P = np.full(K, item.pressure)
-        apply_texture(getattr(item, "texture", None), local.points, P)
+        regions = np.where(silent, BESIDE, number_region(item, self.name))
         return Samples(
-            local.points @ R + self.pose.position, P, normals, local.area,
+            local.points @ R + self.pose.position, factor * item.pressure, normals, local.area,
             np.full(K, self.index), make_keys(self.name, _apart(item, spacing), np.arange(K)),
-            np.full(K, item.pressure), np.full(K, number_region(item, self.name)), self.items,
+            np.full(K, item.pressure), regions, self.items,
         )  # fmt: skip
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 STEPS = 5  # number of Newton steps that project a point on the shell
 MAX_SHELL_DISTANCE = 0.01  # largest distance of a projected point from the shell, over the spacing
+SHELL_GAP = 0.6  # smallest distance of interior samples from those of the surface, over the spacing
 CELLS = 50_000  # approximate number of cells in a solid's bounding box for measuring its area
 
 
@@ -155,14 +156,20 @@ def _sample_shell(solid: Solid, step: float, low: Floats, high: Floats) -> tuple
 
 
 def sample_interior(solid: Solid, spacing: float) -> LocalSamples:
-    """Return a centred grid inside a volume, `spacing` [m] apart.
+    """Return samples of a volume about `spacing` [m] apart: those of its surface, and a centred grid inside.
 
-    The normals follow the gradient of the distance, outwards. The area of each sample is spacing^2.
+    Without samples on the surface, the pressure would fall before it. The grid keeps `SHELL_GAP` spacings away from it.
+    The normals follow the gradient of the distance, outwards. A sample of the grid has the area spacing^2, and one of
+    the surface, which stands for half a cell, half of this.
     """
-    points = sample_grid(solid.extent, spacing)
-    points = points[solid.distance(points) < 0.0]
+    grid = sample_grid(solid.extent, spacing)
+    inner = grid[solid.distance(grid) < -SHELL_GAP * spacing]
+    shell = solid.sample_surface(spacing)
+    cell = spacing**2
     return LocalSamples(
-        points, normalise(gradient(solid, points)), np.full(len(points), spacing**2)
+        np.concatenate([shell.points, inner]),
+        np.concatenate([shell.normals, normalise(gradient(solid, inner))]),
+        np.concatenate([np.full(len(shell.points), 0.5 * cell), np.full(len(inner), cell)]),
     )
 
 

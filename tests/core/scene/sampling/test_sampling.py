@@ -543,8 +543,8 @@ def test_the_coverings_that_are_kept_are_bounded() -> None:
     for start in range(0, 2 * MAX_ENTRIES, 128):
         shapes = [pc.Disc(0.001 + 1e-6 * i) for i in range(start, start + 128)]
         sampler.sample(pc.Scene(tuple(pc.Surface(shape=s, radiation_pressure=1.0) for s in shapes)))
-        assert len(sampler._covers._covers) <= MAX_ENTRIES
-    assert len(sampler._covers._covers) == MAX_ENTRIES
+        assert len(sampler._covers._samples) <= MAX_ENTRIES
+    assert len(sampler._covers._samples) == MAX_ENTRIES
 
 
 def test_a_covering_is_never_taken_for_that_of_a_shape_that_is_gone() -> None:

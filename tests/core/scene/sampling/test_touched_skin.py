@@ -12,6 +12,7 @@ import pacinian as pc
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.hands.capsules import make_capsules
 from pacinian.scene.sampling.touched_skin import INNER, OUTER
+from pacinian_lab.regions import skin
 from pacinian_lab.regions.contacts import CONTACTS
 
 AIR, ARRAY = pc.Air(), pc.autd(3, 3)
@@ -33,7 +34,7 @@ def scatter(*items: Any, count: int = 4000, **how: Any) -> pc.Samples:
 
 def find_touched(item: pc.Volume) -> tuple[Any, Any]:
     """Return the points of a fine skin that a ball touches, and what its material asks for, (K, 3) [m], (K,) [Pa]."""
-    points = CapsuleSkin(7.5e-4, 3.75e-4).place(HAND).points
+    points = skin._fine().place(HAND).points
     depth = RADIUS - np.linalg.norm(points - item.pose.position, axis=1)
     touched = (depth > 0.0) & (points[:, 2] < 0.2)  # not the back of the hand
     return points[touched], np.minimum(depth[touched] / FULL_DEPTH, 1.0) * item.radiation_pressure
@@ -66,7 +67,7 @@ def test_the_ends_of_a_flat_letter_are_covered() -> None:
     scene = CONTACTS["letter S, at the palm"]()
     places = scatter(*scene.objects, hands=scene.hands)
     fine, solved = pc.Sampler(100_000, 1e-3, perception=False), pc.Sampler(640, perception=False)
-    fine.skin = CapsuleSkin(7.5e-4, 3.75e-4)
+    fine.skin = skin._fine()
     found = []
     for sampler in (fine, solved):
         sampler.prepare(ARRAY, AIR)

@@ -341,26 +341,24 @@ def test_a_solid_fits_tightly_in_its_bounding_box(kind: Kind, case: tuple[Size, 
 @each_solid
 @given(case=sizes(low=4.0, high=7.0))
 @bounded
-def test_interior_samples_fill_the_solid_on_a_grid(kind: Kind, case: tuple[Size, float]) -> None:
+def test_interior_samples_are_those_of_the_surface_and_a_grid_that_fills_the_solid(
+    kind: Kind, case: tuple[Size, float]
+) -> None:
     size, spacing = case
     shape = kind.make(size)
     points, normals, area = sample_interior(shape, spacing)
-    assert area == pytest.approx(np.full(len(points), spacing**2))
-    assert (kind.distance(points, size) < 0.0).all()
-    cell = 1.0
+    shell = shape.sample_surface(spacing)
+    on = len(shell.points)
+    np.testing.assert_array_equal(points[:on], shell.points)
+    np.testing.assert_array_equal(normals[:on], shell.normals)
+    assert area[:on] == pytest.approx(0.5 * spacing**2)
+    assert area[on:] == pytest.approx(spacing**2)
+    points, normals = points[on:], normals[on:]
+    assert (kind.distance(points, size) < -0.5 * spacing).all()
     for axis, half in enumerate(shape.extent):
         steps = max(1, math.floor(2.0 * half / spacing + 1e-9))
         place = (points[:, axis] + half) / (2.0 * half / steps) - 0.5
         assert place == pytest.approx(np.round(place), abs=1e-6)
-        cell *= 2.0 * half / steps
-    major, minor = torus(size)
-    volume = {
-        "sphere": math.pi * size[0] ** 3 / 6,
-        "box": math.prod(size),
-        "capsule": math.pi * size[0] ** 3 / 6 + math.pi * size[0] ** 2 / 4 * size[1],
-        "sdf": 2 * math.pi**2 * major * minor**2,
-    }[kind.name]
-    assert len(points) == pytest.approx(volume / cell, rel=0.35)
     size_of_normals = np.linalg.norm(normals, axis=1)
     middle = size_of_normals < 0.5  # where two sides are equally near
     assert size_of_normals[~middle] == pytest.approx(np.ones((~middle).sum()))
@@ -369,6 +367,22 @@ def test_interior_samples_fill_the_solid_on_a_grid(kind: Kind, case: tuple[Size,
         assert (
             (points * normals).sum(axis=1) >= -1e-12
         ).all()  # normals point away from the middle
+
+
+@each_solid
+@given(case=sizes(low=1.0, high=6.0))
+@bounded
+def test_no_place_in_a_solid_is_far_from_an_interior_sample(
+    kind: Kind, case: tuple[Size, float]
+) -> None:
+    size, spacing = case
+    if kind.name == "sdf":
+        size = max(size[0], 3 * spacing), max(size[1], 3 * spacing), size[2]
+    shape = kind.make(size)
+    places = np.random.default_rng(0).uniform(-1.0, 1.0, (500, 3)) * shape.extent
+    places = places[kind.distance(places, size) < 0.0]
+    samples = sample_interior(shape, spacing).points
+    assert KDTree(samples).query(places)[0].max(initial=0.0) < 1.2 * spacing
 
 
 def test_too_many_interior_samples_are_refused_before_memory_is() -> None:

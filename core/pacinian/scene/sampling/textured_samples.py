@@ -1,0 +1,119 @@
+"""Samples of a textured surface: on the outlines of what presses, and silent ones where its texture is 0.
+
+If samples where the texture is 0 counted as much as the others, the pressure would rise half inside an outline and half
+outside: a mask of 30 mm had holes along its edge. The outline therefore has samples of full pressure, if the array can
+make the pressure fall beyond it. In narrow gaps, such as those of a grating, this would leave no gap.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pacinian.neighbours import find_nearest
+from pacinian.scene.shapes.local_samples import LocalSamples
+from pacinian.scene.shapes.poisson_disk import thin_out
+
+if TYPE_CHECKING:
+    from pacinian.scene.shapes.texture import Texture
+    from pacinian.types import Flags, Floats, Indices
+
+# All lengths are relative to the spacing.
+MAX_EDGE_DISTANCE = (
+    1.5  # largest distance of a sample that does not press from one that does, across an outline
+)
+STEEP = 0.3  # an outline is a step if the factor is full at this distance inside
+FULL = 0.9  # share of the factor of a sample that counts as full
+MIN_GAP = 5.5  # width of the smallest gap whose outline has samples: twice the resolution
+MIN_FREE_SHARE = (
+    0.5  # radius around the middle of such a gap in which nothing presses, over half its width
+)
+MIN_OUTLINE_SPACING = 0.5  # smallest distance between two samples on an outline
+MIN_SILENT_DISTANCE = 0.7  # smallest distance of a silent sample from one that presses
+MAX_SMOOTH = 0.25  # largest factor beside a place with factor 0, over the texture's largest one, that is no step
+BISECTIONS = 12
+DIRECTIONS = np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
+
+
+class TexturedSamples(NamedTuple):
+    """Samples in a shape's own frame.
+
+    factor: of the texture on the pressure at each, (K,). silent: whether each lies beyond an outline, (K,).
+    """
+
+    local: LocalSamples
+    factor: Floats
+    silent: Flags
+
+
+def lay_out(texture: Texture, local: LocalSamples, spacing: float) -> TexturedSamples:
+    """Return the samples of a textured shape.
+
+    Samples on an outline share the area of those beside them. local: of the shape without its texture. spacing: of
+    these [m].
+    """
+    factor = _round_steps(texture, local.points, spacing)
+    on, off = np.flatnonzero(factor > 0.0), np.flatnonzero(factor <= 0.0)
+    if not (len(on) and len(off)):
+        return TexturedSamples(local, factor, np.zeros(len(factor), np.bool_))
+    away, nearest = find_nearest(local.points[on], local.points[off])
+    abrupt = (
+        factor[on[nearest]] > MAX_SMOOTH * factor.max()
+    )  # the pressure does not fall to 0 smoothly
+    near = abrupt & (away < MAX_EDGE_DISTANCE * spacing)
+    edge, beside = _find_outline(
+        texture, local.points, on[nearest[near]], off[near], factor, spacing
+    )
+    pressing = np.concatenate([local.points[on], edge])
+    apart = find_nearest(pressing, local.points[off])[0] > MIN_SILENT_DISTANCE * spacing
+    rest = off[apart | ~abrupt]
+    share = (
+        np.bincount(beside, minlength=len(factor)) + 1.0
+    )  # between how many samples an area is divided
+    which = np.concatenate([on, beside, rest])
+    silent = np.zeros(len(which), np.bool_)
+    silent[len(pressing) :] = abrupt[apart | ~abrupt]
+    return TexturedSamples(
+        LocalSamples(
+            np.concatenate([pressing, local.points[rest]]),
+            local.normals[which],
+            np.where(silent, 0.0, local.area[which] / share[which]),
+        ),
+        factor[which],
+        silent,
+    )
+
+
+def _round_steps(texture: Texture, points: Floats, spacing: float) -> Floats:
+    """Return the factor at points, (K,). On a step, which a picture has between two pixels, it is that of one side."""
+    factor = texture.at(points)
+    around = [texture.at(points + STEEP * spacing * d) for d in DIRECTIONS]
+    low, high = np.minimum.reduce([factor, *around]), np.maximum.reduce([factor, *around])
+    step = high - low > 0.5 * high
+    return np.where(step, np.where(2.0 * factor < low + high, low, high), factor)
+
+
+def _find_outline(
+    texture: Texture, points: Floats, inside: Indices, outside: Indices, factor: Floats, spacing: float
+) -> tuple[Floats, Indices]:  # fmt: skip
+    """Find where lines from samples that press to others cross the outline of a wide gap.
+
+    points: all samples, (M, 3) [m]. factor: at these, (M,). inside, outside: the ends of the lines, (L,). Returns the
+    places, (K, 3) [m], and the sample inside of each, (K,).
+    """
+    begin, end, full = points[inside], points[outside], factor[inside]
+    size = np.linalg.norm(end - begin, axis=1, keepdims=True)
+    along = (end - begin) / np.maximum(size, 1e-30)
+    low, high = np.zeros_like(size), size.copy()
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        presses = texture.at(begin + middle * along)[:, None] >= 0.5 * full[:, None]
+        low, high = np.where(presses, middle, low), np.where(presses, high, middle)
+    edge = begin + low * along
+    step = texture.at(edge - np.minimum(low, STEEP * spacing) * along) >= FULL * full
+    half = 0.5 * MIN_GAP * spacing
+    free = find_nearest(points[factor > 0.0], edge + half * along)[0] >= MIN_FREE_SHARE * half
+    kept = np.flatnonzero(step & free)
+    kept = kept[thin_out(edge[kept], MIN_OUTLINE_SPACING * spacing)]
+    return edge[kept], inside[kept]
