@@ -1,8 +1,8 @@
 """Samples of a textured surface: on the outlines of what presses, and silent ones where its texture is 0.
 
 If samples where the texture is 0 counted as much as the others, the pressure would rise half inside an outline and half
-outside: a mask of 30 mm had holes along its edge. The outline therefore has samples of full pressure, if the array can
-make the pressure fall beyond it. In narrow gaps, such as those of a grating, this would leave no gap.
+outside: a mask of 30 mm had holes along its edge. Outlines therefore have samples of full pressure, and samples beyond
+are silent. This would fill narrow gaps, such as those of a grating. Textures that have many of these stay as they are.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ MAX_EDGE_DISTANCE = (
 STEEP = 0.3  # an outline is a step if the factor is full at this distance inside
 FULL = 0.9  # share of the factor of a sample that counts as full
 MIN_GAP = 5.5  # width of the smallest gap whose outline has samples: twice the resolution
+MIN_WIDE_SHARE = (
+    0.5  # smallest share of all outlines that are of wide gaps, of textures that are laid out anew
+)
 MIN_FREE_SHARE = (
     0.5  # radius around the middle of such a gap in which nothing presses, over half its width
 )
@@ -53,32 +56,28 @@ def lay_out(texture: Texture, local: LocalSamples, spacing: float) -> TexturedSa
     Samples on an outline share the area of those beside them. local: of the shape without its texture. spacing: of
     these [m].
     """
+    plain = TexturedSamples(local, texture.at(local.points), np.zeros(len(local.points), np.bool_))
     factor = _round_steps(texture, local.points, spacing)
     on, off = np.flatnonzero(factor > 0.0), np.flatnonzero(factor <= 0.0)
     if not (len(on) and len(off)):
-        return TexturedSamples(local, factor, np.zeros(len(factor), np.bool_))
+        return plain
     away, nearest = find_nearest(local.points[on], local.points[off])
-    abrupt = (
-        factor[on[nearest]] > MAX_SMOOTH * factor.max()
-    )  # the pressure does not fall to 0 smoothly
-    near = abrupt & (away < MAX_EDGE_DISTANCE * spacing)
-    edge, beside = _find_outline(
-        texture, local.points, on[nearest[near]], off[near], factor, spacing
-    )
+    near, nearest = away < MAX_EDGE_DISTANCE * spacing, on[nearest]
+    edge, inside = _find_outlines(texture, local.points, nearest[near], off[near], factor, spacing)
+    if len(edge) < MIN_WIDE_SHARE * near.sum():
+        return plain
+    kept = thin_out(edge, MIN_OUTLINE_SPACING * spacing)
+    edge, inside = edge[kept], inside[kept]
     pressing = np.concatenate([local.points[on], edge])
-    apart = find_nearest(pressing, local.points[off])[0] > MIN_SILENT_DISTANCE * spacing
-    rest = off[apart | ~abrupt]
-    share = (
-        np.bincount(beside, minlength=len(factor)) + 1.0
-    )  # between how many samples an area is divided
-    which = np.concatenate([on, beside, rest])
-    silent = np.zeros(len(which), np.bool_)
-    silent[len(pressing) :] = abrupt[apart | ~abrupt]
+    off = off[find_nearest(pressing, local.points[off])[0] > MIN_SILENT_DISTANCE * spacing]
+    which = np.concatenate([on, inside, off])
+    silent = np.arange(len(which)) >= len(pressing)
+    divided = np.bincount(inside, minlength=len(factor)) + 1.0  # samples that share an area
     return TexturedSamples(
         LocalSamples(
-            np.concatenate([pressing, local.points[rest]]),
+            np.concatenate([pressing, local.points[off]]),
             local.normals[which],
-            np.where(silent, 0.0, local.area[which] / share[which]),
+            np.where(silent, 0.0, local.area[which] / divided[which]),
         ),
         factor[which],
         silent,
@@ -94,7 +93,7 @@ def _round_steps(texture: Texture, points: Floats, spacing: float) -> Floats:
     return np.where(step, np.where(2.0 * factor < low + high, low, high), factor)
 
 
-def _find_outline(
+def _find_outlines(
     texture: Texture, points: Floats, inside: Indices, outside: Indices, factor: Floats, spacing: float
 ) -> tuple[Floats, Indices]:  # fmt: skip
     """Find where lines from samples that press to others cross the outline of a wide gap.
@@ -114,6 +113,5 @@ def _find_outline(
     step = texture.at(edge - np.minimum(low, STEEP * spacing) * along) >= FULL * full
     half = 0.5 * MIN_GAP * spacing
     free = find_nearest(points[factor > 0.0], edge + half * along)[0] >= MIN_FREE_SHARE * half
-    kept = np.flatnonzero(step & free)
-    kept = kept[thin_out(edge[kept], MIN_OUTLINE_SPACING * spacing)]
-    return edge[kept], inside[kept]
+    wide = step & free & (full > MAX_SMOOTH * factor.max())
+    return edge[wide], inside[wide]

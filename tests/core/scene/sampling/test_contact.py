@@ -451,7 +451,7 @@ def test_what_was_sampled_before_does_not_matter(seed: int) -> None:
         items.append(replace(OBJECTS["ball"], shape=shape, name=name))
         items.append(replace(items[-1], felt="interior", name=f"{name}, interior"))
     at, hand = np.zeros((len(items), 3)), HAND
-    for _ in range(12):
+    for _ in range(8):
         size = 10.0 ** rng.uniform(-5.0, -1.0)
         at += rng.normal(0.0, size, at.shape)
         if rng.random() < 0.5:
