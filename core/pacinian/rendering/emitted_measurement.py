@@ -85,7 +85,7 @@ class Probe:
             found[label] = found.get(label, FeltSums()).plus(sums)
         return found
 
-    def estimate_error(self, samples: Samples, targets: Targets, gains: Gains) -> float:
+    def estimate_error_at_samples(self, samples: Samples, targets: Targets, gains: Gains) -> float:
         """Return the relative error of the sound pressures at some samples in free air, other ones each time.
 
         targets: of the samples. gains: as for `measure_between`.

@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
-    from pacinian.types import Gains
+    from pacinian.types import Floats, Gains
 
 
 # Smallest distance of a place beside a contact from the samples of objects that are not measured with it [m].
 MIN_DISTANCE_TO_OTHERS = 0.015
+RISEN_FROM = 0.99  # share of the force asked for from which ramps count as ended
 
 
 class _Moment(NamedTuple):
@@ -76,7 +77,8 @@ class FeltMonitor:
 
         result: that it played, within `limits`. ticks: number of ticks since the last call.
         """
-        self._schedule.pass_ticks(result.solutions, ticks)
+        rising = _is_rising(result.solutions.samples, result.sample_counts.samples)
+        self._schedule.pass_ticks(result.solutions, ticks, rising=rising)
         if self._moment is None and self._schedule.begin(result.solutions):
             time = t + float(self._playback.times[-1])
             gains = self._playback.copy_carriers()
@@ -113,17 +115,17 @@ class FeltMonitor:
         assert targets is not None
         solved = self._playback.quantise_frames(play, moment.limits)
         if play.motion is not None and play.motion.shift.any():
-            error = probe.estimate_error(samples, targets, solved)
+            error_at_samples = probe.estimate_error_at_samples(samples, targets, solved)
         else:
             p = moment.result.sample_pressures
             if p is None:
                 p = probe.compute_pressures(samples.positions, facing, solved)
-            error = targets.relative_error(p)
+            error_at_samples = targets.relative_error(p)
         felt = probe.measure_between(samples, targets, facing, solved)
         if facing is not None and targets.regions is not None:
             emitted = [self._playback.quantise_gains(g, moment.limits) for g in moment.gains]
             felt |= probe.measure_on_skin(self._find_places(moment), np.array(emitted))
-        return Measurement(error, felt)
+        return Measurement(error_at_samples, felt)
 
     def _find_places(self, moment: _Moment) -> Samples:
         """Return places on the skin that is touched at that moment, at the pressures after the ramps."""
@@ -135,8 +137,34 @@ class FeltMonitor:
         if others.any() and len(places):  # what other objects press beside a contact was asked for
             away = find_nearest(played.positions[others], places.positions)[0]
             places = places.only((places.regions >= 0) | (away > MIN_DISTANCE_TO_OTHERS))
-        P = places.radiation_pressure.copy()
-        for number in set(places.regions.tolist()):
-            asked = full.sum_force(number)
-            P[places.regions == number] *= played.sum_force(number) / asked if asked > 0.0 else 0.0
+        P = places.radiation_pressure * _find_ramps(places, played, full)
         return places.with_pressure(P).only((P > 0.0) | (places.radiation_pressure == 0.0))
+
+
+def _is_rising(played: Samples, full: Samples) -> bool:
+    """Return whether samples press clearly less than they will when their ramps have ended: `full`."""
+    return played is not full and played.force < RISEN_FROM * full.force
+
+
+def _find_ramps(places: Samples, played: Samples, full: Samples) -> Floats:
+    """Return the factor of the ramps on the pressure at each of some places, (K,).
+
+    It is that of the nearest sample of the same region. Ramps limit the slope of each pressure, so that weak
+    pressures at the rim of a contact reach their targets before those in its middle. played: samples after the
+    ramps. full: those before the ramps.
+    """
+    factors = np.ones(len(places))
+    if played is full:
+        return factors
+    for number in set(places.regions[places.regions >= 0].tolist()):
+        there = places.regions == number
+        own, whole = played.only(played.regions == number), full.only(full.regions == number)
+        _, i, j = np.intersect1d(own.keys, whole.keys, return_indices=True)
+        i, j = i[whole.radiation_pressure[j] > 0.0], j[whole.radiation_pressure[j] > 0.0]
+        if len(i):
+            nearest = find_nearest(whole.positions[j], places.positions[there])[1]
+            ramps = own.radiation_pressure[i] / whole.radiation_pressure[j]
+            factors[there] = ramps[nearest]
+        else:
+            factors[there] = own.force / whole.force if whole.force > 0.0 else 0.0
+    return factors

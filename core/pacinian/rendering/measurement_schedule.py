@@ -14,8 +14,10 @@ if TYPE_CHECKING:
 TICKS_PER_MEASUREMENT = 64  # smallest number of ticks between measurements of the emitted field
 # Largest number of ticks that are added by chance, so that measurements are made at all moments between two solutions.
 MAX_DELAY = 16
-# Number of ticks from silence to the first measurement, so that the first solves have more time.
-TICKS_TO_FIRST_MEASUREMENT = 4
+# Number of ticks from silence, and from the end of the ramps that follow it, to the first measurement: the first solves
+# have more time, and all frames of a cycle are solved for the full pressures.
+TICKS_TO_FIRST_MEASUREMENT = 8
+MAX_RAMP_TICKS = 64  # largest number of ticks for which ramps delay the first measurement
 # Largest number of measurements of regions that rest, at other places each time.
 MAX_MEASUREMENTS_AT_REST = 8
 
@@ -23,7 +25,7 @@ MAX_MEASUREMENTS_AT_REST = 8
 class Measurement(NamedTuple):
     """How the device emits a solution: the arguments of `Report.add_measurement`."""
 
-    error: float
+    error_at_samples: float
     felt: dict[str, FeltSums]
 
 
@@ -35,13 +37,22 @@ class MeasurementSchedule:
 
     def __init__(self, first: int = TICKS_TO_FIRST_MEASUREMENT) -> None:
         self._wait = first  # ticks until the next measurement
+        self._ramp_ticks = MAX_RAMP_TICKS  # ticks for which ramps may still delay it
         self._chance = np.random.default_rng(0)
         self._measured: SolutionSequence | None = None
         self._measurements = 0  # at these solutions
 
-    def pass_ticks(self, played: SolutionSequence, count: int) -> None:
-        """Count ticks that play this result, including those that the loop left out because it rested."""
-        self._wait = self._wait - count if len(played.samples) else TICKS_TO_FIRST_MEASUREMENT
+    def pass_ticks(self, played: SolutionSequence, count: int, *, rising: bool) -> None:
+        """Count ticks that play this result, including those that the loop left out because it rested.
+
+        rising: whether pressures are clearly below what is asked for, because their ramps have not ended.
+        """
+        if not len(played.samples):
+            self._wait, self._ramp_ticks = TICKS_TO_FIRST_MEASUREMENT, MAX_RAMP_TICKS
+        elif rising and self._ramp_ticks > 0:
+            self._ramp_ticks -= count
+        else:
+            self._wait -= count
 
     def begin(self, solutions: SolutionSequence) -> bool:
         """Return whether to measure what is played now, and count it if so."""
@@ -58,6 +69,7 @@ class MeasurementSchedule:
         if rests and self._measurements >= MAX_MEASUREMENTS_AT_REST:
             return False
         self._measurements = self._measurements + 1 if rests else 1
+        self._ramp_ticks = 0
         self._wait = TICKS_PER_MEASUREMENT + int(self._chance.integers(MAX_DELAY))
         self._measured = solutions
         return True

@@ -1,4 +1,4 @@
-"""The render loop's report: counts, times, errors and faults."""
+"""The render loop's report: counts, times, errors at the samples, what is felt, and faults."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "
 # A measurement at this many places or more whose force or rms error exceeds these is a deviation.
 MIN_JUDGED_PLACES, MAX_MEASURED_FORCE_ERROR, MAX_MEASURED_RMS = 16, 0.15, 0.25
 KEPT_MEASUREMENTS = 1000  # number of recent measurements of the felt pressure that are kept
-# Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors are kept.
+# Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors at the
+# samples are kept.
 REMEMBERED = 100_000
 
 
@@ -103,13 +104,13 @@ class Report:
         self.solves += 1
         self.statuses[status.name] += 1
 
-    def add_measurement(self, error: float, felt: dict[str, FeltSums]) -> None:
+    def add_measurement(self, error_at_samples: float, felt: dict[str, FeltSums]) -> None:
         """Add a measurement of the emitted field, computed from the quantised gains.
 
-        error: relative error of the sound pressures at the samples. felt: sums between the samples or on touched skin,
-        for each object that has regions.
+        error_at_samples: relative error of the sound pressures there. felt: sums between the samples or on touched
+        skin, for each object that has regions.
         """
-        self._errors[self._measured % REMEMBERED] = error
+        self._errors[self._measured % REMEMBERED] = error_at_samples
         self._measured += 1
         self._felt.append(felt)
         self._uneven += [name for name, sums in felt.items() if _is_uneven(sums)]
@@ -147,7 +148,10 @@ class Report:
 
     @property
     def as_asked(self) -> bool:
-        """Whether the output was what the scene asked for: no deviation, no late tick, no fault, no warning."""
+        """Whether the output was what the scene asked for: no deviation, no late tick, no fault, no warning.
+
+        Losses that skin does not feel are no deviations; `frame_deviations.py` has the limits.
+        """
         troubles = self.deviations.ticks, self.late_ticks, self.fault_count, len(self.warnings)
         return not any(troubles)
 
@@ -164,7 +168,7 @@ class Report:
 
     @property
     def error(self) -> float:
-        """Median of `errors`; 0 before the first."""
+        """Median of `errors`, which are those at the samples; 0 before the first."""
         return float(np.median(self.errors)) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
@@ -197,7 +201,7 @@ class Report:
         if not self.ticks:
             return "<Report: no ticks yet>"
         text = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
-        text += f", error {self.error:.2%}" if self._measured else ""
+        text += f", error at samples {self.error:.2%}" if self._measured else ""
         if self.deviations.ticks:
             text += f", {self.deviations.ticks:,} ticks not as asked"
         text += f", {self.fault_count} faults" if self.fault_count else ""
@@ -210,7 +214,7 @@ class Report:
         rows = {
             "late": f"{self.late_ticks} ({self.late_share:.1%})",
             "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
-            "error at the samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted"
+            "error at samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted"
             if self._measured
             else "not measured",
             **{

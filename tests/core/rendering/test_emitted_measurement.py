@@ -187,7 +187,9 @@ def test_the_error_at_some_samples_is_that_at_all_on_average() -> None:
         gains = 0.9 * solution.gains[None]
         true = solution.targets.relative_error(0.9 * solution.sound_pressure)
         probe = Probe(session)
-        found = [probe.estimate_error(samples, solution.targets, gains) for _ in range(50)]
+        found = [
+            probe.estimate_error_at_samples(samples, solution.targets, gains) for _ in range(50)
+        ]
         assert (len(samples) > SAMPLES) == bool(np.ptp(found) > 1e-9) == (radius > 0.01)
         assert np.sqrt(np.mean(np.square(found))) == pytest.approx(true, rel=0.02)
 

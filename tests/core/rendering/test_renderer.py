@@ -277,7 +277,7 @@ def test_a_report_prints_what_a_person_wants_to_know() -> None:
     renderer, _, _ = make(moving)
     calm = repr(renderer.run(0.01))
     assert re.fullmatch(
-        r"<Report: 10 ticks, 0.0% late, median \d+.\d\d ms(, error \d+.\d\d%)?>", calm
+        r"<Report: 10 ticks, 0.0% late, median \d+.\d\d ms(, error at samples \d+.\d\d%)?>", calm
     )
     renderer, _, _ = make(lambda t: 1 / 0)
     broken = repr(renderer.run(0.01))
