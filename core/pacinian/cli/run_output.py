@@ -206,7 +206,7 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
         "solver, backend": f"{figures['solver']}, {figures['backend']}",
         "ticks": f"{figures['ticks']:,} at {figures['rate']:g} Hz, {_late(figures)}",
         "tick time": f"{_times(figures)}, max {figures['tick_max_ms']:.2f} ms",
-        "error": _error(figures["error_at_samples"]),
+        "error at samples": _describe_error(figures["error_at_samples"]),
         **{
             f"felt of {name}": str(FeltRegion(**felt))
             for name, felt in list(figures["felt"].items())[:MAX_LISTED]
@@ -238,10 +238,10 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
         console.print(Text(f"Picture: {Path(figures['picture']).resolve()}"), soft_wrap=True)
 
 
-def _error(error: float | None) -> str:
+def _describe_error(error: float | None) -> str:
     if error is None:
         return "not measured, because nothing was emitted long enough"
-    return f"{error:.2%} of the target sound pressures, as emitted at the samples"
+    return f"{error:.2%} of the target sound pressures, as emitted"
 
 
 def _late(figures: dict[str, Any]) -> str:

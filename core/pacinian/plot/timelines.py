@@ -67,12 +67,13 @@ def timeline(
 ) -> Figure | Axes | Sequence[Axes]:
     """Plot a run over time, one panel per quantity.
 
-    run: a report, for "ticks" (durations of the last 100,000), "error" (of every 64th solve, as emitted) and
-    "skipped" (skipped work by reason); a recording, for "drive" (mean and maximum of all amplitudes), "ticks" (time
+    run: a report, for "ticks" (durations of the last 100,000), "error" (at the samples of every 64th solve, as emitted)
+    and "skipped" (skipped work by reason); a recording, for "drive" (mean and maximum of all amplitudes), "ticks" (time
     between the first and the last reading of the clock, and lateness of the start) and "skipped" (repeated frames and
-    missed ticks); or a file: a recording, or a feed of the viewer (.feed), for "drive", "error" (as emitted) and
-    "ticks" (of the last second). show: one quantity only. ax: axes to draw into and return, one per quantity. Many
-    values are drawn as a min-max band with the median. Raises ArgumentError, RecordingError, MissingExtra.
+    missed ticks); or a file: a recording, or a feed of the viewer (.feed), for "drive", "error" (at the samples, as
+    emitted) and "ticks" (of the last second). show: one quantity only. ax: axes to draw into and return, one per
+    quantity. Many values are drawn as a min-max band with the median. Raises ArgumentError, RecordingError and
+    MissingExtra.
     """
     check_kind("run", run, Report, Recording, str, Path)
     if isinstance(run, Report):
@@ -104,9 +105,11 @@ def _of_report(report: Report) -> dict[str, Callable[[Panel], None]]:
         panel.set(xlabel="tick", ylabel="tick time [ms]", ylim=(0.0, None))
 
     def error(panel: Panel) -> None:
-        errors = 100.0 * report.errors
+        errors = 100.0 * report.errors_at_samples
         panel.plot(np.arange(len(errors)), errors, ".", color=RED, ms=3)
-        panel.set(xlabel="measured solve (one of 64)", ylabel="error [%]", ylim=(0.0, None))
+        panel.set(
+            xlabel="measured solve (one of 64)", ylabel="error at samples [%]", ylim=(0.0, None)
+        )
 
     def skipped(panel: Panel) -> None:
         found = [(name, count) for name, count in report.skipped.most_common() if count]
@@ -196,7 +199,7 @@ def _of_file(path: Path) -> dict[str, Callable[[Panel], None]]:
 
     def error(panel: Panel) -> None:
         _line(panel, t, 100.0 * missed, RED)
-        panel.set(xlabel="time [s]", ylabel="error [%]", ylim=(0.0, None))
+        panel.set(xlabel="time [s]", ylabel="error at samples [%]", ylim=(0.0, None))
 
     def ticks(panel: Panel) -> None:
         for values, colour, name in (

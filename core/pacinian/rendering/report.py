@@ -161,15 +161,15 @@ class Report:
         return self.late_ticks / max(1, self.ticks)
 
     @property
-    def errors(self) -> Floats:
+    def errors_at_samples(self) -> Floats:
         """Relative errors of the emitted sound pressures at the samples, at each measurement, oldest first."""
         count = min(self._measured, REMEMBERED)
         return self._errors[np.arange(self._measured - count, self._measured) % REMEMBERED]
 
     @property
-    def error(self) -> float:
-        """Median of `errors`, which are those at the samples; 0 before the first."""
-        return float(np.median(self.errors)) if self._measured else 0.0
+    def error_at_samples(self) -> float:
+        """Median of `errors_at_samples`; 0 before the first."""
+        return float(np.median(self.errors_at_samples)) if self._measured else 0.0
 
     def summary(self) -> dict[str, Any]:
         """Return the report as plain values, for JSON. `error_at_samples` is None if nothing was measured."""
@@ -180,7 +180,7 @@ class Report:
             "tick_p99_ms": self.tick_ms(99),
             "tick_max_ms": self.tick_ms(100),
             "stages_ms": {k: 1e3 * v / max(1, self.ticks) for k, v in self.stages.items()},
-            "error_at_samples": self.error if self._measured else None,
+            "error_at_samples": self.error_at_samples if self._measured else None,
             "felt": {name: felt._asdict() for name, felt in self.compute_felt().items()},
             "solves": self.solves,
             "frames_sent": self.frames_sent,
@@ -201,7 +201,7 @@ class Report:
         if not self.ticks:
             return "<Report: no ticks yet>"
         text = f"{self.ticks:,} ticks, {self.late_share:.1%} late, median {self.tick_ms(50):.2f} ms"
-        text += f", error at samples {self.error:.2%}" if self._measured else ""
+        text += f", error at samples {self.error_at_samples:.2%}" if self._measured else ""
         if self.deviations.ticks:
             text += f", {self.deviations.ticks:,} ticks not as asked"
         text += f", {self.fault_count} faults" if self.fault_count else ""
@@ -214,7 +214,7 @@ class Report:
         rows = {
             "late": f"{self.late_ticks} ({self.late_share:.1%})",
             "tick time [ms]": " ".join(f"p{p} {self.tick_ms(p):.3f}" for p in (50, 99, 100)),
-            "error at samples": f"{100.0 * self.error:.2g} % of the sound pressures asked, as emitted"
+            "error at samples": f"{100.0 * self.error_at_samples:.2g} % of the sound pressures asked, as emitted"
             if self._measured
             else "not measured",
             **{

@@ -74,7 +74,7 @@ def test_demo_tells_one_json_object(tmp_path: Path) -> None:
 def test_demo_without_json_is_a_table_and_a_bar() -> None:
     result = run("demo", "--seconds", "0.1", "--out", "", "--units", "1")
     assert result.exit_code == 0
-    for word in ("ticks", "late", "p99", "at the samples"):
+    for word in ("ticks", "late", "p99", "error at samples"):
         assert word in result.stdout
 
 

@@ -68,7 +68,7 @@ def test_a_reports_ticks_errors_and_skips_are_shown() -> None:
     np.testing.assert_allclose(error.lines[0].get_ydata(), [0.0, 1.0, 2.0, 3.0, 4.0])
     assert [bar.get_width() for bar in skipped.patches] == [2, 7]
     assert [text.get_text() for text in skipped.texts] == ["<i>missed</i>", "solve, nothing moved"]
-    assert list(found) == ["tick time [ms]", "error [%]", "times skipped"]
+    assert list(found) == ["tick time [ms]", "error at samples [%]", "times skipped"]
 
 
 def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
@@ -86,7 +86,7 @@ def test_of_a_long_run_the_last_ticks_and_errors_are_in_their_order() -> None:
         made.tick(1e-6 * k, late=False)
         made.count_solve(pc.Status.ok)
         made.add_measurement(1e-6 * k, {})
-    for kept in (made.recent(REMEMBERED), made.errors):
+    for kept in (made.recent(REMEMBERED), made.errors_at_samples):
         np.testing.assert_allclose(kept, 1e-6 * np.arange(10, REMEMBERED + 10))
     np.testing.assert_allclose(made.recent(3), kept[-3:])
     x = plot.timeline(made, "ticks").axes[0].lines[0].get_xdata()
@@ -169,7 +169,7 @@ def test_a_viewers_file_has_drive_error_and_ticks_over_time(feed: Path) -> None:
     page = plot.timeline(feed)
     drive, error, ticks = page.axes
     assert [panel.get_ylabel() for panel in page.axes] == [
-        "amplitude (1: full)", "error [%]", "tick time [ms]",
+        "amplitude (1: full)", "error at samples [%]", "tick time [ms]",
     ]  # fmt: skip
     k = np.arange(100)
     sounds, at = (k < 40) | (k >= 60), 0.1 * k + 2.0 * (k >= 80)

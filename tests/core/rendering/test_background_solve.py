@@ -317,9 +317,12 @@ def test_no_solution_waits_for_a_measurement() -> None:
     with renderer:
         for k in range(TICKS_PER_MEASUREMENT):
             renderer.tick(k * TICK)
-        assert (renderer.report.solves, len(renderer.report.errors)) == (TICKS_PER_MEASUREMENT, 1)
+        assert (renderer.report.solves, len(renderer.report.errors_at_samples)) == (
+            TICKS_PER_MEASUREMENT,
+            1,
+        )
         background = solve_beside(renderer)
-        while len(renderer.report.errors) < 2:
+        while len(renderer.report.errors_at_samples) < 2:
             k += 1
             renderer.tick(k * TICK)
         report = renderer.report

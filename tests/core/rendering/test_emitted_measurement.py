@@ -258,7 +258,7 @@ def test_frames_in_turn_that_rest_are_measured_some_times_only() -> None:
         for k in range(1500):
             renderer.tick(k * 1e-3)
         assert len(renderer.cycle_gains) > 1
-        count = len(renderer.report.errors)
+        count = len(renderer.report.errors_at_samples)
         assert MAX_MEASUREMENTS_AT_REST <= count < 2 * MAX_MEASUREMENTS_AT_REST
 
 

@@ -105,7 +105,7 @@ def test_what_is_emitted_makes_the_pressure_that_was_asked() -> None:
         p = device.field([POINT.position], pc.Air())
         P = pc.radiation_pressure(p, pc.Air())
         assert P[0] == pytest.approx(5.0, rel=0.02)
-        assert renderer.report.error < 0.01
+        assert renderer.report.error_at_samples < 0.01
         # the report evaluates the levels that the simulated array holds
         np.testing.assert_allclose(device.gains, renderer.emitted_gains, atol=1e-6)
     assert device.silent
@@ -629,8 +629,8 @@ def test_the_error_is_that_of_the_points_of_its_own_step() -> None:
         )
         report = renderer.run(0.1)
         # in tick TICKS_TO_FIRST_MEASUREMENT, and TICKS_PER_MEASUREMENT later
-        assert len(report.errors) == 2
-        assert 0.0 < report.error < 0.02
+        assert len(report.errors_at_samples) == 2
+        assert 0.0 < report.error_at_samples < 0.02
 
 
 def test_exact_samples_may_be_asked_for_while_sound_comes_up() -> None:

@@ -219,7 +219,7 @@ def test_the_first_measurement_does_not_depend_on_the_ramp(ramp: float) -> None:
     scene = press(0.017, 0.0025, 0.004, 0.006)
     report = render(scene, sampler=pc.Sampler(ramp=ramp), ticks=20 + round(ramp / TICK)).report
     told = report.compute_felt()["object"]
-    assert len(report.errors) == 1
+    assert len(report.errors_at_samples) == 1
     assert told.force == pytest.approx(1.0, abs=0.05)
     assert told.rms < 0.07
 
@@ -231,7 +231,7 @@ def test_a_measurement_during_a_ramp_compares_with_the_pressures_of_that_time() 
     with pc.Renderer(NINE, scene, sampler=pc.Sampler(ramp=0.2), **how) as renderer:
         for k in range(120):
             renderer.tick(k * TICK)
-            if len(renderer.report.errors):
+            if len(renderer.report.errors_at_samples):
                 break
         assert renderer.samples is not None
         height = renderer.samples.radiation_pressure.max()
@@ -256,5 +256,5 @@ def test_frames_in_turn_are_measured_when_all_are_solved_for_the_full_pressures(
 
 def test_texts_say_that_the_error_is_that_at_the_samples() -> None:
     report = render(press(0.017, 0.0025), ticks=20).report
-    assert f"error at samples {report.error:.2%}" in str(report)
+    assert f"error at samples {report.error_at_samples:.2%}" in str(report)
     assert "error at samples" in str(report._repr_html_())
