@@ -15,6 +15,7 @@ import zmq
 import pacinian as pc
 from pacinian.client import link
 from pacinian.client.reconnecting_client import ReconnectingClient
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Safety, Settings
 from pacinian.testing import run_server
 from pacinian.wire.connection_file import VARIABLE
@@ -35,7 +36,10 @@ SHOWN = [
 def server() -> Iterator[str]:
     """Run a server whose limits are long, so that a machine that pauses for a moment ends nothing."""
     safety = Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0)
-    with run_server(Settings(safety=safety)) as running, pytest.MonkeyPatch.context() as patch:
+    with (
+        run_server(Settings(array=Units(1, 1), safety=safety)) as running,
+        pytest.MonkeyPatch.context() as patch,
+    ):
         patch.setitem(ReconnectingClient.__init__.__kwdefaults__, "timeout", 60.0)
         for limit in (zmq.HEARTBEAT_TTL, zmq.HEARTBEAT_TIMEOUT):
             patch.setitem(link.HEARTBEAT, limit, 60_000)

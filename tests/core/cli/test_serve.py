@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 deep = functools.partial(pytest.param, marks=pytest.mark.deep)
-DEAF_ZONE = "[[safety.zones]]\nposition = [0, 0, 0.6]\nradius = 0.4\npressure = 1e-9"
+DEAF_ZONE = (
+    "array = {type='autd', columns=1, rows=1}\n"
+    "[[safety.zones]]\nposition = [0, 0, 0.6]\nradius = 0.4\npressure = 1e-9"
+)
 
 
 @pytest.mark.parametrize(

@@ -201,7 +201,9 @@ def scan(**changes: Any) -> dict[str, Any]:
     [
         ({"positions": lambda q: 1e3 * q}, "millimetres"),
         ({"positions": lambda q: 1e2 * q}, "millimetres|do not fit"),  # centimetres
-        ({"positions": lambda q: q[:, [1, 0, 2]]}, "do not fit"),
+        pytest.param(
+            {"positions": lambda q: q[:, [1, 0, 2]]}, "do not fit", marks=pytest.mark.deep
+        ),
         pytest.param({"positions": lambda q: q[::-1]}, "do not fit", marks=pytest.mark.deep),
         (
             {"positions": lambda q: q * [1.0, 1.0, -1.0]},

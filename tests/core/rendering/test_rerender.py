@@ -75,9 +75,9 @@ def again(path: Path) -> tuple[int, int]:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_built_in_scene_comes_out_the_same(tmp_path: Path, name: str) -> None:
-    report = make(tmp_path / "run.pac", SCENES[name]).run(0.04)
+    report = make(tmp_path / "run.pac", SCENES[name]).run(0.02)
     assert not report.faults
-    assert again(tmp_path / "run.pac") == (40, 0)
+    assert again(tmp_path / "run.pac") == (20, 0)
 
 
 def grid(t: float) -> pc.Scene:

@@ -10,6 +10,7 @@ import pytest
 import zmq
 from msgspec.structs import replace
 
+from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Log
 from pacinian.testing import run_server
 from pacinian.wire.codec import encode
@@ -29,7 +30,7 @@ SECONDS = 0.4  # duration of a flood [s]
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Running]:
-    with run_server(replace(PATIENT, log=Log())) as running:
+    with run_server(replace(PATIENT, array=Units(1, 1), log=Log())) as running:
         yield running
 
 

@@ -16,6 +16,7 @@ from pacinian.testing import NotConforming, check_solver, conformance_solver
 from pacinian.testing.problems import make_problems
 
 SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
+LONG = ("lbfgs",)
 RIGHT = pc.solver("pseudo-inverse")
 ARRAY = pc.lattice(0.09, 0.09)
 
@@ -200,15 +201,18 @@ def test_a_hang_ends_the_trial() -> None:
     end.set()
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    "solver",
+    [pytest.param(name, marks=pytest.mark.deep) if name in LONG else name for name in SOLVERS],
+)
 def test_every_installed_solver_conforms(solver: str) -> None:
     check_solver(lambda: pc.solver(solver))
 
 
 def test_an_array_of_one_s_own_may_be_given() -> None:
-    array = pc.autd()
-    rng = np.random.default_rng(3)
+    array, rng = pc.lattice(0.1, 0.1), np.random.default_rng(3)
+    N = len(array)
     uneven = dataclasses.replace(
-        array, response=rng.uniform(0.5, 1.5, 249) * np.exp(1j * rng.normal(0, 1, 249))
+        array, response=rng.uniform(0.5, 1.5, N) * np.exp(1j * rng.normal(0, 1, N))
     )
     check_solver(lambda: pc.solver("lagrange"), uneven)

@@ -125,7 +125,7 @@ def test_without_json_tables_tell_of_peers_beside_ours_and_of_their_faults(
 def test_ctrl_c_keeps_what_was_measured(tmp_path: Path) -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "pacinian", "bench", "--quick", "--units", "1", "--seeds", "500",
-         "--out", str(tmp_path), "--json"],
+         "--points", "2,3", "--levels", "0.5", "--solvers", "pseudo-inverse", "--out", str(tmp_path), "--json"],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     ) as child:  # fmt: skip
         try:

@@ -191,6 +191,7 @@ def scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Calla
         process.wait()
 
 
+@pytest.mark.deep
 def test_a_scheduler_elsewhere_without_workers_with_one_and_gone(
     undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path,
     scheduler: Any, monkeypatch: pytest.MonkeyPatch,
