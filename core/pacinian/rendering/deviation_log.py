@@ -33,10 +33,11 @@ SLEW_LIMITED = "slew limited"
 SKIN_LIMITED = "limited on skin"
 FEWER_FRAMES = "in fewer frames"
 UNEVEN = "measured uneven"
+PRESSED_BESIDE = "pressed beside"
 BY_TICK = frozenset(
     {
         LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
-        FEWER_FRAMES, UNEVEN, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
+        FEWER_FRAMES, UNEVEN, PRESSED_BESIDE, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip
 """Reasons that count ticks, not samples."""

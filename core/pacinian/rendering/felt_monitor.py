@@ -121,11 +121,11 @@ class FeltMonitor:
             if p is None:
                 p = probe.compute_pressures(samples.positions, facing, solved)
             error_at_samples = targets.relative_error(p)
-        felt = probe.measure_between(samples, targets, facing, solved)
+        felt, on_skin = probe.measure_between(samples, targets, facing, solved), {}
         if facing is not None and targets.regions is not None:
             emitted = [self._playback.quantise_gains(g, moment.limits) for g in moment.gains]
-            felt |= probe.measure_on_skin(self._find_places(moment), np.array(emitted))
-        return Measurement(error_at_samples, felt)
+            on_skin = probe.measure_on_skin(self._find_places(moment), np.array(emitted))
+        return Measurement(error_at_samples, felt | on_skin, on_skin)
 
     def _find_places(self, moment: _Moment) -> Samples:
         """Return places on the skin that is touched at that moment, at the pressures after the ramps."""

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from pacinian.rendering.field_steering import Motion
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.felt_regions import FeltSums
@@ -27,6 +29,7 @@ class Measurement(NamedTuple):
 
     error_at_samples: float
     felt: dict[str, FeltSums]
+    on_skin: Collection[str]
 
 
 class MeasurementSchedule:

@@ -10,12 +10,19 @@ import numpy as np
 
 from pacinian.errors import PacinianError
 from pacinian.notebook import Card, card
-from pacinian.rendering.deviation_log import NOTHING, UNEVEN, Deviations, describe_totals, mark
+from pacinian.rendering.deviation_log import (
+    NOTHING,
+    PRESSED_BESIDE,
+    UNEVEN,
+    Deviations,
+    describe_totals,
+    mark,
+)
 from pacinian.skip_reasons import split_skips
 from pacinian.solving.felt_regions import FeltSums
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from pacinian.rendering.deviation_log import Reasons
     from pacinian.solving.felt_regions import FeltRegion
@@ -27,6 +34,8 @@ Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "
 
 # A measurement at this many places or more whose force or rms error exceeds these is a deviation.
 MIN_JUDGED_PLACES, MAX_MEASURED_FORCE_ERROR, MAX_MEASURED_RMS = 16, 0.15, 0.25
+# A pressure above this on skin beside the touched skin, over the mean pressure asked for, is a deviation.
+MAX_MEASURED_SPILL = 2.0
 KEPT_MEASUREMENTS = 1000  # number of recent measurements of the felt pressure that are kept
 # Number of recent ticks whose times are kept for the percentiles, and of recent measurements whose errors at the
 # samples are kept.
@@ -81,15 +90,16 @@ class Report:
     _felt: deque[dict[str, FeltSums]] = field(
         default_factory=lambda: deque(maxlen=KEPT_MEASUREMENTS), repr=False
     )
-    # labels of the objects that were measured uneven since the last tick
-    _uneven: list[str] = field(default_factory=list, repr=False)
+    # labels of objects, and what measurements have found wrong with them since the last tick
+    _wrong: list[tuple[str, str]] = field(default_factory=list, repr=False)
 
     def tick(
         self, seconds: float, late: bool, time: float = 0.0, deviations: Reasons = NOTHING
     ) -> None:
         """Count a tick that took `seconds` [s]. time: of the scene [s]. deviations: of this tick, by object."""
-        if self._uneven:
-            deviations, self._uneven = mark(deviations, self._uneven, UNEVEN), []
+        for label, reason in self._wrong:
+            deviations = mark(deviations, [label], reason)
+        self._wrong = []
         self.deviations.add(self.ticks, time, deviations)
         self._times[self.ticks % REMEMBERED] = seconds
         self.ticks += 1
@@ -104,16 +114,24 @@ class Report:
         self.solves += 1
         self.statuses[status.name] += 1
 
-    def add_measurement(self, error_at_samples: float, felt: dict[str, FeltSums]) -> None:
+    def add_measurement(
+        self, error_at_samples: float, felt: dict[str, FeltSums], on_skin: Collection[str] = ()
+    ) -> None:
         """Add a measurement of the emitted field, computed from the quantised gains.
 
         error_at_samples: relative error of the sound pressures there. felt: sums between the samples or on touched
-        skin, for each object that has regions.
+        skin, for each object that has regions. on_skin: labels of those that were measured on skin.
         """
         self._errors[self._measured % REMEMBERED] = error_at_samples
         self._measured += 1
         self._felt.append(felt)
-        self._uneven += [name for name, sums in felt.items() if _is_uneven(sums)]
+        for name, sums in felt.items():
+            if sums.places < MIN_JUDGED_PLACES:
+                continue
+            if _is_uneven(sums):
+                self._wrong.append((name, UNEVEN))
+            if name in on_skin and sums.felt.spill > MAX_MEASURED_SPILL:
+                self._wrong.append((name, PRESSED_BESIDE))
 
     def compute_felt(self, measurements: int = KEPT_MEASUREMENTS) -> dict[str, FeltRegion]:
         """Return what was felt of each object that has regions, by label, over the last measurements.
@@ -243,8 +261,7 @@ class Report:
 def _is_uneven(sums: FeltSums) -> bool:
     """Return whether a measurement shows clearly more or less than the target, or great unevenness."""
     felt = sums.felt
-    wrong = abs(felt.force - 1.0) > MAX_MEASURED_FORCE_ERROR or felt.rms > MAX_MEASURED_RMS
-    return sums.places >= MIN_JUDGED_PLACES and wrong
+    return abs(felt.force - 1.0) > MAX_MEASURED_FORCE_ERROR or felt.rms > MAX_MEASURED_RMS
 
 
 class StageTimer:

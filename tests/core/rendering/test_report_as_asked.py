@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.sample_solver import MISSED_BELOW
-from pacinian.solving.felt_regions import FeltRegion
+from pacinian.solving.felt_regions import FeltRegion, FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
 from pacinian_plugins.backends.simulated import Simulated
@@ -258,3 +258,17 @@ def test_texts_say_that_the_error_is_that_at_the_samples() -> None:
     report = render(press(0.017, 0.0025), ticks=20).report
     assert f"error at samples {report.error_at_samples:.2%}" in str(report)
     assert "error at samples" in str(report._repr_html_())
+
+
+@pytest.mark.parametrize("on_skin", [True, False])
+@pytest.mark.parametrize("spill", [1.9, 2.1])
+def test_what_presses_much_on_skin_beside_is_named(spill: float, on_skin: bool) -> None:
+    """In free air, nobody feels it."""
+    sums = FeltSums(asked=20.0, made=20.0, squares=20.0, places=20, beside=spill)
+    report = pc.Report()
+    report.add_measurement(0.0, {"a": sums}, {"a"} if on_skin else ())
+    report.tick(0.0, late=False)
+    report.tick(0.0, late=False)
+    named = report.deviations.totals.get("a", {})
+    assert sorted(named) == ["pressed beside"] * (spill > 2.0 and on_skin)
+    assert all(total.ticks == 1 for total in named.values())
