@@ -29,7 +29,7 @@ SAYS = {
     "own_array": "at the focus",
     "array_study": "sunflower",
 }
-LONG = pytest.param("hand_session", marks=pytest.mark.deep)
+LONG = {"hand_session", "stm_circle", "texture"}
 UNSEEN = {"touch", "client"}  # test_documented_code.py runs the client, because it has a server
 
 
@@ -37,7 +37,10 @@ def test_all_are_run() -> None:
     assert {path.stem for path in (ROOT / "examples").glob("*.py")} == {*SAYS, *UNSEEN}
 
 
-@pytest.mark.parametrize("name", [*(name for name in SAYS if name not in LONG.values), LONG])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.deep] if name in LONG else []) for name in SAYS],
+)
 def test_it_says_and_draws(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -67,7 +67,7 @@ def test_a_program_that_tests_itself(programs: Path, name: str) -> None:
     tools.run(programs / name, WIRE)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_whatever_a_peer_sends(programs: Path, seed: int) -> None:
     said = tools.run(programs / "zmtp_fuzz", str(seed), str(FUZZED)).splitlines()
     assert said[-1] == f"{FUZZED} conversations"

@@ -389,7 +389,7 @@ def test_noise_over_tcp(start: Start, seed: int) -> None:
         assert game.end() == 0
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_whatever_a_peer_sends(seed: int, tmp_path: Path) -> None:
     made = tmp_path / "ZmtpFuzz.exe"
     tools.csharp(made, [*tools.CORE.rglob("*.cs"), tools.CSHARP / "tests" / "ZmtpFuzz.cs"])

@@ -85,7 +85,7 @@ def test_unevenness_between_good_samples_is_found() -> None:
 @pytest.mark.parametrize(
     ("name", "units"),
     [
-        ("ball of 12 mm radius at a fingertip", 3),
+        pytest.param("ball of 12 mm radius at a fingertip", 3, marks=pytest.mark.deep),
         ("letter S, at the palm", 3),
         ("ball of 10 mm radius at the palm", 1),
         ("edge of a box at a fingertip", 1),

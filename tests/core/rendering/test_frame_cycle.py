@@ -199,6 +199,7 @@ def test_on_skin_one_wave_is_better_than_two() -> None:
     assert np.array_equal(spill[1], spill[4])
 
 
+@pytest.mark.deep
 def test_a_whole_palm_is_felt_evenly_because_its_bands_may_have_more_samples() -> None:
     """One frame of 256 samples has an rms error of 0.30."""
     board = pc.Surface(

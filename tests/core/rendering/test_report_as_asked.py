@@ -90,7 +90,13 @@ GOOD = {
 }
 
 
-@pytest.mark.parametrize("name", list(GOOD))
+LARGE_OR_SMALL = {"ball of 30 mm radius at the palm", "ball of 10 mm radius at the palm"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=[pytest.mark.deep] if one in LARGE_OR_SMALL else []) for one in GOOD],
+)
 def test_a_good_contact_at_rest_is_as_asked_and_its_figures_are_true(name: str) -> None:
     """A short run is measured after the ramps."""
     scene = GOOD[name]()

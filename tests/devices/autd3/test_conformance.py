@@ -23,6 +23,7 @@ def test_on_the_emulator() -> None:
     )
 
 
+@pytest.mark.deep
 @pytest.mark.usefixtures("loopback")
 def test_on_the_units_own_software() -> None:
     def lose(backend: Any) -> None:

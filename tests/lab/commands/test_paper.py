@@ -69,6 +69,7 @@ def test_tables_fit_eighty_columns_and_keep_their_units(runner):
     assert "mirror-symmetric" in text
 
 
+@pytest.mark.deep
 def test_figures_are_written_as_png_files_and_named(runner, tmp_path):
     result = runner.invoke(paper, ["--out", str(tmp_path / "new" / "folder"), "--json"])
     assert result.exit_code == 0

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import pytest
 
 
+@pytest.mark.deep
 def test_it_has_a_row_for_each_state(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(footprint, "SETTLE", 0.3)
     # A busy machine does not end sessions.

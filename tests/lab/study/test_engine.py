@@ -126,6 +126,7 @@ def test_a_worker_that_is_killed_costs_nothing(
     assert same(table) == same(undisturbed)
 
 
+@pytest.mark.deep
 def test_a_command_that_is_killed_and_then_interrupted_goes_on_where_it_stopped(
     undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path
 ) -> None:
@@ -285,6 +286,7 @@ def _surroundings(dask_worker: Any) -> dict[str, Any]:
     }
 
 
+@pytest.mark.deep
 def test_what_kills_its_workers_again_and_again_is_a_row(
     write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
