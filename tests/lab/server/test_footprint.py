@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from typing import TYPE_CHECKING
 
+import pytest
 from click.testing import CliRunner
 
 from pacinian.cli.main import cli
 from pacinian.serving.settings import Safety, Settings
 from pacinian_lab.server import footprint
-
-if TYPE_CHECKING:
-    import pytest
 
 
 @pytest.mark.deep
