@@ -217,7 +217,7 @@ def test_contacts_that_come_or_go_or_jump_or_are_near_the_array_are_not_followed
         assert not made.motion.continues
 
 
-@pytest.mark.parametrize("speed", [0.0, 0.1])
+@pytest.mark.parametrize("speed", [pytest.param(0.0, marks=pytest.mark.deep), 0.1])
 def test_a_contact_that_one_wave_cannot_make_is_made_by_relaxed_phases(speed: float) -> None:
     """A box under a palm close to four units: with the phases of one wave, the force was 0.7 of what was asked."""
     four = pc.autd(2, 2)

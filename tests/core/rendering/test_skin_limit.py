@@ -260,9 +260,10 @@ def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
     assert found >= P / (1.0 + TOLERANCE)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     "speed",
-    [pytest.param(0.3, marks=pytest.mark.deep), 1.0, pytest.param(3.0, marks=pytest.mark.deep)],
+    [0.3, 1.0, 3.0],
 )
 def test_a_second_hand_without_velocities_is_limited_where_it_was_seen(speed: float) -> None:
     """It crosses the beam to a hand at rest; it is drawn to its new place within 10 ms, but is there at once."""

@@ -1,16 +1,13 @@
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pytest
 
 import pacinian as pc
 from pacinian_lab.scenes import audibility as sounds
 
-if TYPE_CHECKING:
-    import pytest
 
-
+@pytest.mark.deep
 def test_a_focus_that_stays_is_not_disturbed_and_the_room_is_quieter_with_ramps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -162,6 +162,7 @@ def saved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
+@pytest.mark.deep
 def test_pictures_are_made_of_each_level_and_of_growth(tmp_path: Path, saved: list[str]) -> None:
     rows = [row for row in everything() if row.N == 249]
     rows.append(replace(rows[0], solver="late", status="timed out after 1 s"))

@@ -111,6 +111,7 @@ def workers(pid: int) -> list[psutil.Process]:
     return found
 
 
+@pytest.mark.deep
 def test_a_worker_that_is_killed_costs_nothing(
     undisturbed: Any, same: Callable[[Any], str], write: Callable[..., Path], tmp_path: Path
 ) -> None:
