@@ -20,22 +20,21 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 # All lengths are relative to the spacing.
-MAX_EDGE_DISTANCE = (
-    1.5  # largest distance of a sample that does not press from one that does, across an outline
-)
+# Largest distance, across an outline, of a sample that does not press from one that does.
+MAX_EDGE_DISTANCE = 1.5
 STEEP = 0.3  # an outline is a step if the factor is full at this distance inside
 FULL = 0.9  # share of the factor of a sample that counts as full
 MIN_GAP = 5.5  # width of the smallest gap whose outline has samples: twice the resolution
-MIN_WIDE_SHARE = (
-    0.5  # smallest share of all outlines that are of wide gaps, of textures that are laid out anew
-)
+# Smallest share of the outlines of wide gaps among all outlines of a mask. Letters have more, gratings less.
+MIN_WIDE_SHARE = 0.55
 MIN_FREE_SHARE = (
-    0.5  # radius around the middle of such a gap in which nothing presses, over half its width
+    0.5  # radius in which nothing presses around the middle of a wide gap, over half of its width
 )
 MIN_OUTLINE_SPACING = 0.5  # smallest distance between two samples on an outline
 MIN_SILENT_DISTANCE = 0.7  # smallest distance of a silent sample from one that presses
 MAX_SMOOTH = 0.25  # largest factor beside a place with factor 0, over the texture's largest one, that is no step
-BISECTIONS = 12
+BISECTIONS = 12  # steps that find where a line crosses an outline
+# Directions in which a point is compared with its surroundings, along x and y of the shape.
 DIRECTIONS = np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
 
 
