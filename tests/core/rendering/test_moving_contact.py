@@ -238,9 +238,9 @@ def test_a_contact_that_one_wave_cannot_make_is_made_by_relaxed_phases(speed: fl
 
     felt = [
         measure_felt(four, AIR, scene(t), t, g)
-        for k, (t, g, _) in enumerate(play(four, scene, END))
+        for k, (t, g, _) in enumerate(play(four, scene, 2.0 * END))  # a slide as long as the box
         if t >= BEGIN and k % 9 == 0
     ]
     assert None not in felt
-    assert np.mean([f.force for f in felt if f]) > 0.9
+    assert np.mean([f.force for f in felt if f]) > 0.93
     assert np.mean([f.rms for f in felt if f]) < 0.2

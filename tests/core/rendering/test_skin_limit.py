@@ -150,7 +150,7 @@ def scenes(draw: st.DrawFn) -> pc.Scene:
 
 
 @given(scenes(), st.floats(1.0, 30.0))
-@settings(deadline=None, max_examples=24)
+@settings(deadline=None, max_examples=40)
 def test_no_place_of_the_skin_gets_more_than_the_limit(scene: pc.Scene, limit: float) -> None:
     renderer = render(scene, peak=limit)
     for number, one in enumerate(renderer.played.rows):
@@ -222,7 +222,7 @@ def test_skin_that_bending_uncovers_is_limited() -> None:
 
 
 @given(st.integers(0, 10**6), st.sampled_from([0.5, 1.0, 2.0, 4.0]))
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=120)
 def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
     """On bent fingers, low beside the array, on large hands: wherever sound reaches the skin."""
     rng = np.random.default_rng(seed)
