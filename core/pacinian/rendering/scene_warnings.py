@@ -13,7 +13,7 @@ from pacinian.errors import PointOnTransducer
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sample_sources import lacks_surface
-from pacinian.scene.sampling.sampler import OFF
+from pacinian.scene.sampling.unsampled_objects import is_silent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,7 +39,7 @@ def find_warnings(
     """
     outside, weak, empty, fast = list[str](), list[str](), list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
-        if not item.pressure > 0.0 or item.envelope == OFF:
+        if is_silent(item):
             continue
         label = repr(label_object(item, i))
         if lacks_surface(item):

@@ -1,9 +1,9 @@
 """Sampling: turn a scene into samples, given what the hands touch, the array resolves and people feel.
 
-sampler.py                    `Sampler`: one tick, from scene to samples; pressure of points from their force; merging
+sampler.py                    `Sampler`: one tick, from scene to samples: the sequence of the steps below
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
-    merge_samples.hpp         merges close samples of different objects: called by sampler.py
+    culling_boxes.py          boxes in which anything can be felt; cuts off samples outside the workspace
     contact.py                `find_contact`: skin inside a surface or volume, and its forces
     posed_skin.hpp            skin near an object; pressure by depth, for surfaces and volumes: called by posed_skin.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
@@ -18,6 +18,10 @@ Where
     region_bands.py           parts of a large region that sound in turn
 How many, how strong
     sample_budget.py          divides the budget among objects by priority; coarsens spacing
+    merge_samples.py          merges close samples of different objects
+    merge_samples.hpp         compares all pairs of samples: called by merge_samples.py
+    focal_pressure.py         pressure of points and particles from their force and the focus of the array
+    unsampled_objects.py      why objects have no samples: silent, outside, too far away, on skin that faces away
     sample_counts.py          what became of samples: coarsened, over budget, merged, too faint, out of reach
     ramps.py                  `PressureRamps`: rise and fall in 5 ms; matches samples of two ticks by key and place
     ramps.hpp                 one tick of ramps: called by ramps.py
@@ -25,6 +29,7 @@ How many, how strong
 In time
     hand_tracking.py          `HandTrack`: predicts hands, blends updates, holds and fades lost hands
     pose_prediction.py        `PosePredictor`: predicts poses of objects, blends updates
+    object_numbers.py         numbers of objects and contacts, which make the keys of their samples
     sample_cache.py           samples of each object in its own frame, for objects that only moved
     distance_cache.py         distances of skin to an object, for skin that has hardly moved
 """

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-import zlib
 from collections import Counter
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.argument_checks import MAX_LENGTH, check_integer, check_length, check_number
-from pacinian.native.scene import merge
+from pacinian.argument_checks import check_integer, check_length, check_number
 from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SAMPLE_SPACING
 from pacinian.scene.modulation.technique import AM
-from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.contact import Contact, find_contact, touches_unseen
+from pacinian.scene.sampling.contact import Contact, find_contact
+from pacinian.scene.sampling.culling_boxes import CullingBoxes, cut
 from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.focal_pressure import spread_forces
 from pacinian.scene.sampling.hand_tracking import HandTrack
+from pacinian.scene.sampling.merge_samples import merge_samples
+from pacinian.scene.sampling.object_numbers import number_contact, number_object
 from pacinian.scene.sampling.perception_thresholds import lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
@@ -27,19 +29,17 @@ from pacinian.scene.sampling.sample_budget import (
     FINE_ON_SKIN,
     ON_SKIN,
     PLAIN,
+    Allowance,
     allot_budget,
 )
-from pacinian.scene.sampling.sample_cache import SampleCache, estimate_samples
+from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sample_counts import (
     COARSENED,
-    FACES_AWAY,
     FAINT,
-    FAR,
     HAND_FADING,
     HAND_LOST,
     MERGED,
     NO_SURFACE,
-    OUTSIDE,
     OVER_BUDGET,
     PRESSURE_LIMITED,
     TOO_FINE,
@@ -52,23 +52,21 @@ from pacinian.scene.sampling.sample_sources import (
     WholeObject,
     cull,
     forms_region,
-    is_sequential,
     lacks_surface,
 )
-from pacinian.scene.sampling.samples import ISOLATED, Samples, join_samples, no_samples
+from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.sampling.silent_samples import FINE_SURROUND, SURROUND, add_surround
 from pacinian.scene.sampling.small_region_spacing import refine
 from pacinian.scene.sampling.spacing import (
     FINE_LEAST,
     FINE_SHARE,
     IN_TIME,
-    REGION_SPACING,
-    SPACING_WITHOUT_ARRAY,
     ContactDensity,
     compute_spacing,
     space_contacts,
 )
 from pacinian.scene.sampling.touched_skin import scatter_places, stays_on_skin
+from pacinian.scene.sampling.unsampled_objects import is_silent, note_outside, note_unseen
 from pacinian.skip_reasons import (
     AWAY_FROM_HANDS,
     COARSENED_SAMPLES,
@@ -81,18 +79,17 @@ from pacinian.skip_reasons import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.scene.hands.skin import Skin
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.posed_skin import PosedSkin
-    from pacinian.scene.scene import Scene, Workspace
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.scene import Scene
     from pacinian.types import Floats
 
-NAMES = 1 << 31  # numbers of objects in sample keys are smaller than this
-OFF = Constant(0.0)
 COUNTED = {
     COARSENED: COARSENED_SAMPLES,
     OVER_BUDGET: SAMPLES_OVER_BUDGET,
@@ -101,11 +98,7 @@ COUNTED = {
     PRESSURE_LIMITED: FORCES_LIMITED,
 }
 """Reasons of `Sampler.skipped`, by those of the sample counts."""
-MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
-MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
-MAX_UNSEEN = 8  # largest number of objects that are checked for skin that faces away
 MAX_SCATTERED = 8  # largest number of objects whose contacts are measured at a time
-MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
 class Sampler:
@@ -184,7 +177,7 @@ class Sampler:
         self._levels: dict[int, int] = {}
         self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
         self._still, self._ahead = False, 0.0
-        self._rooms: tuple[object, Floats] = (self, np.empty(6))
+        self._boxes = CullingBoxes(None if self._resolving is None else self._resolving.centre)
 
     def prepare(self, array: Array, medium: Air) -> None:
         """Set the array and medium to sample for, and reset."""
@@ -225,25 +218,25 @@ class Sampler:
         return tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand in hands)
 
     def scatter_places(self, scene: Scene, t: float, count: int) -> Samples:
-        """Return random places on the touched skin and beside it at time t [s], as `scatter_places` describes.
+        """Return random places on touched skin and beside it at time t [s], as `touched_skin.scatter_places` describes.
 
         Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
         Objects whose technique moves their samples are left out; of many objects, some are taken by chance. count: of
-        places, roughly. Forgets hands and poses, so use a sampler of its own for it, without perception.
+        places, roughly. Discards the tracked hands and poses, so call it on a separate sampler, without perception.
         """
         self._tracks, self._hands = PosePredictor(), {}
         hands = self._track_hands(scene, t, SampleCounts(scene.objects))
         if not hands or self._resolving is None:
             return no_samples()
-        near = cull(scene.bounds, t, self._boxes(scene, hands, skin=True)).tolist()
+        skins = [hand for hand, _ in hands]
+        near = cull(scene.bounds, t, self._boxes.find(scene, skins)).tolist()
         found = [i for i in near if stays_on_skin(scene.objects[i])]
         if len(found) > MAX_SCATTERED:
             found = self._chance.choice(found, MAX_SCATTERED, replace=False).tolist()
-        sources = self._sources(scene, t, found, hands, skin=True)
+        sources = self._find_sources(scene, t, found, hands)
         contacts = [source for source, _ in sources if isinstance(source, Contact)]
         places = scatter_places(contacts, count, self._resolving.corners, self._chance)
-        places = places.changed(capsules=_all([hand.capsules for hand, _ in hands]))
-        return self._cut(scene.workspace)(places)
+        return cut(scene.workspace, places.changed(capsules=_join_capsules(skins)))
 
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
@@ -256,132 +249,64 @@ class Sampler:
         return counts.samples
 
     def _make_samples(self, scene: Scene, t: float, counts: SampleCounts) -> Samples:
-        skin = bool(scene.hands)
         hands = self._track_hands(scene, t, counts)
-        self._present = [hand for hand, _ in hands], t
-        capsules = _all([hand.capsules for hand, _ in hands]) if skin else None
-        boxes = self._boxes(scene, hands, skin)
-        found = cull(scene.bounds, t, boxes).tolist()
-        culled = len(scene.objects) - len(found)
-        outside = 0 if skin or not culled else self._note_outside(scene, found, counts)
-        self.skipped[AWAY_FROM_HANDS] += culled - outside
-        self.skipped[OBJECTS_OUTSIDE] += outside
-        sources = self._sources(scene, t, found, hands, skin)
-        for source, _ in sources:
-            if self._find_unresolved(source.item, source.place) > 0.0:
-                counts.note_object(TOO_FINE, source.index)
-            if isinstance(source, WholeObject) and lacks_surface(source.item):
-                counts.note_object(NO_SURFACE, source.index)
+        skins = [hand for hand, _ in hands]
+        self._present = skins, t
+        capsules = _join_capsules(skins) if scene.hands else None
+        near = self._find_near(scene, t, skins, counts)
+        sources = self._find_sources(scene, t, near, hands)
+        self._note_unresolved(sources, counts)
         self._still = (
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
         )  # fmt: skip
+        resolving = self._resolving
         if not sources:
-            self._note_unseen(scene, t, found, hands, counts)
+            if resolving is not None:
+                note_unseen(scene, t, near, skins, self._tracks, resolving, self._distances, counts)
             return no_samples(scene.objects, capsules)
         solid = any(forms_region(source.item) for source, _ in sources)
         budget = self.budget if solid else min(self.budget, self.allowed)
-        alone = solid and self.steers and not skin and not self.strict and len(sources) == 1
-        alone = alone and sources[0][0].item.technique.still
-        allowance = ALONE if alone else PLAIN
-        if solid and skin:
-            allowance = FINE_ON_SKIN if self.fine else ON_SKIN
+        allowance = self._choose_allowance(sources, solid=solid, skin=bool(scene.hands))
         self.frame_budget = allowance.find_limit(budget, len(allowance.shares) - 1)
         parts = allot_budget(
-            sources,
-            budget,
-            self._levels,
-            self._cut(scene.workspace),
-            counts,
-            self.bands,
-            self.budget,
-            allowance=allowance,
-            strict=self.strict,
-        )
-        if len(parts) > 1:
-            parts = [self._merge_samples([source.item for source, _ in sources], parts, counts)]
-        parts = [self._focal(parts[0], counts)]
-        if self.surround and skin and solid and self._resolving is not None:
-            touching, centre = [hand for hand, _ in hands], self._resolving.centre
-            resolved = min(
-                self._resolving.compute_isolated_spacing(hand.centre) for hand in touching
-            )
-            left = allowance.find_limit(budget, 0) - len(parts[0])
-            surround = FINE_SURROUND if self.fine else SURROUND
-            parts = [add_surround(parts[0], touching, centre, resolved, left, surround)]
-        return parts[0] if len(hands) < 2 else parts[0].changed(capsules=capsules)
+            sources, budget, self._levels, partial(cut, scene.workspace), counts, self.bands,
+            self.budget, allowance=allowance, strict=self.strict,
+        )  # fmt: skip
+        items = [source.item for source, _ in sources]
+        samples = merge_samples(parts, items, self.spacing, counts, strict=self.strict)
+        if resolving is not None:
+            samples = spread_forces(samples, resolving, self.max_uniform_points, self.peak, counts)
+            if self.surround and solid and skins:
+                resolved = min(resolving.compute_isolated_spacing(hand.centre) for hand in skins)
+                left = allowance.find_limit(budget, 0) - len(samples)
+                surround = FINE_SURROUND if self.fine else SURROUND
+                samples = add_surround(samples, skins, resolving.centre, resolved, left, surround)
+        return samples if len(hands) < 2 else samples.changed(capsules=capsules)
 
-    def _note_unseen(
-        self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]], counts: SampleCounts
-    ) -> None:  # fmt: skip
-        """Note objects that touch only skin that faces away from the array, where nothing is felt.
-
-        found: indices of the objects near the hands; the first MAX_UNSEEN are checked.
-        """
-        resolving = self._resolving
-        if resolving is None:
-            return
-        for i in found[:MAX_UNSEEN]:
-            item = scene.objects[i]
-            if (
-                not isinstance(item, (Surface, Volume))
-                or not item.pressure > 0.0
-                or item.envelope == OFF
-            ):
-                continue
-            pose = self._tracks.pose(item, t)
-            name = _name(item, i)
-            if any(
-                touches_unseen(
-                    item, pose, (name + hand.salt) % NAMES, hand, resolving, self._distances
-                )
-                for hand, _ in hands
-            ):
-                counts.note_object(FACES_AWAY, i)
-
-    def _note_outside(self, scene: Scene, found: list[int], counts: SampleCounts) -> int:
-        """Count the samples of objects that need no hand, but lie outside the workspace or too far from the array.
-
-        Returns how many objects are outside the workspace and would press.
-        """
+    def _find_near(
+        self, scene: Scene, t: float, skins: list[PosedSkin], counts: SampleCounts
+    ) -> list[int]:
+        """Return the indices of the objects that may be felt at time t [s], and count the others."""
+        near: list[int] = cull(scene.bounds, t, self._boxes.find(scene, skins)).tolist()
+        culled = len(scene.objects) - len(near)
         outside = 0
-        for i in sorted(set(range(len(scene.objects))) - set(found)):
-            item = scene.objects[i]
-            if item.pressure > 0.0 and item.envelope != OFF:
-                spacing = self.spacing or SPACING_WITHOUT_ARRAY * (
-                    REGION_SPACING if forms_region(item) else 1.0
-                )
-                count = round(estimate_samples(item, spacing))
-                counts.ask(i, count)
-                counts.note(FAR if scene.workspace is None else OUTSIDE, i, count)
-                outside += scene.workspace is not None
-        return outside
+        if culled and not scene.hands:
+            outside = note_outside(scene, near, self.spacing, counts)
+        self.skipped[AWAY_FROM_HANDS] += culled - outside
+        self.skipped[OBJECTS_OUTSIDE] += outside
+        return near
 
-    def _focal(self, samples: Samples, counts: SampleCounts) -> Samples:
-        """Spread the forces of foci over the area that the focus has at each sample."""
-        if self._resolving is None:
-            return samples
-        if not any(samples.items[i].focal for i in set(samples.objects.tolist())):
-            return samples
-        items = [samples.items[i] for i in samples.objects.tolist()]
-        which = np.flatnonzero([item.focal for item in items])
-        single = np.array([is_sequential(items[i]) for i in which])
-        together = len(items) - sum(map(is_sequential, items))
-        P, most, area = samples.radiation_pressure.copy(), samples.most.copy(), samples.area.copy()
-        for uniform in (True, False):
-            rows = which[(np.where(single, 1, together) <= self.max_uniform_points) == uniform]
-            if not len(rows):
-                continue
-            found = self._resolving.focal_areas(
-                samples.positions[rows], samples.normals[rows], uniform=uniform
-            )
-            found = np.where(np.isnan(found), area[rows], found)
-            P[rows] *= area[rows] / found
-            most[rows] *= area[rows] / found
-            area[rows] = found
-        counts.note_rows(PRESSURE_LIMITED, samples, which[P[which] > self.peak])
-        P[which], most[which] = np.minimum(P[which], self.peak), np.minimum(most[which], self.peak)
-        return samples.changed(radiation_pressure=P, most=most, area=area)
+    def _choose_allowance(
+        self, sources: list[tuple[SampleSource, float]], *, solid: bool, skin: bool
+    ) -> Allowance:
+        """Return how many samples a frame may have. solid: whether there are regions. skin: whether there are hands."""
+        if not solid:
+            return PLAIN
+        if skin:
+            return FINE_ON_SKIN if self.fine else ON_SKIN
+        alone = self.steers and not self.strict and len(sources) == 1
+        return ALONE if alone and sources[0][0].item.technique.still else PLAIN
 
     def _track_hands(
         self, scene: Scene, t: float, counts: SampleCounts
@@ -403,79 +328,34 @@ class Sampler:
                 there.append((tracks[hand.name].pose_skin(now), share))
         return there
 
-    def _boxes(self, scene: Scene, hands: list[tuple[PosedSkin, float]], skin: bool) -> Floats:
-        """Return the boxes in which objects can be felt, as lower and upper corners, (boxes, 6) [m]."""
-        room = self._room(scene.workspace)
-        if not skin:
-            return room[None]
-        boxes = np.empty((len(hands), 6))
-        for box, (hand, _) in zip(boxes, hands, strict=True):
-            np.maximum(hand.box[:3], room[:3], out=box[:3])
-            np.minimum(hand.box[3:], room[3:], out=box[3:])
-        return (
-            boxes if scene.workspace is None else boxes[(boxes[:, :3] <= boxes[:, 3:]).all(axis=1)]
-        )
-
-    def _room(self, workspace: Workspace | None) -> Floats:
-        """Return the box in which anything can be felt at all, (6,) [m]."""
-        if self._rooms[0] is workspace:
-            return self._rooms[1]
-        room = np.array([-np.inf] * 3 + [np.inf] * 3)
-        if self._resolving is not None:
-            centre = self._resolving.centre
-            room = np.concatenate([centre - MAX_LENGTH, centre + MAX_LENGTH])
-        if workspace is not None:
-            low, high = workspace.lower, workspace.upper
-            room = np.concatenate([np.maximum(room[:3], low), np.minimum(room[3:], high)])
-        self._rooms = workspace, room
-        return room
-
-    def _sources(
-        self, scene: Scene, t: float, found: list[int], hands: list[tuple[PosedSkin, float]],
-        skin: bool,
-    ) -> list[tuple[SampleSource, float]]:  # fmt: skip
+    def _find_sources(
+        self, scene: Scene, t: float, near: list[int], hands: list[tuple[PosedSkin, float]]
+    ) -> list[tuple[SampleSource, float]]:
         """Return the sources of samples, highest priority first, each with its intended spacing [m]."""
         objects, sources = scene.objects, list[tuple[SampleSource, float]]()
-        for i in found:
+        resolving, judged = self._resolving, self.perception and not self.strict
+        free = not scene.hands  # nothing needs to be touched
+        for i in near:
             item = objects[i]
-            if not item.pressure > 0.0 or item.envelope == OFF:
+            if is_silent(item):
                 continue
-            name, pose = _name(item, i), self._tracks.pose(item, t)
-            if not skin:
+            number, pose = number_object(item, i), self._tracks.pose(item, t)
+            if free:
                 of = SinglePoint if isinstance(item, Point) else WholeObject
-                whole = of(item, i, name, pose, self._covers, objects)
+                whole = of(item, i, number, pose, self._covers, objects)
                 sources.append((whole, self._compute_spacing(item, pose.position)))
                 continue
-            judged = self.perception and not self.strict
             least = lowest_threshold(find_vibration(item)) if judged else 0.0
             for hand, share in hands:
-                own = (name + hand.salt) % NAMES
+                own = number_contact(number, hand)
                 source: SampleSource | None
                 if isinstance(item, (Surface, Volume)):
                     source = find_contact(
-                        item,
-                        pose,
-                        i,
-                        own,
-                        hand,
-                        objects,
-                        share,
-                        least,
-                        self._resolving,
-                        self._distances,
+                        item, pose, i, own, hand, objects, share, least, resolving, self._distances
                     )
                 else:
                     source = PointContacts(
-                        item,
-                        i,
-                        own,
-                        pose,
-                        self._covers,
-                        objects,
-                        hand,
-                        share,
-                        self._resolving,
-                        least,
+                        item, i, own, pose, self._covers, objects, hand, share, resolving, least
                     )
                 if source is not None:
                     sources.append((source, self._compute_spacing(item, hand.centre)))
@@ -483,7 +363,17 @@ class Sampler:
             density = ContactDensity(FINE_SHARE * self.budget, FINE_LEAST) if self.fine else IN_TIME
             self._wanted = space_contacts(sources, density, self._wanted)
         sources.sort(key=lambda source: -source[0].item.priority)
-        return sources if skin or self.spacing is not None else refine(sources, self.budget)
+        return refine(sources, self.budget) if free and self.spacing is None else sources
+
+    def _note_unresolved(
+        self, sources: list[tuple[SampleSource, float]], counts: SampleCounts
+    ) -> None:
+        """Note the objects whose texture the array cannot resolve, and those without a surface."""
+        for source, _ in sources:
+            if self._find_unresolved(source.item, source.place) > 0.0:
+                counts.note_object(TOO_FINE, source.index)
+            if isinstance(source, WholeObject) and lacks_surface(source.item):
+                counts.note_object(NO_SURFACE, source.index)
 
     def find_fine_textures(self, scene: Scene) -> Iterator[tuple[int, float, float]]:
         """Yield the objects whose texture is finer than the array resolves where they are.
@@ -510,66 +400,6 @@ class Sampler:
         own = self.spacing
         return compute_spacing(item, place, self._resolving) if own is None else own
 
-    def _cut(self, workspace: Workspace | None) -> Callable[[Samples], Samples]:
-        """Return a function that drops the samples outside the workspace."""
-
-        def cut(samples: Samples) -> Samples:
-            if workspace is None:
-                return samples
-            if len(samples) == 1:  # fast path, mostly for points
-                x, y, z = samples.positions[0].tolist()
-                (a, b, c), (u, v, w) = workspace.lower, workspace.upper
-                if a <= x <= u and b <= y <= v and c <= z <= w:
-                    return samples
-            kept = workspace.holds(samples.positions)
-            return samples if kept.all() else samples.only(kept)
-
-        return cut
-
-    def _merge_samples(
-        self, items: list[Object], parts: list[Samples], counts: SampleCounts
-    ) -> Samples:
-        """Join all samples, and merge those of different `items` that the array cannot resolve.
-
-        Only samples of equal envelope and technique are merged; if `strict`, only those at one place.
-        """
-        whole = join_samples(parts)
-        if len(whole) > MAX_MERGE_SAMPLES:
-            return whole
-        sizes = [len(part) for part in parts]
-        source = np.repeat(np.arange(len(parts)), sizes)
-        group = np.repeat(_number_groups(items), sizes)
-        P, area = np.empty(len(whole)), np.empty(len(whole))
-        kept = np.empty(len(whole), dtype=np.bool_)
-        apart = MERGE_SHARE * (SPACING_WITHOUT_ARRAY if self.spacing is None else self.spacing)
-        radius = np.full(len(whole), MERGE_DISTANCE if self.strict else apart)
-        radius[whole.regions != ISOLATED] = MERGE_DISTANCE
-        gone = merge(
-            whole.positions, whole.radiation_pressure, whole.area, source, group, radius,
-            P, area, kept,
-        )  # fmt: skip
-        if not gone:
-            return whole
-        counts.note_rows(MERGED, whole, ~kept & (whole.radiation_pressure > 0.0))
-        return whole.changed(radiation_pressure=P, area=area).only(kept)
-
-
-def _name(item: Object, index: int) -> int:
-    """Return a number that identifies an object from tick to tick."""
-    return zlib.crc32(item.name.encode()) % NAMES if item.name else index
-
-
-def _number_groups(items: list[Object]) -> list[int]:
-    """Number the items so that items of equal envelope and technique share a number."""
-    seen: list[tuple[object, object]] = []
-    numbers = list[int]()
-    for item in items:
-        group = item.envelope, item.technique
-        if group not in seen:
-            seen.append(group)
-        numbers.append(seen.index(group))
-    return numbers
-
 
 def find_vibration(item: Object) -> object:
     """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
@@ -578,5 +408,6 @@ def find_vibration(item: Object) -> object:
     return item.technique if isinstance(item.technique, AM) else item.envelope
 
 
-def _all(capsules: list[Floats]) -> Floats:
-    return np.concatenate([np.empty((0, 8)), *capsules])
+def _join_capsules(skins: list[PosedSkin]) -> Floats:
+    """Return the capsules of all hands, (C, 8) [m]."""
+    return np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])

@@ -1,0 +1,73 @@
+"""Culling boxes: where anything can be felt. Objects outside them are culled, and samples outside the workspace cut."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.argument_checks import MAX_LENGTH
+
+if TYPE_CHECKING:
+    from pacinian.scene.config_sections import Workspace
+    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.sampling.samples import Samples
+    from pacinian.scene.scene import Scene
+    from pacinian.types import Floats
+
+EVERYWHERE = np.array([-np.inf] * 3 + [np.inf] * 3)
+EVERYWHERE.flags.writeable = False
+
+
+class CullingBoxes:
+    """Finds the culling boxes of scenes, and keeps what depends only on the array and the last workspace.
+
+    centre: of the array, (3,) [m]; None if no array is known yet.
+    """
+
+    def __init__(self, centre: Floats | None = None) -> None:
+        self._reach = EVERYWHERE
+        if centre is not None:
+            self._reach = np.concatenate([centre - MAX_LENGTH, centre + MAX_LENGTH])
+        self._last: tuple[Workspace | None, Floats] = None, self._reach
+
+    def find(self, scene: Scene, hands: list[PosedSkin]) -> Floats:
+        """Return the boxes in which objects can be felt, as lower and upper corners, (boxes, 6) [m].
+
+        Each box lies within the workspace and not too far from the array. A scene with hands has the box of each of
+        `hands`, those that are present. A scene without hands has a single box.
+        """
+        box = self._find_box(scene.workspace)
+        if not scene.hands:
+            return box[None]
+        boxes = np.empty((len(hands), 6))
+        for one, hand in zip(boxes, hands, strict=True):
+            np.maximum(hand.box[:3], box[:3], out=one[:3])
+            np.minimum(hand.box[3:], box[3:], out=one[3:])
+        return (
+            boxes if scene.workspace is None else boxes[(boxes[:, :3] <= boxes[:, 3:]).all(axis=1)]
+        )
+
+    def _find_box(self, workspace: Workspace | None) -> Floats:
+        """Return the box in which anything can be felt at all, (6,) [m]."""
+        last, box = self._last
+        if last is not workspace:
+            box = self._reach
+            if workspace is not None:
+                low, high = workspace.lower, workspace.upper
+                box = np.concatenate([np.maximum(box[:3], low), np.minimum(box[3:], high)])
+            self._last = workspace, box
+        return box
+
+
+def cut(workspace: Workspace | None, samples: Samples) -> Samples:
+    """Return the samples without those outside the workspace."""
+    if workspace is None:
+        return samples
+    if len(samples) == 1:  # fast path, mostly for points
+        x, y, z = samples.positions[0].tolist()
+        (a, b, c), (u, v, w) = workspace.lower, workspace.upper
+        if a <= x <= u and b <= y <= v and c <= z <= w:
+            return samples
+    kept = workspace.holds(samples.positions)
+    return samples if kept.all() else samples.only(kept)
