@@ -77,7 +77,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
         ending = threading.Event()
         if until_eof:
             call_at_end_of_input(ending.set)
-        run(settings, ready, ending=ending, source=config or "settings")
+        run(settings, ready, ending=ending, source=config or "settings", fork=True)
 
 
 def _print_ready(path: Path) -> None:

@@ -19,7 +19,7 @@ from pacinian.errors import SceneFileError, ServerError
 from pacinian.scene.config_sections import Device
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
-from pacinian.serving.control.supervisor import GUARD, SPARE, Supervisor
+from pacinian.serving.control.supervisor import GUARD, SPARE, START_ORDER, Supervisor
 from pacinian.serving.ipc import child_process, scheduling, shared_memory
 from pacinian.serving.ipc.auth import Authenticator, make_secrets
 from pacinian.serving.ipc.child_pipe import ChildPipes
@@ -67,12 +67,14 @@ def serve(
     start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process] = child_process.start,
     ending: threading.Event | None = None,
     source: str | Path = "settings",
+    fork: bool = False,
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
 
     ready: called with the connection file once clients can connect. start: starts one of the other processes. source:
-    file that the settings are from, for errors. Raises ServerError; SceneFileError for settings that a solver or a
-    backend refuses.
+    file that the settings are from, for errors. fork: whether, on Linux, the first of the other processes are copies of
+    this one. It must then be small, and its other threads must hold no lock. Raises ServerError; SceneFileError for
+    settings that a solver or a backend refuses.
     """
     ending = ending or threading.Event()
     _hold_standard_files()
@@ -82,10 +84,13 @@ def serve(
         configure(settings.log, "control")
         _raise_file_limit()
         stack.callback(flush)
+        _check_ports(settings)
         pipes = stack.enter_context(ChildPipes(MAX_CHILDREN))
+        forked = stack.enter_context(
+            child_process.ForkedChildren((*START_ORDER, GUARD) if fork else (), pipes)
+        )
         stack.enter_context(_signals(ending))
         secrets = make_secrets(settings)
-        _check_ports(settings)
         folder = stack.enter_context(shared_memory.folder())
         stack.enter_context(_name_refused_setting(folder, source))
         settings = _keep_description(settings, folder)
@@ -111,7 +116,7 @@ def serve(
         config = child_process.LaunchConfig(str(folder), replace(settings, network=network))
         connection = _connection(network, secrets, stop.address)
         supervisor = Supervisor(
-            functools.partial(_start_child, start, config, secrets, pipes),
+            functools.partial(_start_child, start, config, secrets, pipes, forked),
             settings.safety.hang_timeout,
             plugins=_name_plugins(settings),
         )
@@ -141,16 +146,17 @@ def _start_child(
     config: child_process.LaunchConfig,
     secrets: dict[str, str],
     pipes: ChildPipes,
+    forked: child_process.ForkedChildren,
     name: str,
     spare: int,
 ) -> Process:
-    """Start one of the other processes, as `Supervisor` asks for it."""
+    """Start one of the other processes, as `Supervisor` asks for it. The spare guard is a guard that waits."""
     if refused := take_refused_setting(config.path):  # by the process that is started again
         log().error("setting refused", key=refused.key, problem=refused.problem)
-    if name == SPARE:
-        return start(GUARD, replace(config, spare=spare), pipes.take())
+    module = GUARD if name == SPARE else name
     # Only the bus has sockets.
-    return start(name, replace(config, secrets=secrets) if name == "bus" else config, pipes.take())
+    told = replace(config, spare=spare, secrets=secrets if name == "bus" else {})
+    return forked.start(module, told) or start(module, told, pipes.take())
 
 
 @contextlib.contextmanager

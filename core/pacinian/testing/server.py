@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.errors import ServerError
+from pacinian.serving.control.supervisor import SPARE, START_ORDER
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -27,7 +29,7 @@ POLL_INTERVAL = 0.02  # polling period [s]
 EXCERPT_LENGTH = 2000  # length of the log excerpt in an error [characters]
 COMMAND = sys.executable, "-m", "pacinian", "serve"
 CONTROL = "control"
-CHILDREN = "bus", "render", "guard"
+CHILD = re.compile(r"pacinian\.serving\.(\w+)\.process")  # in the command line of a child
 
 
 class Usage(NamedTuple):
@@ -49,18 +51,8 @@ class Running:
     @property
     def pids(self) -> dict[str, int]:
         """Process ids of the running processes by name: `control`, `bus`, `render`, `guard`."""
-        import psutil
-
-        found = {CONTROL: self.process.pid}
-        with suppress(psutil.Error):
-            children = psutil.Process(self.process.pid).children()
-            for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
-                with suppress(psutil.Error):
-                    words = child.cmdline()
-                    for name in CHILDREN:
-                        if f"pacinian.serving.{name}.process" in words:
-                            found.setdefault(name, child.pid)  # the guard is older than its spare
-        return {name: found[name] for name in (CONTROL, *CHILDREN) if name in found}
+        found = list_processes(self.process.pid)
+        return {name: found[name].pid for name in (CONTROL, *START_ORDER) if name in found}
 
     def usage(self) -> dict[str, Usage]:
         """Return the resources of each process."""
@@ -79,6 +71,25 @@ class Running:
     def read_log(self) -> str:
         """Return the log."""
         return self.log.read_text(encoding="utf-8", errors="replace")
+
+
+def list_processes(pid: int) -> dict[str, psutil.Process]:
+    """Return the running processes of the server whose first process is `pid`, by name.
+
+    The names are `control`, `bus`, `render`, `guard` and `spare`, which is the younger guard.
+    """
+    import psutil
+
+    found = dict[str, psutil.Process]()
+    with suppress(psutil.Error):
+        found[CONTROL] = psutil.Process(pid)
+        children = found[CONTROL].children()
+        for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
+            with suppress(psutil.Error):
+                match = CHILD.search(" ".join(child.cmdline()))
+                if match and child.status() != psutil.STATUS_ZOMBIE:
+                    found[SPARE if match[1] in found else match[1]] = child
+    return found
 
 
 @contextmanager

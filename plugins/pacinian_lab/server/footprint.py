@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-import psutil
 from msgspec import Struct
 
 from pacinian.acoustics.pose import Pose
@@ -19,10 +18,13 @@ from pacinian.scene.objects import Volume
 from pacinian.scene.shapes import Sphere
 from pacinian.serving.settings import Log, Settings
 from pacinian.testing import run_server
+from pacinian.testing.server import list_processes
 from pacinian_lab.solvers.timing import calibrate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    import psutil
 
     from pacinian.types import Floats
 
@@ -83,16 +85,6 @@ def _window(
     wakeups = {name: round(float(use[1] / passed), 1) for name, use in grown.items()}
     memory = {name: round(_read_memory(each), 1) for name, each in processes.items()}
     return Row(state, round(ready, 3), memory, cores, wakeups, round(calibration, 4))
-
-
-def list_processes(pid: int) -> dict[str, psutil.Process]:
-    """Return the processes of the server whose first process is `pid`, by name; the younger guard is the spare."""
-    first = psutil.Process(pid)
-    found = {"control": first}
-    for child in sorted(first.children(), key=lambda child: (child.create_time(), child.pid)):
-        name = child.cmdline()[-1].removeprefix("pacinian.serving.").removesuffix(".process")
-        found["spare" if name in found else name] = child
-    return found
 
 
 def _count_use(processes: dict[str, psutil.Process]) -> dict[str, Floats]:

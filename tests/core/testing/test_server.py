@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 
 import psutil
 import pytest
@@ -12,6 +13,7 @@ from pacinian.errors import ServerError
 from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Network, Settings
 from pacinian.testing import run_server
+from pacinian.testing.server import list_processes
 
 ONE = Settings(array=Units(1, 1))
 
@@ -32,6 +34,20 @@ def test_its_processes_are_found_and_end_with_it() -> None:
     assert not any(map(psutil.pid_exists, pids.values()))
     assert not server.connection.exists()
     assert server.process.returncode is not None
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="processes are forked, and tell PSS, on Linux only"
+)
+def test_an_idle_server_is_small() -> None:
+    """Its processes share most of their memory. 150 MB is what a game can spare."""
+    with run_server() as server:
+        with pc.Client(server.connection, timeout=60.0) as client:
+            assert client.status().output == "silent"
+        processes = list_processes(server.process.pid).values()
+        taken = [process.memory_full_info().pss / 1e6 for process in processes]
+    assert len(taken) == 5
+    assert sum(taken) < 150.0, taken
 
 
 def test_all_of_it_ends_when_its_first_process_was_killed() -> None:

@@ -6,7 +6,7 @@ wake_pipe.py          ends the wait of another process
 child_process.py      a child of control: its start, configuration, heartbeat and end
 hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
 child_pipe.py         the pipes that hold a child's configuration, and end it when they close
-spawned_process.py    starts a process although no file descriptor is left
+spawned_process.py    starts a process, by spawn or fork, although no file descriptor is left
 scheduling.py         priority, real-time class and processor affinity
 memory_trim.py        returns memory that a start needed
 logs.py               logging to standard error

@@ -1,18 +1,21 @@
-"""Start a process without a new file descriptor: there may be none left (decision 38)."""
+"""Start a process without a new file descriptor, because there may be none left (decision 38): by spawn or by fork."""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import math
 import os
 import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING, Protocol
+import traceback
+import warnings
+from typing import TYPE_CHECKING, NoReturn, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
 POLL_INTERVAL = 2e-3  # interval between two checks whether a process has ended [s]
 # Environment variable that keeps Python from importing from the folder in which the server was started. That folder may
@@ -41,24 +44,12 @@ class SystemProcess(Protocol):
         ...
 
 
-class SpawnedProcess:
-    """A process that is started without any new file descriptor of this process: `subprocess.Popen` needs two.
+class PosixProcess:
+    """A child of this process. pid: its id. command: its program and arguments, for errors."""
 
-    command: the program and its arguments. stdin: file descriptor of its standard input. It leads its own session.
-    Raises OSError if it cannot be started; NotImplementedError if the system cannot start it so.
-    """
-
-    def __init__(self, command: Sequence[str], stdin: int) -> None:
-        self._command = list(command)
+    def __init__(self, pid: int, command: Sequence[str]) -> None:
+        self.pid, self._command = pid, list(command)
         self._code: int | None = None
-        self.pid = os.posix_spawnp(
-            command[0],
-            self._command,
-            {**os.environ, **SAFE_PATH},
-            file_actions=[(os.POSIX_SPAWN_DUP2, stdin, 0)],
-            setsid=True,
-            setsigdef=[signal.SIGPIPE, signal.SIGXFSZ],  # Python ignores these
-        )
 
     def poll(self) -> int | None:
         """Return the exit code; None while the process runs."""
@@ -91,9 +82,85 @@ class SpawnedProcess:
 
 def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
     """Start a program by its path and arguments. stdin: file descriptor of its standard input. Raises OSError."""
-    # Own process group: Ctrl-C goes to the parent only, which then ends its children in order.
+    # Own session: Ctrl-C goes to the parent only, which then ends its children in order.
     if sys.platform != "win32":
         with contextlib.suppress(NotImplementedError):
-            return SpawnedProcess(command, stdin)
+            pid = os.posix_spawnp(
+                command[0],
+                list(command),
+                {**os.environ, **SAFE_PATH},
+                file_actions=[(os.POSIX_SPAWN_DUP2, stdin, 0)],
+                setsid=True,
+                setsigdef=[signal.SIGPIPE, signal.SIGXFSZ],  # Python ignores these
+            )
+            return PosixProcess(pid, command)
     own, env = os.name == "posix", {**os.environ, **SAFE_PATH}
     return subprocess.Popen(command, stdin=stdin, env=env, start_new_session=own)
+
+
+def fork_process(run: Callable[[], object], command: Sequence[str], stdin: int) -> PosixProcess:
+    """Start a copy of this process that calls `run` and then ends. The two share the memory that neither changes.
+
+    command: the title of the new process, in lists of processes. stdin: file descriptor of its standard input. Other
+    threads of this process do not exist in the copy, so none may hold a lock. Only for Linux. Raises OSError.
+    """
+    _flush_output()
+    gc.collect()
+    gc.freeze()  # otherwise a collection would write to all pages, so that none is shared
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+    try:
+        with warnings.catch_warnings():
+            # of other threads: those of BLAS, which ends them before a fork
+            warnings.simplefilter("ignore", DeprecationWarning)
+            pid = os.fork()
+        if not pid:
+            _run_copy(run, command, stdin, mask)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    return PosixProcess(pid, command)
+
+
+def _run_copy(
+    run: Callable[[], object], command: Sequence[str], stdin: int, mask: Iterable[int]
+) -> NoReturn:
+    """Run the copy of a process, and end it. mask: the signals to block while it runs.
+
+    Until this copy is separate, no signal may interrupt it: the exception would clean up what is its parent's.
+    """
+    code = 1
+    try:
+        _separate(command, stdin)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        run()
+        code = 0
+    except SystemExit as error:
+        if isinstance(error.code, str) and sys.stderr is not None:
+            sys.stderr.write(f"{error.code}\n")
+        code = error.code if isinstance(error.code, int) else int(error.code is not None)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        _flush_output()
+        os._exit(code)
+
+
+def _flush_output() -> None:
+    for stream in sys.stdout, sys.stderr:
+        with contextlib.suppress(AttributeError, OSError, ValueError):  # closed, or not read
+            stream.flush()
+
+
+def _separate(command: Sequence[str], stdin: int) -> None:
+    """Make this copy what a spawned process is: with its own session, without its parent's files and folder."""
+    from setproctitle import setproctitle
+
+    os.setsid()
+    os.dup2(stdin, 0)
+    for number in map(int, os.listdir("/dev/fd")):
+        if number > 2:
+            with contextlib.suppress(OSError):  # the list's own
+                os.close(number)
+    os.environ.update(SAFE_PATH)
+    if not sys.flags.safe_path:
+        del sys.path[0]  # the folder of the program, or the one in which it was started
+    setproctitle(" ".join(command))

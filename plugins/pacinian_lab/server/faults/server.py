@@ -17,8 +17,8 @@ import psutil
 
 from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
-from pacinian.serving.control.supervisor import SPARE
-from pacinian.testing.server import READY_TIMEOUT
+from pacinian.serving.control.supervisor import START_ORDER
+from pacinian.testing.server import CONTROL, READY_TIMEOUT, list_processes
 from pacinian_lab.server.faults.logged_backends import Models, Simulated
 from pacinian_lab.server.faults.logging_device import Log, Other, Probe
 from pacinian_lab.server.faults.plugins import install
@@ -35,7 +35,6 @@ rows = 1
 [log]
 format = "json"
 """
-PARTS = "bus", "render", "guard"
 DEVICES = Probe, Other, Simulated, Models
 
 
@@ -69,7 +68,7 @@ class Server(Closeable):
                 stdout=errors, stderr=errors, cwd=self.folder,
             )  # fmt: skip
         end = time.monotonic() + READY_TIMEOUT
-        while not (self.file.exists() and self.parts().keys() >= set(PARTS)):
+        while not (self.file.exists() and self.parts().keys() >= set(START_ORDER)):
             if self._process.poll() is not None or time.monotonic() > end:
                 raise ServerError(f"the server did not start: {self.read_output()[-2000:]}")
             time.sleep(0.02)
@@ -84,15 +83,8 @@ class Server(Closeable):
 
     def parts(self) -> dict[str, psutil.Process]:
         """Return the child processes by name. "spare" is the spare guard, if there is one."""
-        found: dict[str, psutil.Process] = {}
-        with contextlib.suppress(psutil.Error):
-            children = psutil.Process(self.process.pid).children()
-            for child in sorted(children, key=lambda child: (child.create_time(), child.pid)):
-                with contextlib.suppress(psutil.Error):
-                    name = "".join(child.cmdline()[-1:])  # pacinian.serving.guard.process
-                    module = name.removesuffix(".process").rpartition(".")[2]
-                    if module in PARTS and child.status() != psutil.STATUS_ZOMBIE:
-                        found[SPARE if module in found else module] = child
+        found = list_processes(self.process.pid)
+        found.pop(CONTROL, None)
         self._seen.update(found.values())
         return found
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import os
 import secrets
 import signal
@@ -78,6 +79,41 @@ with ChildPipes(1) as pipes:
         child.kill()
         print(child.wait())
         told.unlink()
+"""
+
+FORKED = """
+import json, os, sys, threading
+from pathlib import Path
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.child_pipe import ChildPipes
+from pacinian.serving.settings import Settings
+
+def report(parent):
+    told = parent.config
+    files = [name for name in os.listdir("/dev/fd") if Path(f"/dev/fd/{name}").exists()]
+    (told.path / told.secrets["name"]).write_text(json.dumps([
+        told.settings.rate, sorted(map(int, files)), os.getsid(0) == os.getpid(), sys.path, threading.active_count(),
+        os.environ.get("PYTHONSAFEPATH"),
+    ]))
+    parent.wait()
+
+def run(name):
+    report(child_process.Parent())
+
+child_process._run_module = run
+folder = Path(sys.argv[1])
+kept = os.open(folder, os.O_RDONLY)
+sys.path.insert(0, str(folder / "beside the program"))
+with ChildPipes(3) as pipes, child_process.ForkedChildren(("guard", "guard"), pipes) as forked:
+    config = child_process.LaunchConfig(str(folder), Settings(rate=500.0), {"name": "first"})
+    first = forked.start("guard", config)
+    assert forked.start("bus", config) is None
+    [(_, second)] = forked._waiting
+    print(first.pid, second.pid, flush=True)
+    sys.stdin.readline()
+    first.close()
+    print(first.wait(), second.poll(), flush=True)
+print(second.poll(), flush=True)
 """
 
 
@@ -255,6 +291,61 @@ def test_a_child_that_is_told_nonsense_ends(data: bytes, tmp_path: Path) -> None
     done = subprocess.run(command, input=data, capture_output=True, check=False, timeout=PATIENCE)
     assert done.returncode == 1
     assert b"no valid launch configuration" in done.stderr
+
+
+@linux
+def test_a_forked_child_has_only_what_a_spawned_one_has(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", FORKED, str(tmp_path)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdin is not None
+        assert parent.stdout is not None
+        first, second = map(int, parent.stdout.readline().split())
+        eventually(lambda: (tmp_path / "first").exists() and (tmp_path / "first").read_text())
+        rate, files, own, path, threads, safe = json.loads((tmp_path / "first").read_text())
+        assert rate == 500.0
+        assert len(files) == 4, "standard files and the pipe"
+        assert own
+        assert not any("beside the program" in folder for folder in path)
+        assert (threads, safe) == (1, "1")
+        assert "pacinian.serving.guard.process" in " ".join(psutil.Process(first).cmdline())
+        assert runs(second)
+        parent.stdin.write("\n")
+        parent.stdin.flush()
+        assert parent.stdout.readline().split() == ["0", "None"]
+        # one that was never configured is ended
+        assert parent.stdout.readline().split() == [str(-signal.SIGKILL)]
+        assert parent.wait(PATIENCE) == 0
+
+
+@linux
+@pytest.mark.parametrize(
+    ("work", "code", "said"),
+    [
+        ("None", 0, ""),
+        ("sys.exit()", 0, ""),
+        ("sys.exit(3)", 3, ""),
+        ("sys.exit('why')", 1, "why"),
+        ("1 / 0", 1, "ZeroDivisionError"),
+        ("os.kill(os.getpid(), 9)", -9, ""),
+    ],
+)
+def test_a_forked_process_ends_as_a_program_does(work: str, code: int, said: str) -> None:
+    program = f"""
+import atexit, os, sys
+from pacinian.serving.ipc.spawned_process import fork_process
+source, sink = os.pipe()
+print("once", end="")
+atexit.register(print, "ended")
+print(fork_process(lambda: {work}, ["child"], source).wait())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.stdout == f"once{code}\nended\n"
+    assert said in done.stderr
+    assert bool(done.stderr) == bool(said)
 
 
 def orphan(folder: Path, code: str, mark: str) -> int:
