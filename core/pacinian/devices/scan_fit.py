@@ -20,12 +20,14 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.devices.scan_robust_fit import (
+    MAX_RESIDUAL,
     MAX_SPEED,
     MIN_NOISE,
     MIN_SPEED,
     MIN_SUM,
     Prior,
     ScanModel,
+    compare_noise,
     fit_model,
 )
 from pacinian.errors import ArgumentError
@@ -41,7 +43,6 @@ SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's 
 MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
 MAX_POSE_MOVE = 5.0  # rms correction of the pose, in standard errors
 TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
-MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
@@ -174,9 +175,9 @@ def fit_scan(
         raise ArgumentError("positions", "; ".join([few, *vague]))
     _check_count(read)
     best = fit_model(array, q0, X, read, prior)
-    if _residual(best) > MAX_RESIDUAL:
+    if best.residual > MAX_RESIDUAL:
         turned = fit_model(array, q0, X.conj(), read, prior)
-        raise ArgumentError("readings", _advise(_residual(best), _residual(turned)))
+        raise ArgumentError("readings", _advise(best.residual, turned.residual))
     moved = float(np.sqrt(np.mean((best.positions - q0) ** 2)))
     if moved > MAX_MOVE * position_error:
         raise ArgumentError(
@@ -222,16 +223,6 @@ def _advise(residual: float, turned: float) -> str:
         "frequency, and the temperature. Check that all phases are in radians and have the same reference, and that "
         "the readings are from this array"
     )
-
-
-def _compare(noise: float, expected: Complexes) -> float:
-    rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
-    return float(np.sqrt(2.0)) * noise / max(rms, MIN_SUM)
-
-
-def _residual(model: ScanModel) -> float:
-    """Return the unexplained part of a typical reading, relative to the expected rms."""
-    return _compare(model.noise, model.F[model.read])
 
 
 def _find_vague(model: ScanModel) -> tuple[str, ...]:
@@ -319,7 +310,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
     )
     typical = max(float(np.median(model.away[model.read])), MIN_NOISE)
     residuals = [
-        _compare(float(misfit) / np.sqrt(np.log(4.0)), F[read])
+        compare_noise(float(misfit) / np.sqrt(np.log(4.0)), F[read])
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
     errors = np.sqrt(np.diag(covariance))
@@ -336,7 +327,7 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         positions=model.positions,
         position_errors=np.sqrt(places),
         residuals=np.array(residuals),
-        residual=_residual(model),
+        residual=model.residual,
         doubtful=misfits > MAX_SPREAD * typical,
         outliers=int(outlying.sum()),
         speed_of_sound=model.c,

@@ -37,6 +37,7 @@ ABSORPTION_ERROR = 0.2
 KNOWN = 1e-9  # standard error of what is given
 MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
 MAX_WIDENINGS = 20  # of the priors
+MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
 MIN_WIDENING = 0.01  # smallest relative change of a prior's error after which the fit goes on
 MAX_LAST_CORRECTION = 1e-7  # largest correction of a position at convergence [m]
 CAUCHY_SCALE = 3.0  # misfit at which a reading has half its weight [standard errors]
@@ -94,6 +95,12 @@ def _try_speeds(array: Array, q: Floats, X: Complexes, read: Flags) -> float:
     return float(max(np.arange(MIN_SPEED, MAX_SPEED, TRIAL_STEP), key=explain))
 
 
+def compare_noise(noise: float, expected: Complexes) -> float:
+    """Return the noise (standard error of a real part), relative to the rms of the expected readings."""
+    rms = float(np.sqrt(np.mean(np.abs(expected) ** 2))) if len(expected) else 0.0
+    return math.sqrt(2.0) * noise / max(rms, MIN_SUM)
+
+
 def measure_distances(array: Array, q: Floats) -> Floats:
     """Return the distances of positions and transducers [m], (M, N)."""
     d = q[:, None, :] - array.positions
@@ -115,7 +122,8 @@ class ScanModel:
         said = prior
         for _ in range(MAX_WIDENINGS):
             self._converge()
-            if not self._widen(said):
+            # no errors of positions explain a scan of another array
+            if self.residual > MAX_RESIDUAL or not self._widen(said):
                 break
         self._weigh()
         self._compute_covariance()
@@ -156,6 +164,11 @@ class ScanModel:
         before = self.prior.widths
         self.prior = replace(said, position=position, shift=shift, turn=turn)
         return not np.allclose(self.prior.widths, before, rtol=MIN_WIDENING, atol=0.0)
+
+    @property
+    def residual(self) -> float:
+        """The unexplained part of a typical reading, relative to the expected rms."""
+        return compare_noise(self.noise, self.F[self.read])
 
     @property
     def cost(self) -> float:
