@@ -85,11 +85,11 @@ def serve(
         _raise_file_limit()
         stack.callback(flush)
         _check_ports(settings)
+        stack.enter_context(_signals(ending))
         pipes = stack.enter_context(ChildPipes(MAX_CHILDREN))
         forked = stack.enter_context(
             child_process.ForkedChildren((*START_ORDER, GUARD) if fork else (), pipes)
         )
-        stack.enter_context(_signals(ending))
         secrets = make_secrets(settings)
         folder = stack.enter_context(shared_memory.folder())
         stack.enter_context(_name_refused_setting(folder, source))

@@ -270,6 +270,49 @@ def test_a_process_starts_again_with_the_description_that_the_server_began_with(
             assert client.status().restarts[name] == 1
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux only")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
+def test_a_signal_while_processes_are_forked_ends_the_server(name: str, tmp_path: Path) -> None:
+    program = f"""
+import os, signal
+fork = os.fork
+def fork_then_ask():
+    pid = fork()
+    if pid:
+        os.kill(os.getpid(), signal.{name})
+    return pid
+os.fork = fork_then_ask
+from pacinian.cli.main import main
+main()
+"""
+    file = tmp_path / "connection.json"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "serve", "--connection", str(file)],
+        capture_output=True, text=True, check=False, timeout=PATIENCE,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "Exception" not in done.stderr
+    assert not file.exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux only")
+def test_a_forked_process_imports_nothing_from_the_folder_of_the_start(tmp_path: Path) -> None:
+    """`python -m` puts that folder first."""
+    (tmp_path / "setproctitle.py").write_text("raise SystemExit('imported')")
+    program = "from pacinian.cli.main import main; main()"
+    with subprocess.Popen(
+        [sys.executable, "-c", program, "serve", "--connection", str(tmp_path / "here.json")],
+        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as server:  # fmt: skip
+        assert server.stdout is not None
+        assert server.stdout.readline().startswith("ready")
+        server.terminate()
+        _, said = server.communicate(timeout=PATIENCE)
+    assert "imported" not in said
+    assert server.returncode == 0
+
+
 @posix
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGINT", "SIGHUP"])
 def test_a_signal_ends_the_server_in_order(launch: Launch, tmp_path: Path, name: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
+import gc
 import importlib
 import os
 import select
@@ -18,10 +19,10 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec import Struct
 
+from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
 from pacinian.serving.ipc import scheduling
 from pacinian.serving.ipc.child_pipe import ChildPipe
-from pacinian.serving.ipc.logs import flush
 from pacinian.serving.ipc.spawned_process import fork_process, start_process
 from pacinian.serving.settings import Settings
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from pacinian.serving.ipc.spawned_process import SystemProcess
 
 MAX_CONFIG_BYTES = 1 << 20  # largest launch configuration [bytes]
+MAX_KILL_TIME = 3.0  # time limit for a process to end after it was killed [s]
 PDEATHSIG = 1  # number of PR_SET_PDEATHSIG, an option of Linux's prctl
 # Byte that tells a spare to begin.
 ACTIVATE = b"!"
@@ -120,22 +122,32 @@ def launch(command: Sequence[str], config: LaunchConfig, pipe: ChildPipe | None 
     return process
 
 
-class ForkedChildren:
+class ForkedChildren(Closeable):
     """Children that are forked from this process, and wait for their configuration.
 
     They share this process's memory and have its imports, so a server starts sooner and takes less memory
-    (decision 85). Make this before other threads start; a fork copies only its own thread. A context manager: leaving
-    it ends the children that still wait. modules: as for `start`. Only Linux has such children; elsewhere there are
+    (decision 85). `fork_process` says what must hold. A context manager: leaving it ends the children that still wait.
+    modules: as for `start`. Only Linux has such children; elsewhere, and where the system permits no more, there are
     none.
     """
 
     def __init__(self, modules: Iterable[str], pipes: ChildPipes) -> None:
         self._waiting: list[tuple[str, Process]] = []
-        for module in modules if sys.platform == "linux" else ():
-            pipe = pipes.take()
-            run = functools.partial(_run_module, f"pacinian.serving.{module}.process")
-            system = fork_process(run, _name_command(module), pipe.source)
-            self._waiting.append((module, Process(system, pipe)))
+        given = tuple(modules) if sys.platform == "linux" else ()
+        if given:
+            gc.collect()
+            gc.freeze()  # otherwise a collection would write to all pages, so that none is shared
+        try:
+            for module in given:
+                pipe = pipes.take()
+                run = functools.partial(_run_module, f"pacinian.serving.{module}.process")
+                system = fork_process(run, _name_command(module), pipe.source)
+                self._waiting.append((module, Process(system, pipe)))
+        except OSError:  # the others are spawned, or fail then
+            pass
+        except BaseException:
+            self.close()
+            raise
 
     def start(self, module: str, config: LaunchConfig) -> Process | None:
         """Configure a child that waits; return it. None if no child with this module waits. Raises ServerError."""
@@ -147,13 +159,13 @@ class ForkedChildren:
                 return process
         return None
 
-    def __enter__(self) -> ForkedChildren:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for _module, process in self._waiting:
+    def close(self) -> None:
+        """End the children that still wait."""
+        for _, process in self._waiting:
             process.kill()
-            process.wait()
+        for _, process in self._waiting:
+            with contextlib.suppress(subprocess.TimeoutExpired):  # the system does not let it end
+                process.wait(MAX_KILL_TIME)
 
 
 def _name_command(module: str) -> list[str]:
@@ -161,12 +173,21 @@ def _name_command(module: str) -> list[str]:
 
 
 def _run_module(name: str) -> None:
-    """Run a process's module as soon as its configuration arrives."""
+    """Run a process's module as soon as its configuration arrives; end at once when the parent has gone."""
+    _kill_when_orphaned(True)
     select.select([0], [], [])
-    try:
+    if _count_waiting(0):
         importlib.import_module(name).main()
-    finally:
-        flush()
+
+
+def _count_waiting(file: int) -> int:
+    """Return the number of bytes that wait to be read from a pipe: 0 at its end."""
+    import fcntl
+    import termios
+
+    count = bytearray(4)
+    fcntl.ioctl(file, termios.FIONREAD, count)
+    return int.from_bytes(count, sys.byteorder)
 
 
 def _encode(config: LaunchConfig) -> bytes:

@@ -40,13 +40,13 @@ def raise_priority(by: int = URGENT) -> None:
 
 
 def lower_child_priority(child: int) -> None:
-    """Limit a newly started process to `EAGER`, until it is ready and calls `raise_priority`.
+    """Give a newly started process this one's priority, at most `EAGER`, until it is ready and calls `raise_priority`.
 
     Only on Linux, and only where the child can raise its priority again. Its session gets that priority among sessions.
     """
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
-            given = os.getpriority(os.PRIO_PROCESS, child)
+            given = os.getpriority(os.PRIO_PROCESS, 0)
             if _limit() < URGENT:
                 os.setpriority(
                     os.PRIO_PROCESS, child, -URGENT - 1

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
-import gc
 import math
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import traceback
 import warnings
-from typing import TYPE_CHECKING, NoReturn, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
 POLL_INTERVAL = 2e-3  # interval between two checks whether a process has ended [s]
 # Environment variable that keeps Python from importing from the folder in which the server was started. That folder may
@@ -101,60 +103,33 @@ def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
 def fork_process(run: Callable[[], object], command: Sequence[str], stdin: int) -> PosixProcess:
     """Start a copy of this process that calls `run` and then ends. The two share the memory that neither changes.
 
-    command: the title of the new process, in lists of processes. stdin: file descriptor of its standard input. Other
-    threads of this process do not exist in the copy, so none may hold a lock. Only for Linux. Raises OSError.
+    command: the title of the copy, in lists of processes, if this process was started with an environment. stdin: file
+    descriptor of its standard input. Other threads do not exist in the copy, so none may hold a lock. No signal handler
+    may raise: the copy would clean up what is its parent's. What was registered with `atexit` before runs in both. Only
+    for Linux. Raises OSError.
     """
     _flush_output()
-    gc.collect()
-    gc.freeze()  # otherwise a collection would write to all pages, so that none is shared
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
-    try:
-        with warnings.catch_warnings():
-            # of other threads: those of BLAS, which ends them before a fork
-            warnings.simplefilter("ignore", DeprecationWarning)
-            pid = os.fork()
-        if not pid:
-            _run_copy(run, command, stdin, mask)
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    return PosixProcess(pid, command)
-
-
-def _run_copy(
-    run: Callable[[], object], command: Sequence[str], stdin: int, mask: Iterable[int]
-) -> NoReturn:
-    """Run the copy of a process, and end it. mask: the signals to block while it runs.
-
-    Until this copy is separate, no signal may interrupt it: the exception would clean up what is its parent's.
-    """
+    with warnings.catch_warnings():
+        # of other threads: those of BLAS, which ends them before a fork
+        warnings.simplefilter("ignore", DeprecationWarning)
+        pid = os.fork()
+    if pid:
+        return PosixProcess(pid, command)
     code = 1
     try:
         _separate(command, stdin)
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        run()
-        code = 0
-    except SystemExit as error:
-        if isinstance(error.code, str) and sys.stderr is not None:
-            sys.stderr.write(f"{error.code}\n")
-        code = error.code if isinstance(error.code, int) else int(error.code is not None)
-    except BaseException:
-        traceback.print_exc()
+        code = _run(run)
     finally:
-        _flush_output()
         os._exit(code)
 
 
-def _flush_output() -> None:
-    for stream in sys.stdout, sys.stderr:
-        with contextlib.suppress(AttributeError, OSError, ValueError):  # closed, or not read
-            stream.flush()
-
-
 def _separate(command: Sequence[str], stdin: int) -> None:
-    """Make this copy what a spawned process is: with its own session, without its parent's files and folder."""
-    from setproctitle import setproctitle
-
+    """Give this copy a session, signals, files and paths of its own, as a spawned process has, before all else."""
     os.setsid()
+    for name in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+        if signal.getsignal(name) is not signal.SIG_IGN:
+            own = signal.default_int_handler if name is signal.SIGINT else signal.SIG_DFL
+            signal.signal(name, own)
     os.dup2(stdin, 0)
     for number in map(int, os.listdir("/dev/fd")):
         if number > 2:
@@ -163,4 +138,33 @@ def _separate(command: Sequence[str], stdin: int) -> None:
     os.environ.update(SAFE_PATH)
     if not sys.flags.safe_path:
         del sys.path[0]  # the folder of the program, or the one in which it was started
+
+    from setproctitle import setproctitle, setthreadtitle  # not from that folder
+
     setproctitle(" ".join(command))
+    setthreadtitle(Path(command[0]).name)
+
+
+def _run(run: Callable[[], object]) -> int:
+    """Call `run` and end as the interpreter does; return the exit code, 0..255."""
+    code = 1
+    try:
+        run()
+        code = 0
+    except SystemExit as error:
+        if isinstance(error.code, str) and sys.stderr is not None:
+            sys.stderr.write(f"{error.code}\n")
+        code = error.code & 0xFF if isinstance(error.code, int) else int(error.code is not None)
+    except BaseException:
+        if sys.stderr is not None:
+            traceback.print_exc()
+    getattr(threading, "_shutdown")()  # noqa: B009  # threads that are not daemons, and pools
+    getattr(atexit, "_run_exitfuncs")()  # noqa: B009
+    _flush_output()
+    return code
+
+
+def _flush_output() -> None:
+    for stream in sys.stdout, sys.stderr:
+        with contextlib.suppress(AttributeError, OSError, ValueError):  # closed, or not read
+            stream.flush()

@@ -319,6 +319,14 @@ def test_a_forked_child_has_only_what_a_spawned_one_has(tmp_path: Path) -> None:
         assert parent.wait(PATIENCE) == 0
 
 
+FORK = """
+import atexit, os, signal, sys, threading, time
+from pacinian.serving.ipc.spawned_process import fork_process
+source, sink = os.pipe()
+signal.signal(signal.SIGTERM, lambda *_: None)
+"""
+
+
 @linux
 @pytest.mark.parametrize(
     ("work", "code", "said"),
@@ -326,26 +334,97 @@ def test_a_forked_child_has_only_what_a_spawned_one_has(tmp_path: Path) -> None:
         ("None", 0, ""),
         ("sys.exit()", 0, ""),
         ("sys.exit(3)", 3, ""),
+        ("sys.exit(1 << 70)", 0, ""),
         ("sys.exit('why')", 1, "why"),
         ("1 / 0", 1, "ZeroDivisionError"),
         ("os.kill(os.getpid(), 9)", -9, ""),
+        ("(os.kill(os.getpid(), 15), time.sleep(600))", -15, ""),
     ],
 )
 def test_a_forked_process_ends_as_a_program_does(work: str, code: int, said: str) -> None:
-    program = f"""
-import atexit, os, sys
-from pacinian.serving.ipc.spawned_process import fork_process
-source, sink = os.pipe()
+    program = f"""{FORK}
 print("once", end="")
-atexit.register(print, "ended")
 print(fork_process(lambda: {work}, ["child"], source).wait())
 """
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False
     )
-    assert done.stdout == f"once{code}\nended\n"
+    assert done.stdout == f"once{code}\n"
     assert said in done.stderr
     assert bool(done.stderr) == bool(said)
+
+
+@linux
+def test_a_forked_process_waits_for_its_threads_and_does_what_it_has_registered() -> None:
+    program = f"""{FORK}
+def run():
+    atexit.register(print, "registered")
+    threading.Thread(target=lambda: (time.sleep(0.05), print("thread"))).start()
+print(fork_process(run, ["child"], source).wait())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.stdout.split() == ["thread", "registered", "0"]
+
+
+@linux
+@pytest.mark.parametrize("closed", ["", "sys.stdout = None", "sys.stderr = None"])
+@pytest.mark.parametrize("work", ["None", "1 / 0", "sys.exit('why')"])
+def test_a_copy_never_goes_on_as_its_parent_would(closed: str, work: str) -> None:
+    program = f"""{FORK}
+parent = os.getpid()
+{closed}
+try:
+    code = fork_process(lambda: {work}, ["child"], source).wait()
+finally:
+    os.write(1, b"cleaned up\\n")
+os._exit(code)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.stdout == "cleaned up\n"
+    assert done.returncode == int(work != "None")
+
+
+@linux
+def test_a_child_that_waits_ends_silently_with_its_parent() -> None:
+    program = """
+import os, signal
+from pacinian.serving.ipc.child_pipe import ChildPipes
+from pacinian.serving.ipc.child_process import ForkedChildren
+forked = ForkedChildren(("guard", "bus"), ChildPipes(2))
+print(*(process.pid for _, process in forked._waiting), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    eventually(lambda: not any(runs(int(pid)) for pid in done.stdout.split()))
+    assert done.stderr == ""
+
+
+@linux
+def test_where_no_more_can_be_forked_the_others_are_spawned() -> None:
+    program = """
+import errno, os
+from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc.child_pipe import ChildPipes
+fork, made = os.fork, []
+def limited():
+    if made:
+        raise OSError(errno.EAGAIN, "no more")
+    made.append(1)
+    return fork()
+os.fork = limited
+with ChildPipes(2) as pipes, child_process.ForkedChildren(("guard", "bus"), pipes) as forked:
+    print([name for name, _ in forked._waiting], pipes.take() is not None)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.stderr) == ("['guard'] True\n", "")
 
 
 def orphan(folder: Path, code: str, mark: str) -> int:
