@@ -38,8 +38,8 @@ if (
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None, database=None, print_blob=True)
-# of the examples of a property, one in so many is tried; the deep tests try all of them
-EXAMPLES_TRIED = 4
+# Of the examples of a property, one in so many is tried: in the deep tests, where each commit has others, and otherwise.
+DEEP_EXAMPLES_TRIED, EXAMPLES_TRIED = 2, 4
 FEWEST = 5
 SETTINGS = "_hypothesis_internal_use_settings"  # of a property; it has no public name
 
@@ -97,9 +97,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             properties.add(test)
             if is_deep(config):
                 item.add_marker("deep")
-    if not is_deep(config) and not config.getoption("--hypothesis-profile"):
+    if not config.getoption("--hypothesis-profile"):
+        one_in = DEEP_EXAMPLES_TRIED if is_deep(config) else EXAMPLES_TRIED
         for test in properties:
-            try_fewer_examples(test)
+            try_fewer_examples(test, one_in)
     limits: dict[Path, float] = {}  # longest time limit of a test in each file [s]
     for item in items:
         limits[item.path] = max(limits.get(item.path, 0.0), find_time_limit(item))
@@ -113,11 +114,11 @@ def find_time_limit(item: pytest.Item) -> float:
     return 0.0 if marker is None else float(marker.args[0])
 
 
-def try_fewer_examples(test: Any) -> None:
-    """Limit the examples of a property. State machines, which are classes, keep theirs."""
+def try_fewer_examples(test: Any, one_in: int) -> None:
+    """Try one in so many examples of a property. State machines, which are classes, keep theirs."""
     own = getattr(test, SETTINGS, None)
     if own is not None:
-        fewer = max(own.max_examples // EXAMPLES_TRIED, min(own.max_examples, FEWEST))
+        fewer = max(own.max_examples // one_in, min(own.max_examples, FEWEST))
         setattr(test, SETTINGS, settings(own, max_examples=fewer))
 
 

@@ -127,8 +127,8 @@ class ForkedChildren(Closeable):
 
     They share this process's memory and have its imports, so a server starts sooner and takes less memory
     (decision 85). `fork_process` says what must hold. A context manager: leaving it ends the children that still wait.
-    modules: as for `start`. Only Linux has such children; elsewhere, and where the system permits no more, there are
-    none.
+    modules: as for `start`. The first child of each imports it at once, the others when they are started. Only Linux
+    has such children; elsewhere, and where the system permits no more, there are none.
     """
 
     def __init__(self, modules: Iterable[str], pipes: ChildPipes) -> None:
@@ -140,7 +140,10 @@ class ForkedChildren(Closeable):
         try:
             for module in given:
                 pipe = pipes.take()
-                run = functools.partial(_run_module, f"pacinian.serving.{module}.process")
+                later = any(module == name for name, _ in self._waiting)
+                run = functools.partial(
+                    _run_module, f"pacinian.serving.{module}.process", later=later
+                )
                 system = fork_process(run, _name_command(module), pipe.source)
                 self._waiting.append((module, Process(system, pipe)))
         except OSError:  # the others are spawned, or fail then
@@ -172,9 +175,14 @@ def _name_command(module: str) -> list[str]:
     return [sys.executable, "-m", f"pacinian.serving.{module}.process"]
 
 
-def _run_module(name: str) -> None:
-    """Run a process's module as soon as its configuration arrives; end at once when the parent has gone."""
+def _run_module(name: str, *, later: bool) -> None:
+    """Run a process's module as soon as its configuration arrives; end at once when the parent has gone.
+
+    later: whether to import the module only then.
+    """
     _kill_when_orphaned(True)
+    if not later:
+        importlib.import_module(name)
     select.select([0], [], [])
     if _count_waiting(0):
         importlib.import_module(name).main()
