@@ -38,7 +38,7 @@ if (
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None, database=None, print_blob=True)
-# Of the examples of a property, one in so many is tried: in the deep tests, where each commit has others, and otherwise.
+# One in so many examples of a property is tried: in the deep tests, where each commit has others, and otherwise.
 DEEP_EXAMPLES_TRIED, EXAMPLES_TRIED = 2, 4
 FEWEST = 5
 SETTINGS = "_hypothesis_internal_use_settings"  # of a property; it has no public name

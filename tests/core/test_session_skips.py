@@ -187,3 +187,34 @@ def test_where_few_points_come_or_go_a_solver_starts_from_the_sound_that_is_ther
         np.testing.assert_allclose(Notes.warm.sound_pressure, there, rtol=1e-3, atol=0.1)
     session.solve(points[:2], np.full(2, 100.0))
     assert Notes.warm is None  # a new scene does not start warm
+
+
+LIMITS = (
+    {"gain": 0.5},
+    {"power": 3.0},
+    {"zones": (pc.Zone((0.0, 0.0, 0.5), pressure=2.0),)},
+    {"zones": (pc.Zone((0.0, 0.0, 0.5), pressure=3.0),)},
+    {"quiet": ([[0.0, 0.0, 0.3]], 5.0)},
+    {"quiet": ([[0.0, 0.0, 0.3]], 6.0)},
+    {"exact": [1]},
+    {"exact": [True]},
+)
+
+
+def test_limits_are_equal_if_their_values_are() -> None:
+    for i, values in enumerate(LIMITS):
+        limits = pc.Limits(**values)
+        assert limits == pc.Limits(**values)
+        assert hash(limits) == hash(pc.Limits(**values))
+        assert limits != pc.Limits()
+        assert limits != "limits"
+        for other in LIMITS[:i]:
+            assert limits != pc.Limits(**other)
+
+
+def test_equal_limits_keep_the_last_solution() -> None:
+    session = pc.Session(pc.autd())
+    first = session.solve([[0.0, 0.0, 0.2]], 500.0, limits=pc.Limits(gain=0.5))
+    second = session.solve([[0.0, 0.0, 0.2]], 500.0, limits=pc.Limits(gain=0.5))
+    assert session.propagator.work.solutions_kept == 1
+    assert np.array_equal(first.gains, second.gains)

@@ -160,7 +160,7 @@ class Modulator:
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
         # an intended jump of a focus is not limited, and new limits apply from the first row on
-        limited = self._limits is not None and self._limits is not play.limits
+        limited = self._limits is not None and self._limits != play.limits
         settings = self._jumps if limited or play.each else self._smoothing
         self._limits = play.limits
         if solved != self._followed:

@@ -236,7 +236,7 @@ class Pipeline:
     def _may_wait(self, limits: Limits, solver: Solver) -> bool:
         """Return whether the solve for this tick may run beside it, because an older result is still right to play."""
         last = self.played
-        same = last.solutions.limits is limits and last.solver is solver
+        same = last.solutions.limits == limits and last.solver is solver
         return self.schedule.beside and same and not last.solutions.brief
 
     def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
@@ -370,7 +370,7 @@ class Pipeline:
             if beside:  # a steered field makes at its samples what it made where it was solved for
                 same = (
                     solutions.rows == last.solutions.rows
-                    and solutions.limits is last.solutions.limits
+                    and solutions.limits == last.solutions.limits
                 )
                 pressures = (
                     last.sample_pressures

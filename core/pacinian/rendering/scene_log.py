@@ -88,7 +88,7 @@ class Writer:
                 new["workspace"] = None if room is None else [room.lower, room.upper]
         if last is None or asked.solver is not last.solver:
             new["solver"] = asked.solver.name, _options(asked.solver)
-        if last is None or asked.limits is not last.limits:
+        if last is None or asked.limits != last.limits:
             limits = {**asdict(asked.limits), "zones": [astuple(z) for z in asked.limits.zones]}
             new["limits"] = {k: _plain(v) for k, v in limits.items()}
         self._last = asked

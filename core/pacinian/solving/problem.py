@@ -263,6 +263,20 @@ class Limits:
         if self.exact is not None:
             object.__setattr__(self, "exact", _exact(self.exact))
 
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Limits):
+            return NotImplemented
+        return (
+            (self.gain, self.power, self.zones) == (other.gain, other.power, other.zones)
+            and _are_equal(self.quiet, other.quiet)
+            and _are_equal(self.exact, other.exact)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.gain, self.power, self.zones))
+
     @functools.cached_property
     def solver_limits(self) -> frozenset[str]:
         """Names of the limits that the solver itself must keep; the session keeps the others."""
@@ -286,6 +300,16 @@ class Limits:
             raise ArgumentError("limits.exact", f"must be indices below {count}, or {count} flags")
         flags[given.astype(np.intp)] = True
         return flags
+
+
+def _are_equal(a: ArrayLike | tuple[ArrayLike, ...] | None, b: Any) -> bool:
+    """Return whether two limits, or pairs of arrays, are equal."""
+    if a is None or b is None:
+        return a is b
+    if isinstance(a, tuple):
+        return all(map(_are_equal, a, b))
+    a, b = np.asarray(a), np.asarray(b)
+    return a.dtype == b.dtype and np.array_equal(a, b)  # True is not index 1
 
 
 def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:

@@ -252,6 +252,20 @@ def test_new_limits_hold_from_the_first_row_on() -> None:
         assert renderer.solution.solver == "gs-pat"
 
 
+def test_equal_limits_of_each_tick_are_the_same_limits() -> None:
+    """A scene function may set them in each tick; only new values end the solves beside the ticks."""
+    renderer, _ = make(at)
+    with renderer:
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        background.ready = False
+        for k in range(1, 9):
+            renderer.limits = pc.Limits()
+            renderer.tick(k * TICK)
+        assert background.started == 1
+        assert renderer.report.skipped["solve, still under way"] == 7
+
+
 def test_what_is_right_for_one_tick_only_is_solved_in_that_tick() -> None:
     renderer, _ = make(SCENES["stm-circle"])
     with renderer:
