@@ -3,12 +3,12 @@
 sampler.py                    `Sampler`: one tick, from scene to samples: the sequence of the steps below
 samples.py                    `Samples`: points, target pressures, normals, areas, objects, keys, regions
 Where
-    culling_boxes.py          boxes in which anything can be felt; cuts off samples outside the workspace
+    culling_boxes.py          boxes in which anything can be felt; culls objects, and cuts off samples
     contact.py                `find_contact`: skin inside a surface or volume, and its forces
     posed_skin.hpp            skin near an object; pressure by depth, for surfaces and volumes: called by posed_skin.py
     contact_nodes.hpp         forces on nodes of skin: called by contact.py and posed_skin.py
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
-    sample_sources.py         objects near hands; objects without one; points, paths, particles that touch one; keys
+    sample_sources.py         objects without a hand; points, paths and particles that touch one
     spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
     array_resolution.py       resolution of the array by place; how much of its sound reaches skin of some orientation
     small_region_spacing.py   closer samples for small regions
@@ -29,7 +29,7 @@ How many, how strong
 In time
     hand_tracking.py          `HandTrack`: predicts hands, blends updates, holds and fades lost hands
     pose_prediction.py        `PosePredictor`: predicts poses of objects, blends updates
-    object_numbers.py         numbers of objects and contacts, which make the keys of their samples
+    sample_keys.py            keys of samples: from numbers of objects, of contacts and of samples
     sample_cache.py           samples of each object in its own frame, for objects that only moved
     distance_cache.py         distances of skin to an object, for skin that has hardly moved
 """

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.argument_checks import MAX_LENGTH
+from pacinian.native import scene as kernels
 
 if TYPE_CHECKING:
     from pacinian.scene.config_sections import Workspace
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
-    from pacinian.types import Floats
+    from pacinian.types import Floats, Indices
 
 EVERYWHERE = np.array([-np.inf] * 3 + [np.inf] * 3)
 EVERYWHERE.flags.writeable = False
@@ -58,6 +59,16 @@ class CullingBoxes:
                 box = np.concatenate([np.maximum(box[:3], low), np.minimum(box[3:], high)])
             self._last = workspace, box
         return box
+
+
+def cull(bounds: Floats, t: float, boxes: Floats) -> Indices:
+    """Return the indices, in order, of the objects whose bounding spheres touch any of the boxes at time t [s].
+
+    The broad phase discards the others. bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners,
+    (boxes, 6) [m].
+    """
+    found = np.empty(len(bounds), dtype=np.int64)
+    return found[: kernels.near(bounds, t, boxes, found)]
 
 
 def cut(workspace: Workspace | None, samples: Samples) -> Samples:

@@ -20,10 +20,15 @@ curves of [1] and [2]. We assume that the two curves may be combined.
 from __future__ import annotations
 
 import functools
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pacinian.argument_checks import check_number
+from pacinian.scene.modulation.technique import AM
+
+if TYPE_CHECKING:
+    from pacinian.scene.objects import Object
 
 TABLE = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
 MIN_THRESHOLD = float(TABLE[:, 1].min())  # [Pa]
@@ -58,3 +63,10 @@ def lowest_threshold(envelope: object) -> float:
     if isinstance(frequency, (int, float)) and 0.0 < frequency <= MAX_FREQUENCY:
         return threshold(frequency) / MARGIN
     return MIN_THRESHOLD / MARGIN
+
+
+def find_vibration(item: Object) -> object:
+    """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
+    if not item.technique.still:
+        return None
+    return item.technique if isinstance(item.technique, AM) else item.envelope

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
-from pacinian.native import scene as kernels
-from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.scene.objects import Body, Volume
 from pacinian.scene.sampling.array_resolution import weigh_incidence
+from pacinian.scene.sampling.sample_keys import make_keys
 from pacinian.scene.sampling.samples import BESIDE, ISOLATED, Samples
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.scene.shapes.texture import apply_texture
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.array_resolution import ArrayResolution
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.sample_cache import SampleCache
-    from pacinian.types import Floats, Indices, Longs
 
 
 UNTURNED = np.zeros((1, 3))
@@ -160,25 +157,6 @@ class PointContacts:
             np.full(len(kept), item.pressure), np.full(len(kept), ISOLATED),
             self.items, self.hand.capsules,
         )  # fmt: skip
-
-
-def cull(bounds: Floats, t: float, boxes: Floats) -> Indices:
-    """Return the indices, in order, of the objects whose bounding spheres touch any of the boxes at time t [s].
-
-    The broad phase discards the others. bounds: as `Scene.bounds`, (objects, 8). boxes: lower and upper corners,
-    (boxes, 6) [m].
-    """
-    found = np.empty(len(bounds), dtype=np.int64)
-    return found[: kernels.near(bounds, t, boxes, found)]
-
-
-def make_keys(name: int, spacing: float, which: Indices) -> Longs:
-    """Return the keys of samples, (K,), made of an object's number, the spacing and each sample's index.
-
-    name: number of the object. spacing: [m]; 0 if the samples are the same at all spacings. which: indices, (K,).
-    """
-    level = 1 + round(2.0 * math.log2(spacing / MIN_SAMPLE_SPACING)) if spacing else 0
-    return (name << 31) + (level << 25) + which.astype(np.int64)
 
 
 def _apart(item: Object, spacing: float) -> float:

@@ -11,17 +11,15 @@ import numpy as np
 
 from pacinian.argument_checks import check_integer, check_length, check_number
 from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SAMPLE_SPACING
-from pacinian.scene.modulation.technique import AM
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.contact import Contact, find_contact
-from pacinian.scene.sampling.culling_boxes import CullingBoxes, cut
+from pacinian.scene.sampling.culling_boxes import CullingBoxes, cull, cut
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.focal_pressure import spread_forces
 from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.merge_samples import merge_samples
-from pacinian.scene.sampling.object_numbers import number_contact, number_object
-from pacinian.scene.sampling.perception_thresholds import lowest_threshold
+from pacinian.scene.sampling.perception_thresholds import find_vibration, lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.sample_budget import (
@@ -45,12 +43,12 @@ from pacinian.scene.sampling.sample_counts import (
     TOO_FINE,
     SampleCounts,
 )
+from pacinian.scene.sampling.sample_keys import number_contact, number_object
 from pacinian.scene.sampling.sample_sources import (
     PointContacts,
     SampleSource,
     SinglePoint,
     WholeObject,
-    cull,
     forms_region,
     lacks_surface,
 )
@@ -399,13 +397,6 @@ class Sampler:
         """Return the spacing of an object's samples at `place` [m]."""
         own = self.spacing
         return compute_spacing(item, place, self._resolving) if own is None else own
-
-
-def find_vibration(item: Object) -> object:
-    """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
-    if not item.technique.still:
-        return None
-    return item.technique if isinstance(item.technique, AM) else item.envelope
 
 
 def _join_capsules(skins: list[PosedSkin]) -> Floats:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.scene.sampling.sample_sources import make_keys
+from pacinian.scene.sampling.sample_keys import NUMBERS, make_keys
 from pacinian.scene.sampling.samples import BESIDE, join_samples
 
 if TYPE_CHECKING:
@@ -80,6 +80,6 @@ def _silent(
         area=np.zeros(K),
         objects=samples.objects[beside],
         most=samples.most[beside],
-        keys=make_keys(hand.salt % (1 << 31), spacing, nodes),
+        keys=make_keys(hand.salt % NUMBERS, spacing, nodes),
         regions=np.full(K, BESIDE),
     )

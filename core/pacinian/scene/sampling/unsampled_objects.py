@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from pacinian.scene.modulation.waves import Constant
 from pacinian.scene.objects import Surface, Volume
 from pacinian.scene.sampling.contact import touches_unseen
-from pacinian.scene.sampling.object_numbers import number_contact, number_object
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_counts import FACES_AWAY, FAR, OUTSIDE
+from pacinian.scene.sampling.sample_keys import number_contact, number_object
 from pacinian.scene.sampling.spacing import compute_spacing
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ import numpy as np
 
 from pacinian.scene.hands.capsules import distance_to_skin, find_bounds, make_capsules
 from pacinian.scene.objects import Surface, Volume
-from pacinian.scene.sampling.perception_thresholds import lowest_threshold
+from pacinian.scene.sampling.perception_thresholds import find_vibration, lowest_threshold
 from pacinian.scene.sampling.sample_counts import OUTSIDE
-from pacinian.scene.sampling.sampler import find_vibration
 from pacinian.wire.silence_cause import UNTOUCHED, Silence
 from pacinian.wire.state import TouchState
 

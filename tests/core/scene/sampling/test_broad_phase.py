@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pacinian.native.scene import merge
 from pacinian.scene.motion import MAX_EXTRAPOLATION
-from pacinian.scene.sampling.sample_sources import cull
+from pacinian.scene.sampling.culling_boxes import cull
 
 bounded = settings(max_examples=100)
 seeds = st.integers(0, 2**31)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import pacinian as pc
-from pacinian.scene.sampling.object_numbers import NUMBERS, number_contact, number_object
 from pacinian.scene.sampling.posed_skin import PosedSkin
-from pacinian.scene.sampling.sample_sources import make_keys
+from pacinian.scene.sampling.sample_keys import NUMBERS, make_keys, number_contact, number_object
 
 NAMES = ["", "ball", "ball 2", "péntek", "x" * 200]
 HANDS = [PosedSkin(pc.Hand.open("right", name=name)) for name in ("right", "left", "3rd")]
