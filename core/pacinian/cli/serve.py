@@ -64,7 +64,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
     from pacinian.serving.settings import Settings, load
 
     settings = _with(load(config) if config else Settings(), given)
-    _known(settings)
+    imported = _find_plugins(settings)
     if view:
         _check_viewer()
     with contextlib.ExitStack() as stack:
@@ -77,7 +77,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
         ending = threading.Event()
         if until_eof:
             call_at_end_of_input(ending.set)
-        run(settings, ready, ending=ending, source=config or "settings", fork=True)
+        run(settings, ready, ending=ending, source=config or "settings", fork=not imported)
 
 
 def _print_ready(path: Path) -> None:
@@ -88,8 +88,11 @@ def _print_ready(path: Path) -> None:
         sys.stdout = None  # otherwise the interpreter would try to flush it at the end
 
 
-def _known(settings: Settings) -> None:
-    """Check that the chosen plug-ins exist, before anything starts. Raises UnknownPlugin, PluginError."""
+def _find_plugins(settings: Settings) -> bool:
+    """Check that the chosen plug-ins exist, before anything starts; return whether that imported any.
+
+    Raises UnknownPlugin, PluginError.
+    """
     from importlib.metadata import entry_points
 
     from pacinian.plugins.registry import GROUP, Plugins
@@ -99,10 +102,13 @@ def _known(settings: Settings) -> None:
         ("solver", settings.solver),
         ("backend", settings.backend),
     )
+    imported = False
     for kind, choice in chosen:
         name = choice if isinstance(choice, str) else choice.name
         if name not in installed.names:  # import plug-ins only if no entry point has that name
             Plugins().find(kind, name)
+            imported = True
+    return imported
 
 
 def _check_viewer() -> None:

@@ -73,11 +73,12 @@ def serve(
 
     ready: called with the connection file once clients can connect. start: starts one of the other processes. source:
     file that the settings are from, for errors. fork: whether, on Linux, the first of the other processes are copies of
-    this one. It must then be small, and its other threads must hold no lock. Raises ServerError; SceneFileError for
-    settings that a solver or a backend refuses.
+    this one, if it has no open files. It must then be small, without threads that do more than wait. Raises
+    ServerError; SceneFileError for settings that a solver or a backend refuses.
     """
     ending = ending or threading.Event()
     _hold_standard_files()
+    fork = fork and not _has_open_files()  # a copy would have their objects without the files
     path = locate_connection(settings.connection)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_lock_connection_file(path))
@@ -307,6 +308,22 @@ def _free(host: str, port: int) -> int:
             return int(probe.getsockname()[1])
     except OSError as error:
         raise ServerError(explain_bind_error(f"{host}:{port}", error.strerror)) from error
+
+
+def _has_open_files() -> bool:
+    """Return whether this process has opened other files than the standard ones, or the system does not tell.
+
+    Files that it has inherited do not count: they are inheritable, and those that Python opens are not.
+    """
+    try:
+        numbers = [int(number) for number in os.listdir("/dev/fd")]
+    except OSError:
+        return True
+    opened = 0
+    for number in numbers:
+        with contextlib.suppress(OSError):  # the list's own, which is closed again
+            opened += number > 2 and not os.get_inheritable(number)
+    return opened > 0
 
 
 @contextlib.contextmanager

@@ -297,6 +297,33 @@ main()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux only")
+@pytest.mark.parametrize("keeps_file", [False, True])
+def test_nothing_is_forked_that_would_lose_its_files(keeps_file: bool, tmp_path: Path) -> None:
+    """A plug-in, or Python's own start, may have opened some: a copy's numbers would belong to other files."""
+    program = f"""
+import os
+kept = open(os.devnull) if {keeps_file} else None
+fork, made = os.fork, []
+def counted():
+    pid = fork()
+    made.append(pid)
+    return pid
+os.fork = counted
+import threading
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Log, Settings
+ending = threading.Event()
+settings = Settings(connection={str(tmp_path / "here.json")!r}, log=Log(level="error"))
+serve(settings, lambda path: ending.set(), ending=ending, fork=True)
+print(len(made))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.stdout.split() == ["0" if keeps_file else "4"], done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux only")
 def test_a_forked_process_imports_nothing_from_the_folder_of_the_start(tmp_path: Path) -> None:
     """`python -m` puts that folder first."""
     (tmp_path / "setproctitle.py").write_text("raise SystemExit('imported')")

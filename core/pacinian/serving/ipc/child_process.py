@@ -181,6 +181,7 @@ def _run_module(name: str, *, later: bool) -> None:
     later: whether to import the module only then.
     """
     _kill_when_orphaned(True)
+    scheduling.ask_for_precise_timers()
     if not later:
         importlib.import_module(name)
     select.select([0], [], [])

@@ -23,6 +23,11 @@ POLL_INTERVAL = 2e-3  # interval between two checks whether a process has ended 
 # Environment variable that keeps Python from importing from the folder in which the server was started. That folder may
 # be another user's.
 SAFE_PATH = {"PYTHONSAFEPATH": "1"}
+UNWRITABLE = (
+    AttributeError,
+    OSError,
+    ValueError,
+)  # of a standard stream that is None, closed, or not read
 
 
 class SystemProcess(Protocol):
@@ -152,19 +157,23 @@ def _run(run: Callable[[], object]) -> int:
         run()
         code = 0
     except SystemExit as error:
-        if isinstance(error.code, str) and sys.stderr is not None:
-            sys.stderr.write(f"{error.code}\n")
         code = error.code & 0xFF if isinstance(error.code, int) else int(error.code is not None)
+        if not isinstance(error.code, int | None):
+            _write_error(f"{error.code}\n")
     except BaseException:
-        if sys.stderr is not None:
-            traceback.print_exc()
+        _write_error(traceback.format_exc())
     getattr(threading, "_shutdown")()  # noqa: B009  # threads that are not daemons, and pools
     getattr(atexit, "_run_exitfuncs")()  # noqa: B009
     _flush_output()
     return code
 
 
+def _write_error(text: str) -> None:
+    with contextlib.suppress(*UNWRITABLE):
+        sys.stderr.write(text)
+
+
 def _flush_output() -> None:
     for stream in sys.stdout, sys.stderr:
-        with contextlib.suppress(AttributeError, OSError, ValueError):  # closed, or not read
+        with contextlib.suppress(*UNWRITABLE):
             stream.flush()
