@@ -108,6 +108,7 @@ class Session:
         """Whether another solve for the same problem may come nearer to the targets, because it relaxes the phases."""
         self._base: Solution | None = None  # solved by a solver; its gains are in _work
         self._solved_with: tuple[Solver, Limits, int, float, bool] | None = None
+        self._hurried = False  # whether the base is for regions and had a deadline
 
     @property
     def solver(self) -> Solver:
@@ -192,6 +193,7 @@ class Session:
         if (
             not self.unsettled
             and warm is not None
+            and not (self._hurried and budget.endless)
             and (c := self._find_multiple(targets, limits, solver)) == c
         ):
             self.last = self._scale_last(c, targets, out, start)
@@ -202,6 +204,7 @@ class Session:
         if targets.regions is not None and budget.endless:
             made = self._correct_regions(made, limits, start, solver)
         self.last = self._base = made
+        self._hurried = targets.regions is not None and not budget.endless
         self._choose_phases(made, budget)
         self._solved_with = solver, limits, self.propagator.version, self.tilt, self.refines
         return self.last

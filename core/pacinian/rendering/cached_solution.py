@@ -28,7 +28,8 @@ class CachedSolution:
     indices into `whole`: of the samples that little sound reaches, and of those that get clearly less than their
     target. limited: whether it is scaled down, because the pressure on skin would exceed its limit. evaluated: whether
     the pressure on skin was compared with its limit, if there is a limit. retry: time from which to solve again if it
-    is not final [s].
+    is not final [s]. awaits_rest: whether to solve without a deadline, which comes nearer to the targets, once the
+    samples have been at rest for a while.
     """
 
     gains: Gains
@@ -46,6 +47,7 @@ class CachedSolution:
     limited: bool = False
     evaluated: bool = True
     retry: float = -math.inf
+    awaits_rest: bool = False
 
     def needs_no_solve(self, t: float) -> bool:
         """Return whether a solve at time t [s] is not needed, or not yet."""

@@ -131,6 +131,7 @@ class Pipeline:
         self._started = 0.0  # clock reading when the job that runs beside the ticks began [s]
         self._deadline_factor = 1.0  # factor on the deadline of the next job beside the ticks
         self._measures = False  # whether the job beside the ticks only measures
+        self._unhurried = False  # whether it solves for a scene at rest, without a deadline
         self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
@@ -322,7 +323,7 @@ class Pipeline:
         if self.played.solutions.motion is not None and not (self._seen and self._seen.hands):
             limit *= STEERED_TIME_FACTOR
         if self._seen and self._seen.objects:  # what ends must end soon
-            limit *= self._deadline_factor
+            limit *= math.inf if self._unhurried else self._deadline_factor
         overdue = self.stages.now() - self._started >= limit
         return bool(self._recording_clock.note(lambda: float(overdue or self.background.done)))
 
@@ -349,6 +350,10 @@ class Pipeline:
         if beside:
             time *= self._deadline_factor
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
+        rows = self.played.solutions.rows
+        self._unhurried = beside and self.schedule.rests and bool(rows) and rows[0].awaits_rest
+        if self._unhurried:
+            deadline = math.inf
         at = self._find_play_time(t, beside)
         last, known = self.played, self.sampler.sample_counts
 
@@ -361,6 +366,7 @@ class Pipeline:
             stages.enter("solve")
             self.solver.skins = self.sampler.pose_seen() if len(samples) else ()
             self.solver.cycle.budget = self.sampler.frame_budget
+            self.solver.refines_at_rest = beside and self._adaptive
             near = MAX_UNSOLVED_MOVEMENT if beside and self._adaptive else 0.0
             solutions = self.solver.solve(samples, t, limits, solver, deadline, near, at)
             fast = last.too_fast

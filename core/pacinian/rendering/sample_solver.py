@@ -47,6 +47,9 @@ MAX_PAUSE = 0.033  # longest time from one solve to the next while samples move 
 MAX_TRIES = 6
 # Pause before the next solve after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
 RETRY_INTERVAL = 0.25
+# Pause before regions at rest are solved without a deadline [s], and longest solve with one after which they are. The
+# solve without one takes up to five times as long, and nothing else can be solved meanwhile.
+REST_BEFORE_LONG_SOLVE, MAX_HURRIED_TIME = 0.1, 0.02
 
 Step = tuple[object, ...]
 
@@ -57,8 +60,9 @@ class SampleSolver:
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
     allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
-    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene; the render loop
-    sets them.
+    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene.
+    refines_at_rest: whether regions will be solved for without a deadline once they are at rest. The render loop sets
+    both.
     """
 
     session: Session
@@ -67,6 +71,7 @@ class SampleSolver:
     skipped: Counter[str] = field(default_factory=Counter[str])
     fresh: list[CachedSolution] = field(default_factory=list[CachedSolution], init=False)
     skins: Sequence[PosedSkin] = field(default=(), init=False)
+    refines_at_rest: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         self._skin_limit = SkinLimit(self.session)
@@ -268,13 +273,21 @@ class SampleSolver:
             failures, final = kept.failed_improvements + 1, made.final
             waits = final or failures >= MAX_TRIES
             retry = t + RETRY_INTERVAL if waits else t
+            solution = kept.solution
+            if final:  # it is as good as one that had all the time that it needed
+                solution = replace(solution, late=False, status=made.solution.status)
             made = replace(
                 kept,
+                solution=solution,
                 steady=groups.steady and waits,
                 final=final,
                 failed_improvements=failures,
                 retry=retry,
             )
+        hurried = deadline < math.inf and made.solution.seconds <= MAX_HURRIED_TIME
+        refines = self.refines_at_rest and made.final and hurried and not joint
+        if refines and (samples.regions >= 0).any():
+            made = replace(made, awaits_rest=True, final=False, retry=t + REST_BEFORE_LONG_SOLVE)
         self.fresh.append(made)
         if (len(self._steps) + 1) * made.nbytes > CACHE_BYTES:
             self._steps = {}

@@ -252,6 +252,49 @@ def test_new_limits_hold_from_the_first_row_on() -> None:
         assert renderer.solution.solver == "gs-pat"
 
 
+def test_a_region_at_rest_is_solved_once_without_a_deadline() -> None:
+    disc = pc.Surface(
+        name="disc", shape=pc.Disc(0.015), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=1.0
+    )
+    moved = replace(disc, pose=pc.Pose((0.003, 0.0, 0.15)))
+    scene = [pc.Scene((disc,))]
+    renderer, _ = make(lambda t: scene[0])
+    patient, _ = make(lambda t: scene[0], adaptive=False)
+    with renderer, patient:
+        patient.tick(0.0)
+        patient.tick(50 * TICK)  # its ramp has ended
+        renderer.tick(0.0)
+        background = solve_beside(renderer)
+        for k in range(1, 60):
+            renderer.tick(k * TICK)
+        assert patient.solution is not None
+        hurried = renderer.solution
+        assert hurried is not None
+        assert hurried.error > 1.5 * patient.solution.error
+        for k in range(60, 400):
+            renderer.tick(k * TICK)
+        assert renderer.solution is not None
+        assert renderer.solution.error == pytest.approx(patient.solution.error, rel=0.1)
+        solves = renderer.report.solves
+        for k in range(400, 1000):
+            renderer.tick(k * TICK)
+        assert renderer.report.solves == solves
+        scene[0] = pc.Scene((moved,))
+        for k in range(1000, 1200):
+            renderer.tick(k * TICK)
+            if renderer._pipeline._unhurried:
+                break
+        background.ready, started = False, background.started
+        for more in range(k + 1, k + 200):  # however long it takes, the ticks go on
+            renderer.clock.wait_until(more * TICK)
+            renderer.tick(more * TICK)
+        assert background.started == started
+        background.ready = True
+        for more in range(k + 200, k + 400):
+            renderer.tick(more * TICK)
+        assert renderer.solution.error < 1.2 * patient.solution.error
+
+
 def test_equal_limits_of_each_tick_are_the_same_limits() -> None:
     """A scene function may set them in each tick; only new values end the solves beside the ticks."""
     renderer, _ = make(at)
