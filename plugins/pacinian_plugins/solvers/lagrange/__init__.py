@@ -16,7 +16,7 @@ dual_newton.hpp       Newton steps on multipliers, bound on the error: called by
 primal_newton.hpp     Newton steps on gains: called by gain_limited.py
 newton_step.hpp       one such step: used by primal_newton.hpp
 weighted_gs.hpp       weighted Gerchberg-Saxton at full drive: called by gain_limited.py
-region_newton.hpp     Newton steps for regions, by conjugate gradients, and their limits: called by regions.py
+region_newton.hpp     Newton steps for regions, by conjugate gradients, their limits and bound: called by regions.py
 fused_passes.hpp      passes over B that keep the gain limit: called by gain_limited.py and in all steps above
 dense_kernels.hpp     small dense systems, scaling to single precision: called by solver.py and regions.py
 """
