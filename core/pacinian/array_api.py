@@ -12,22 +12,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.propagation import TOUCHING_DISTANCE, check_medium
-from pacinian.argument_checks import MAX_LENGTH, check_integer, check_number
+from pacinian.acoustics.propagation import MAX_GAIN, TOUCHING_DISTANCE, check_medium
+from pacinian.argument_checks import MAX_LENGTH, check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError, MissingExtra, PointOnTransducer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.air import Air
-    from pacinian.acoustics.array import Array
     from pacinian.types import Floats
 
 STEPS = 1 << 16  # steps of cos(theta) in the table of a directivity
 LEAST_COSINE = 1e-12  # in place of 0, where a directivity counts as behind
 MAX_ELEMENTS = 1 << 24  # elements of B at once in `field`
 MAX_STEPS = 10_000  # Gerchberg-Saxton steps
+MAX_ROUNDING = 1e-5  # error of a coordinate in single precision, 0.007 rad of a wave at 40 kHz [m]
+# least regularisation, in roundings times sqrt(M), with which equal points have a solution
+MIN_MU = 4.0
 MU = 1e-6  # default regularisation, relative to the mean square pressure
 
 
@@ -39,14 +42,17 @@ def matrix(array: Array, points: Any, medium: Air) -> Any:
     PointOnTransducer, MissingExtra.
     """
     check_medium(medium)
-    xp = _find_namespace(points)
+    xp = _find_namespace("points", points)
     _check_points(xp, points, array)
     kind, centre = array.transducer, array.centre
 
     def local(values: Any) -> Any:
         return xp.asarray(np.array(values), dtype=points.dtype, device=points.device)
 
-    d = (points - local(centre))[..., None, :] - local(array.positions - centre)  # (..., M, N, 3)
+    # in two parts, so that the centre is not rounded
+    near = np.asarray(centre, np.float32).astype(np.float64)
+    q = (points - local(near)) - local(centre - near)
+    d = q[..., None, :] - local(array.positions - centre)  # (..., M, N, 3)
     r = xp.sqrt(xp.sum(d * d, axis=-1))
     if medium.singular and bool(xp.any(r < TOUCHING_DISTANCE)):
         on = xp.reshape(xp.any(r < TOUCHING_DISTANCE, axis=-1), (-1,))
@@ -57,7 +63,7 @@ def matrix(array: Array, points: Any, medium: Air) -> Any:
     if beta := medium.beta(kind.frequency):
         size = size * xp.exp(-beta * r)
     if kind.directivity is not omni:
-        cosine = xp.sum(d * local(array.normals), axis=-1) / r
+        cosine = xp.sum(d * local(array.normals), axis=-1) / xp.where(r > 0.0, r, xp.ones_like(r))
         size = size * _interpolate(xp, kind.directivity, cosine, local)
     phase = medium.wavenumber(kind.frequency) * r
     B = xp.astype(size * xp.cos(phase), _complex(xp, points.dtype))
@@ -73,15 +79,9 @@ def field(array: Array, gains: Any, points: Any, medium: Air) -> Any:
     array: N transducers. gains: (..., N), complex or real, of the same library. points: (..., M, 3) [m]. The leading
     dimensions broadcast. medium: the air. Raises ArgumentError, PointOnTransducer, MissingExtra.
     """
-    xp = _find_namespace(points)
+    xp = _find_namespace("points", points)
     _check_points(xp, points, array)
-    if _find_namespace(gains) is not xp:
-        raise ArgumentError("gains", "must be an array of the same library as `points`")
-    if gains.shape[-1:] != (len(array),) or not bool(xp.all(xp.isfinite(gains))):
-        raise ArgumentError(
-            "gains", f"must be finite, of shape (..., {len(array)}), not {tuple(gains.shape)}"
-        )
-    g = xp.astype(gains, _complex(xp, points.dtype))[..., None]
+    g = _check_gains(xp, gains, points, len(array))[..., None]
     M = points.shape[-2]
     before = int(np.prod(points.shape[:-2], dtype=np.int64))
     rows = max(1, MAX_ELEMENTS // max(1, before * len(array)))
@@ -107,7 +107,8 @@ def solve(
 
     The method is that of the solver pseudo-inverse: `steps` Gerchberg-Saxton steps on B B^H choose the phases, then
     g = B^H (B B^H + mu s I)^-1 p, with s the mean of the diagonal of B B^H; gains above the limit are scaled down as a
-    whole, each problem by itself.
+    whole, each problem by itself. If no sound reaches any point of a problem, its gains are 0. mu is at least 4 sqrt(M)
+    times the precision's epsilon.
 
     array: N transducers. points: (..., M, 3) [m]. amplitudes: not negative, broadcast to (..., M) [Pa], of the same
     library. phases: [rad], broadcast to (..., M); None if they are free. medium: the air. gain: limit of
@@ -118,7 +119,7 @@ def solve(
     steps = check_integer("steps", steps, low=0)
     if steps > MAX_STEPS:
         raise ArgumentError("steps", f"must be at most {MAX_STEPS}")
-    xp = _find_namespace(points)
+    xp = _find_namespace("points", points)
     B = matrix(array, points, medium)
     shape, M = points.shape[:-1], points.shape[-2]
     t = _spread(xp, "amplitudes", amplitudes, points)
@@ -140,20 +141,23 @@ def solve(
         q = q / xp.astype(xp.where(length > 0.0, length, xp.ones_like(length)), B.dtype)
         p = t[..., None] * q
     eye = xp.eye(M, dtype=B.dtype, device=points.device)
-    mean = xp.sum(gram * eye, axis=(-2, -1)) / max(M, 1)
-    g = (adjoint @ xp.linalg.solve(gram + (mu * mean)[..., None, None] * eye, p))[..., 0]
+    mean = xp.real(xp.sum(gram * eye, axis=(-2, -1))) / max(M, 1)
+    mean = xp.where(mean > 0.0, mean, xp.ones_like(mean))  # no sound reaches any point: gram is 0
+    least = MIN_MU * M**0.5 * float(xp.finfo(points.dtype).eps)
+    ridge = xp.astype(max(mu, least) * mean, B.dtype)[..., None, None] * eye
+    g = (adjoint @ xp.linalg.solve(gram + ridge, p))[..., 0]
     strongest = xp.max(xp.abs(g), axis=-1, keepdims=True) / gain
     g = g / xp.astype(xp.where(strongest > 1.0, strongest, xp.ones_like(strongest)), B.dtype)
     return g, (B @ g[..., None])[..., 0]
 
 
-def _find_namespace(given: Any) -> Any:
-    """Return the array API namespace of an array. Raises ArgumentError, MissingExtra."""
+def _find_namespace(name: str, given: Any) -> Any:
+    """Return the array API namespace of an array. name: of the argument. Raises ArgumentError, MissingExtra."""
     if hasattr(given, "__array_namespace__"):
         return given.__array_namespace__()
     if not hasattr(given, "device"):
         raise ArgumentError(
-            "points", f"must be an array of NumPy, PyTorch or another library, not {type(given)}"
+            name, f"must be an array of NumPy, PyTorch or another library, not {type(given)}"
         )
     try:
         from array_api_compat import array_namespace
@@ -162,11 +166,12 @@ def _find_namespace(given: Any) -> Any:
     try:
         return array_namespace(given)
     except TypeError as error:
-        raise ArgumentError("points", f"must be an array of a supported library: {error}") from None
+        raise ArgumentError(name, f"must be an array of a supported library: {error}") from None
 
 
 def _check_points(xp: Any, points: Any, array: Array) -> None:
-    """Refuse points that are not finite and near, (..., M, 3) [m]. Raises ArgumentError."""
+    """Refuse an array that is none, and points that are not finite and near, (..., M, 3) [m]. Raises ArgumentError."""
+    check_kind("array", array, Array)
     if points.ndim < 2 or points.shape[-1] != 3:
         raise ArgumentError("points", f"must have shape (..., M, 3), not {tuple(points.shape)}")
     if points.dtype not in (xp.float32, xp.float64):
@@ -178,11 +183,43 @@ def _check_points(xp: Any, points: Any, array: Array) -> None:
             f"must be finite, and at most {MAX_LENGTH:g} m from the array's centre: "
             "lengths are in metres (were millimetres given?)",
         )
+    away = float(np.abs(array.centre).max())  # [m]
+    rounding = away * float(xp.finfo(points.dtype).eps) / 2.0  # [m]
+    if rounding > MAX_ROUNDING:
+        raise ArgumentError(
+            "points",
+            f"are {away:g} m from the origin, where {points.dtype} is off by {1e3 * rounding:.2g} mm: use float64, or "
+            "put the array at the origin",
+        )
+
+
+def _check_gains(xp: Any, gains: Any, points: Any, count: int) -> Any:
+    """Return gains, (..., N), complex, that broadcast with the points. Raises ArgumentError."""
+    if _find_namespace("gains", gains) is not xp:
+        raise ArgumentError("gains", "must be an array of the same library as `points`")
+    if not xp.isdtype(gains.dtype, ("bool", "numeric")):
+        raise ArgumentError("gains", f"must be numbers, not {gains.dtype}")
+    if gains.shape[-1:] != (count,):
+        raise ArgumentError("gains", f"must have shape (..., {count}), not {tuple(gains.shape)}")
+    try:
+        np.broadcast_shapes(tuple(gains.shape[:-1]), tuple(points.shape[:-2]))
+    except ValueError:
+        raise ArgumentError(
+            "gains",
+            f"of shape {tuple(gains.shape)} do not broadcast with `points` of shape {tuple(points.shape)}",
+        ) from None
+    g = xp.astype(gains, _complex(xp, points.dtype))
+    if not bool(xp.all(xp.abs(g) < MAX_GAIN)):  # also for NaN
+        raise ArgumentError("gains", f"must be finite, and below {MAX_GAIN:g}")
+    return g
 
 
 def _spread(xp: Any, name: str, given: Any, points: Any) -> Any:
     """Return real numbers broadcast to the shape of `points` without its last dimension. Raises ArgumentError."""
     shape = points.shape[:-1]
+    kind = getattr(given, "dtype", None)  # that of another library, perhaps
+    if "complex" in str(kind) or (kind is None and np.iscomplexobj(given)):
+        raise ArgumentError(name, "must be real: give phases as `phases`")
     try:
         made = xp.broadcast_to(xp.asarray(given, dtype=points.dtype, device=points.device), shape)
     except (TypeError, ValueError, RuntimeError) as error:

@@ -139,6 +139,48 @@ def test_free_phases_meet_the_amplitudes_and_the_limit(xp: Any) -> None:
         np.testing.assert_allclose(back(single), back(g)[k], atol=1e-9 * np.abs(back(g)).max())
 
 
+def test_no_sound_and_equal_points_spoil_no_batch(xp: Any) -> None:
+    """Without sound at any point, B B^H is 0; for equal points it is singular. Other problems do not notice."""
+    q, t = Q.copy(), T.copy()
+    q[1, :, 2] *= -1.0  # behind the array
+    q[2], t[2] = q[2, 0], 20.0
+    for mu in (0.0, array_api.MU):
+        g, p = array_api.solve(ARRAY, xp.asarray(q), xp.asarray(t), medium=AIR, mu=mu, gain=1e3)
+        assert not back(g)[1].any()
+        np.testing.assert_allclose(np.abs(back(p)[[0, 2]]), t[[0, 2]], rtol=1e-3)
+
+
+@pytest.mark.parametrize("M", [2, 30])
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_equal_points_of_different_phases_have_finite_gains(M: int, kind: Any) -> None:
+    rng = np.random.default_rng(0)
+    for mu in (0.0, array_api.MU):
+        q, phases = np.tile(Q[0, :1], (M, 1)).astype(kind), rng.uniform(-3.0, 3.0, M).astype(kind)
+        g, _ = array_api.solve(ARRAY, q, kind(100.0), phases, medium=AIR, mu=mu)
+        assert 0.0 < np.abs(g).max() <= 1.0 + 1e-6
+
+
+def test_without_attenuation_a_point_on_a_transducer_has_the_field_of_the_others(xp: Any) -> None:
+    even = pc.Air(attenuation="none")
+    q = np.concatenate([ARRAY.positions[3:4], Q[0]])
+    p = array_api.field(ARRAY, xp.asarray(G[0]), xp.asarray(q), even)
+    np.testing.assert_allclose(back(p), pc.field(ARRAY, G[0], q, even, "double"), rtol=1e-5)
+
+
+def test_single_precision_holds_away_from_the_origin_or_is_refused(xp: Any) -> None:
+    near, far = ((x, 0.0, 0.0) for x in (128.0, 3000.0))
+    array = ARRAY.translate(near)
+    q = (Q[0] + near).astype(np.float32)
+    exact = pc.field(array, G[0], q.astype(np.float64), AIR, "double")
+    p = array_api.field(array, xp.asarray(G[0]), xp.asarray(q), AIR)
+    assert p.dtype == xp.complex64
+    np.testing.assert_allclose(back(p), exact, atol=2e-5 * np.abs(exact).max())
+    with pytest.raises(pc.ArgumentError, match=r"3000 m from the origin.*0\.18 mm: use float64"):
+        array_api.field(
+            ARRAY.translate(far), xp.asarray(G[0]), xp.asarray((Q[0] + far).astype(np.float32)), AIR
+        )
+
+
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 def test_autograd_agrees_with_the_derivatives() -> None:
     q = torch.tensor(Q[0], requires_grad=True)
@@ -183,6 +225,8 @@ def test_a_point_on_a_transducer_is_told(xp: Any) -> None:
         ("points", {"points": np.zeros((2, 3), np.int64)}),
         ("amplitudes", {"amplitudes": T[:2, :3]}),
         ("amplitudes", {"amplitudes": -T}),
+        ("amplitudes", {"amplitudes": 1j * T}),
+        ("phases", {"phases": 1j * T}),
         ("amplitudes", {"amplitudes": np.nan * T}),
         ("phases", {"phases": np.inf * T}),
         ("gain", {"gain": 0.0}),
@@ -207,5 +251,13 @@ def test_libraries_do_not_mix() -> None:
         array_api.matrix(ARRAY, Q.tolist(), AIR)
     with pytest.raises(pc.ArgumentError, match="gains"):
         array_api.field(ARRAY, G[:, :4], Q, AIR)
-    with pytest.raises(pc.ArgumentError, match="gains"):
-        array_api.field(ARRAY, np.nan * G, Q, AIR)
+    for gains in (np.nan * G, G.astype(object), G.astype(str), 1e30 * G, G[:2], G.tolist()):
+        with pytest.raises(pc.ArgumentError, match="gains"):
+            array_api.field(ARRAY, gains, Q, AIR)
+    with pytest.raises(pc.ArgumentError, match="amplitudes"):
+        array_api.solve(ARRAY, Q, [1j] * M, medium=AIR)
+    nothing: Any = None
+    with pytest.raises(pc.ArgumentError, match="array"):
+        array_api.field(nothing, G, Q, AIR)
+    with pytest.raises(pc.ArgumentError, match="array"):
+        array_api.solve(nothing, Q, T, medium=AIR)

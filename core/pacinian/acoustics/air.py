@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 
 from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError
@@ -30,6 +30,7 @@ class Air:
         "absorbing" (n = 1 and beta from ISO 9613-1 at the transducers' frequency).
     absorption: beta [1/m], used instead of the computed value.
     exponent: n, from `attenuation`.
+    `dataclasses.replace` computes speed and density anew, unless they were given.
     Raises ArgumentError.
     """
 
@@ -41,9 +42,14 @@ class Air:
     attenuation: str | float = "spherical"
     absorption: float | None = None
     exponent: float = field(init=False)
+    # speed and density of an ideal gas, which `dataclasses.replace` passes on
+    _computed: InitVar[tuple[float, float]] = (0.0, 0.0)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, _computed: tuple[float, float]) -> None:
         set_ = functools.partial(object.__setattr__, self)
+        for name, before in zip(("speed_of_sound", "density"), _computed, strict=True):
+            if getattr(self, name) == before:
+                set_(name, 0.0)
         set_("humidity", check_number("humidity", self.humidity, low=0.0, high=1.0))
         set_(
             "ambient_pressure",
@@ -56,6 +62,7 @@ class Air:
         elif not self.speed_of_sound:
             set_("temperature", ROOM_TEMPERATURE)
         c, rho = _ideal_gas(self._celsius, self.humidity, self.ambient_pressure)
+        set_("_computed", (c, rho))
         if self.speed_of_sound:
             c = check_number("speed_of_sound", self.speed_of_sound, low=10.0, high=1e4)
         set_("speed_of_sound", c)

@@ -25,16 +25,16 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import omni
 from pacinian.acoustics.pressure import SKIN, radiation_pressure
-from pacinian.acoustics.propagation import field
-from pacinian.argument_checks import check_near, check_number, check_numbers
+from pacinian.acoustics.propagation import check_medium, field
+from pacinian.argument_checks import check_kind, check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
 from pacinian.types import Complexes, Floats
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
-    from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike
 
 STEP = 1e-6  # step of cos(theta) for the slope of a directivity
@@ -68,6 +68,8 @@ def differentiate_field(
     [Pa/m]. p depends on g but not on its conjugate, so that p changes by B dg. Where a directivity has a kink, the
     derivative is the mean of both sides. Raises ArgumentError, PointOnTransducer.
     """
+    check_kind("array", array, Array)
+    check_medium(medium)
     q = check_numbers("points", points, (None, 3))
     check_near("points", q, array.centre)
     M, N = len(q), len(array)

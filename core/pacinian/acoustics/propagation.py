@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import omni
-from pacinian.argument_checks import MAX_LENGTH, check_numbers
+from pacinian.argument_checks import MAX_LENGTH, check_kind, check_numbers
 from pacinian.errors import ArgumentError, PointOnTransducer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats, Gains, Indices, Singles
 
 Precision = Literal["single", "double"]
@@ -119,6 +119,7 @@ def matrix(array: Array, points: ArrayLike, medium: Air) -> Complexes:
     array: N transducers. points: [m], shape (M, 3). medium: the air. Raises ArgumentError, and PointOnTransducer if the
     attenuation is singular there.
     """
+    check_kind("array", array, Array)
     check_medium(medium)
     q = check_numbers("points", points, (None, 3))
     kind = array.transducer
@@ -165,6 +166,7 @@ def field(
     array use double precision) or "double", which takes 100 times as long.
     Returns shape (...). Raises ArgumentError, PointOnTransducer.
     """
+    check_kind("array", array, Array)
     check_medium(medium)
     if precision not in ("single", "double"):
         raise ArgumentError("precision", f'must be "single" or "double", not {precision!r}')

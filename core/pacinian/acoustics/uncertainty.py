@@ -25,8 +25,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.air import Air
+from pacinian.acoustics.array import Array
 from pacinian.acoustics.pressure import SKIN, radiation_pressure
-from pacinian.acoustics.propagation import field, matrix
+from pacinian.acoustics.propagation import check_medium, field, matrix
 from pacinian.argument_checks import (
     check_integer,
     check_kind,
@@ -39,7 +40,6 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from pacinian.acoustics.array import Array
     from pacinian.types import ArrayLike, Complexes, Floats
 
 MAX_PRESSURE, MAX_TEMPERATURE = 2.0, 10.0  # largest standard deviations: a factor of 7; [K]
@@ -185,7 +185,8 @@ class _Problem:
         self, array: Array, gains: ArrayLike, points: ArrayLike, uncertainty: Uncertainty,
         medium: Air, confidence: float, samples: int, seed: int,
     ) -> None:  # fmt: skip
-        self.array, self.air = array, medium
+        check_kind("array", array, Array)
+        self.array, self.air = array, check_medium(medium)
         check_kind("uncertainty", uncertainty, Uncertainty)
         self.given = uncertainty
         self.q = check_numbers("points", points, (None, 3))
@@ -201,6 +202,16 @@ class _Problem:
         if self.count * max(len(self.q), len(self.g)) > MAX_VALUES:
             raise ArgumentError("samples", f"must be fewer: {self.count} of them fill the memory")
         self.chance = np.random.default_rng(check_integer("seed", seed, low=0))
+        most = NormalDist().inv_cdf(1.0 - 0.5 / self.count)  # largest of `_spread_normal`
+        for change in (-most * uncertainty.temperature, most * uncertainty.temperature):
+            try:
+                warm(self.air, change)
+            except ArgumentError as error:
+                raise ArgumentError(
+                    "uncertainty",
+                    f"has a temperature of {uncertainty.temperature:g} K, so that some samples of the air are "
+                    f"{change:+.1f} K off, for which {error}: give a smaller one",
+                ) from None
 
     def predict(self, power: float, quantity: Callable[[Complexes, Air], Floats]) -> Band:
         """Return a band of a quantity that is proportional to P0^power. quantity: of p, (..., M) [Pa], and the air."""

@@ -50,15 +50,16 @@ class Solutions(Sequence["Solution"]):
     Indexing by a number returns a `Solution`, by a slice `Solutions`.
     """
 
-    def __init__(self, solutions: Iterable[Solution]) -> None:
-        self._all = tuple(solutions)
+    def __init__(self, solutions: Iterable[Solution], sizes: tuple[int, int] = (0, 0)) -> None:
+        """Take the solutions. sizes: N and M, in case there is no solution."""
+        self._all, self._sizes = tuple(solutions), sizes
 
     @overload
     def __getitem__(self, k: int) -> Solution: ...
     @overload
     def __getitem__(self, k: slice) -> Solutions: ...
     def __getitem__(self, k: int | slice) -> Solution | Solutions:
-        return Solutions(self._all[k]) if isinstance(k, slice) else self._all[k]
+        return Solutions(self._all[k], self._sizes) if isinstance(k, slice) else self._all[k]
 
     def __len__(self) -> int:
         return len(self._all)
@@ -68,11 +69,15 @@ class Solutions(Sequence["Solution"]):
         """All gains, (K, N); a copy. Raises ArgumentError if the arrays have different sizes."""
         if len({len(one.gains) for one in self}) > 1:
             raise ArgumentError("gains", "of arrays of different sizes: use those of each solution")
+        if not self._all:
+            return np.empty((0, self._sizes[0]), np.complex64)
         return np.array([one.gains for one in self])
 
     @property
     def sound_pressure(self) -> Complexes:
         """Achieved sound pressures, complex, (K, M) [Pa]."""
+        if not self._all:
+            return np.empty((0, self._sizes[1]), np.complex128)
         return np.array([one.sound_pressure for one in self])
 
     @property
@@ -126,7 +131,7 @@ def solve_many(
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     most = check_integer("workers", (usable or 1) if workers is None else workers, low=1)
     with limit_blas_threads():
-        return Solutions(_solve_all(task, most))
+        return Solutions(_solve_all(task, most), (len(task.arrays[0]), task.points.shape[1]))
 
 
 def _solve_all(task: Task, workers: int) -> list[Solution]:
@@ -286,11 +291,12 @@ def _spread(name: str, given: ArrayLike, shape: tuple[int, int], *, free: bool =
 
 def _spread_regions(given: ArrayLike, K: int, M: int) -> Longs:
     """Return regions, broadcast to (K, M). Raises ArgumentError."""
-    made = np.asarray(given)
     try:
-        spread = np.array(np.broadcast_to(made, (K, M)))
-    except ValueError as error:
-        raise ArgumentError("regions", f"must broadcast to {(K, M)}, (K, M): {error}") from None
+        spread = np.array(np.broadcast_to(np.asarray(given), (K, M)))
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            "regions", f"must be whole numbers that broadcast to {(K, M)}, (K, M)"
+        ) from None
     for row in np.unique(spread.reshape(-1, M), axis=0):
         number_regions(M, row)  # raises for what are no regions
     return np.asarray(spread, np.int64)

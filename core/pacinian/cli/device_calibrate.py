@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from pacinian.cli.doctor_rules import Finding, list_first
+from pacinian.cli.finite_range import FiniteRange
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from pacinian.devices.scan_fit import ScanFit
     from pacinian.types import Flags, Floats
 
+MAX_RESIDUAL = 0.1  # unexplained part of a typical reading above which the scan is suspect
+# of a file's gain and phase reference, relative and [rad], and in standard errors, above which files differ
+MAX_FILE_CHANGE, MAX_FILE_SURPRISE = 0.02, 4.0
 # Residual at a position, relative to the expected rms there, above which it is named.
 MAX_MISFIT = 0.5
 MAX_PHASE_ERROR = 10.0  # standard error of phases that costs 3 % of a focus [deg]
@@ -42,7 +46,11 @@ MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit i
 @click.option(
     "--out", default=Path("calibration.csv"), show_default=True, type=click.Path(path_type=Path)
 )
-@click.option("--temperature", type=float, help="Temperature of the air [degC]; fitted by default.")
+@click.option(
+    "--temperature",
+    type=FiniteRange(-20, 50),  # whose speed of sound the fit accepts
+    help="Temperature of the air [degC]; fitted by default.",
+)
 @click.option(
     "--position-error", default=0.001, show_default=True, type=float,
     help="Standard error of the microphone's coordinates [m], which the fit corrects.",
@@ -75,9 +83,10 @@ def calibrate(
 
     A scan is a CSV file with the columns x,y,z,serial,channel,amplitude,phase ([m], any unit, [rad]) of channels driven
     one at a time, or an NPZ or HDF5 file with positions, readings and perhaps drives. It needs at least 6 positions of
-    the microphone, better 12, at different heights. The result has standard errors. It replaces all strengths, phases
-    and dead channels of FILE. If the scan contradicts FILE, for example by another order of the channels, nothing is
-    written, and the exit code is 1. This command drives no device; docs/devices.md explains how to measure.
+    the microphone, better 12, at different heights. The microphone's gain and the phase reference may differ between
+    files that share channels. The result has standard errors. It replaces all strengths, phases and dead channels of
+    FILE. If the scan contradicts FILE, for example by another order of the channels, nothing is written, and the exit
+    code is 1. This command drives no device; docs/devices.md explains how to measure.
     """
     import numpy as np
 
@@ -104,6 +113,7 @@ def calibrate(
         device.array(),
         scan.positions,
         scan.readings[:, np.argsort(order)],
+        files=scan.files[:, np.argsort(order)],
         position_error=position_error,
         shift_error=shift_error,
         turn_error=turn_error,
@@ -123,7 +133,9 @@ def calibrate(
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
     known = np.r_[[shift_error] * 3, [turn_error] * 3]
     findings = [
+        _judge_fit(fit),
         *_findings(fit, scan, names, known),
+        *_compare_files(fit, [path.name for path in scans]),
         _judge_strength(fit, scan, device, sensitivity_error),
     ]
     good = all(finding.level != "problem" for finding in findings)
@@ -140,6 +152,16 @@ def calibrate(
             "speed_error": fit.speed_error,
             "pose": {"position": fit.pose.position, "rotation": fit.pose.rotation},
             "pose_errors": fit.pose_errors.tolist(),
+            "files": [
+                {
+                    "file": str(path),
+                    "gain": float(np.abs(factor)),
+                    "phase": float(np.angle(factor)),
+                    "gain_error": None if np.isnan(errors[0]) else float(errors[0]),
+                    "phase_error": None if np.isnan(errors[1]) else float(errors[1]),
+                }
+                for path, factor, errors in zip(scans, fit.factors, fit.factor_errors, strict=True)
+            ],
             "widened": dict(zip(("positions", "shift", "turn"), fit.widened.tolist(), strict=True)),
             "channels": [
                 {"serial": serial, "channel": channel, **values._asdict()}
@@ -155,6 +177,18 @@ def calibrate(
         click.echo(f"{out}: {outcome}")
     if not good:
         sys.exit(1)
+
+
+def _judge_fit(fit: ScanFit) -> Finding:
+    """Return how much of the readings the fit explains."""
+    text = f"{fit.residual:.1%} of a typical reading is not explained; {fit.outliers} outliers"
+    if fit.residual <= MAX_RESIDUAL:
+        return Finding("fit", "ok", text)
+    fix = (
+        "look for noise and reflections, and check that the microphone's gain, the phase reference and the array did "
+        "not change within a file"
+    )
+    return Finding("fit", "warning", text, fix)
 
 
 def _judge_strength(
@@ -177,6 +211,40 @@ def _judge_strength(
     return Finding("strength", "ok", f"{text} (described: {described:g})", fix)
 
 
+def _compare_files(fit: ScanFit, names: list[str]) -> list[Finding]:
+    """Return how the microphone's gain and the phase reference differ between files. names: of the files."""
+    import numpy as np
+
+    first, *others = names
+    logs, errors = np.log(fit.factors[1:]).view(np.float64).reshape(-1, 2), fit.factor_errors[1:]
+    unknown = np.isnan(errors[:, 0])
+    found = []
+    if not unknown.all():
+        limits = np.maximum(MAX_FILE_SURPRISE * errors, MAX_FILE_CHANGE)
+        differ = bool((np.abs(logs) > limits).any())
+        texts = [
+            f"{name} has {np.exp(gain):.3g} times the gain of {first} (+- {error:.1%}), and leads by "
+            f"{np.degrees(phase):.0f} +- {np.degrees(phase_error):.0f} deg"
+            for name, (gain, phase), (error, phase_error), skip in zip(
+                others, logs, errors, unknown, strict=True
+            )
+            if not skip
+        ]
+        fix = f"nothing to do: the calibration corrects this, and P0 has the gain of {first}"
+        found.append(
+            Finding("files", "warning" if differ else "ok", list_first(texts, "; "), fix * differ)
+        )
+    if unknown.any():
+        alone = [name for name, skip in zip(others, unknown, strict=True) if skip]
+        text = f"no channel that files share connects {first} with {list_first(alone)}"
+        fix = (
+            "read some channels of each file in the others, too. Otherwise the microphone's gain and the phase "
+            "reference must be the same, which the fit assumes"
+        )
+        found.append(Finding("files that cannot be compared", "warning", text, fix))
+    return found
+
+
 def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
     """Return the findings of a fit. names: of the transducers. known: errors of the pose before, (6,) [m], [rad]."""
     import numpy as np
@@ -193,7 +261,6 @@ def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list
     mean, worst = np.degrees(np.sqrt(np.mean(errors**2))), np.degrees(errors.max())
     before = np.abs(s.sum()) ** 2 / np.abs(s).sum() ** 2
     texts = {
-        "fit": f"{fit.residual:.1%} of a typical reading is not explained; {fit.outliers} outliers",
         "air": f"{fit.speed_of_sound:.2f} m/s, give or take {fit.speed_error:.2f}: {air:.0f} degC",
         "microphone": f"corrected by {moved.mean():.2f} mm in the mean, {moved.max():.2f} mm at most",
         "pose": f"the array is shifted by {_measure(1e3 * shift, 1e3 * fit.pose_errors[:3], '.2f')} mm and turned by "

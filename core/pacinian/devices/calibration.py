@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 MAX_BYTES = 4 << 20  # size of a file, enough for some 100,000 channels [bytes]
 COLUMNS = ("serial", "channel", "gain", "phase")
 ERROR_COLUMNS = ("gain_error", "phase_error")
+MAX_PHASE = 2.0 * math.pi + 1e-6  # largest phase, one turn and rounding [rad]
 
 
 class Measurement(NamedTuple):
@@ -82,6 +84,13 @@ def _row(path: Path, where: str, row: list[str], count: int) -> tuple[tuple[str,
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
         raise SceneFileError(path, where, "must be numbers") from error
+    if abs(values.phase) > MAX_PHASE:
+        raise SceneFileError(
+            path,
+            where,
+            f"`phase` must be -2 pi to 2 pi [rad], not {values.phase:g}: were degrees given? Then multiply all phases "
+            "by pi / 180",
+        )
     return key, values
 
 

@@ -6,7 +6,7 @@ A CSV file has one reading per row, in any order, with one channel driven at a t
 
 x, y, z: position of the microphone [m], in the frame of the description. serial, channel: the only channel that is
 driven, at full drive and phase 0. amplitude: peak, in any unit, the same for all rows. phase: [rad], -2 pi to 2 pi,
-positive where the sound leads, with one reference for the whole scan, such as the drive. A unit in brackets after the
+positive where the sound leads, with one reference for the whole file, such as the drive. A unit in brackets after the
 name of a column replaces the default, as in `x [mm]` or `phase [deg]`.
 
 An NPZ or HDF5 file has arrays of a device's C channels, board by board:
@@ -34,6 +34,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian.argument_checks import check_integer, check_number, check_numbers
+from pacinian.devices.calibration import MAX_PHASE
 from pacinian.devices.scan_fit import MAX_POSITIONS
 from pacinian.errors import ArgumentError, MissingExtra, SceneFileError
 from pacinian.toml_json_files import MAX_BYTES, decode_document
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from pacinian.devices.description import DeviceDescription
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes, Floats, Longs
 
 COLUMNS = ("x", "y", "z", "serial", "channel", "amplitude", "phase")
 ARRAYS = ("positions", "drives", "readings")
@@ -66,22 +67,27 @@ PHASELESS = (
 class Scan:
     """A scan at M different positions.
 
-    positions: of the microphone [m], (M, 3). readings: of each channel, complex, (M, C); NaN if missing. unit: of the
-    readings, "Pa", "V" or "", which is unknown.
+    positions: of the microphone [m], (M, 3). readings: of each channel, complex, (M, C); NaN if missing. files: number
+    of the file that each reading comes from, (M, C). unit: of the readings, "Pa", "V" or "", which is unknown.
     """
 
     positions: Floats
     readings: Complexes
+    files: Longs
     unit: str = ""
 
     def __add__(self, other: Scan) -> Scan:
-        """Return both as one scan. Raises ArgumentError if both read a channel at one position, or in other units."""
+        """Return both as one scan, the files of `other` after those of this one.
+
+        Raises ArgumentError if both read a channel at one position, or in other units.
+        """
         if self.unit != other.unit:
             raise ArgumentError("scans", f"have two units, {self.unit!r} and {other.unit!r}")
         return merge_positions(
             Scan(
                 np.concatenate([self.positions, other.positions]),
                 np.concatenate([self.readings, other.readings]),
+                np.concatenate([self.files, other.files + self.files.max(initial=0) + 1]),
                 self.unit,
             )
         )
@@ -97,7 +103,8 @@ def merge_positions(scan: Scan) -> Scan:
         return scan
     row = row.reshape(-1)
     merged = np.full((len(places), scan.readings.shape[1]), np.nan, np.complex128)
-    for m, values in zip(row, scan.readings, strict=True):
+    files = np.zeros(merged.shape, np.int64)
+    for m, values, numbers in zip(row, scan.readings, scan.files, strict=True):
         given = ~np.isnan(values)
         if (twice := given & ~np.isnan(merged[m])).any():
             place = " ".join(f"{x:g}" for x in places[m])
@@ -106,8 +113,8 @@ def merge_positions(scan: Scan) -> Scan:
                 f"contain {place} m twice, and {int(twice.sum())} channels were read both times: average these "
                 "readings, or give the second place its own measured coordinates",
             )
-        merged[m, given] = values[given]
-    return Scan(places, merged, scan.unit)
+        merged[m, given], files[m, given] = values[given], numbers[given]
+    return Scan(places, merged, files, scan.unit)
 
 
 def read_scan(path: Path, device: DeviceDescription) -> Scan:
@@ -183,7 +190,7 @@ def _read_csv(path: Path, device: DeviceDescription) -> Scan:
             row[first + channel] = reading
     if not rows:
         raise SceneFileError(path, "", "holds no reading")
-    return Scan(np.array(list(rows)), np.array(list(rows.values())), units.size)
+    return _make_single(np.array(list(rows)), np.array(list(rows.values())), units.size)
 
 
 @dataclass(frozen=True)
@@ -222,7 +229,6 @@ def _read_row(
     if len(line) != len(COLUMNS):
         raise SceneFileError(path, where, f"must have {len(COLUMNS)} values, not {len(line)}")
     x, y, z, serial, channel, amplitude, phase = (value.strip() for value in line)
-    turn = 2.0 * math.pi + 1e-6
     try:
         place = tuple(
             check_number(n, float(v)) * unit
@@ -235,7 +241,7 @@ def _read_row(
         raise SceneFileError(path, where, str(error)) from error
     except ValueError as error:
         raise SceneFileError(path, where, f"must be numbers: {error}") from error
-    if abs(angle) > turn:
+    if abs(angle) > MAX_PHASE:
         raise SceneFileError(
             path,
             where,
@@ -317,12 +323,17 @@ def _make_scan(path: Path, parts: dict[str, Any], device: DeviceDescription) -> 
         Y = _check_complex("readings", readings, C, "channels of the device", gaps=True)
         if len(Y) != len(q):
             raise ArgumentError("readings", f"must be of {len(q)} positions, not {len(Y)}")
-        return merge_positions(Scan(q, Y))
+        return merge_positions(_make_single(q, Y))
     Y = _check_complex("readings", readings, len(q), "positions")
     G = _check_complex("drives", parts["drives"], C, "channels of the device")
     if len(G) != len(Y):
         raise ArgumentError("readings", f"must be of {len(G)} patterns, as drives, not {len(Y)}")
-    return merge_positions(Scan(q, decode_drives(G, Y)))
+    return merge_positions(_make_single(q, decode_drives(G, Y)))
+
+
+def _make_single(positions: Floats, readings: Complexes, unit: str = "") -> Scan:
+    """Return the scan of one file."""
+    return Scan(positions, readings, np.zeros(readings.shape, np.int64), unit)
 
 
 def _check_complex(

@@ -2,12 +2,12 @@
 
 Least squares for s, q, c and the pose T of the array in the frame of the scan, in
 
-    X_mn = mu s_n B_mn(q_m, c, T),    B as in `pacinian.matrix`, with the absorption of air
+    X_mn = mu_f s_n B_mn(q_m, c, T),    B as in `pacinian.matrix`, with the absorption of air
 
-X_mn is the reading of the microphone at position m while only transducer n is driven. mu, the microphone's gain and
-phase, is one complex number for the whole scan. It cannot be separated from a factor common to all responses, so their
-mean strength is set to 1 and their common phase to 0; the factor is P0 in the microphone's unit.
-`pacinian.devices.scan_robust_fit` has the method.
+X_mn is the reading of the microphone at position m while only transducer n is driven. mu_f, the microphone's gain and
+phase, is one complex number for each file f of the scan. That of the first file cannot be separated from a factor
+common to all responses, so their mean strength is set to 1 and their common phase to 0; the factor is P0 in the
+microphone's unit. The others are fitted relative to the first. `pacinian.devices.scan_robust_fit` has the method.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from pacinian.acoustics.air import Air
 from pacinian.argument_checks import check_near, check_number, check_numbers
@@ -25,6 +26,7 @@ from pacinian.devices.scan_robust_fit import (
     MIN_NOISE,
     MIN_SPEED,
     MIN_SUM,
+    TYPICAL,
     Prior,
     ScanModel,
     compare_noise,
@@ -35,14 +37,13 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.pose import Pose
-    from pacinian.types import ArrayLike, Complexes, Flags, Floats
+    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
 
 MIN_POSITIONS, MAX_POSITIONS = 6, 1000
 POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
 SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's frame [m], [rad]
 MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
 MAX_POSE_MOVE = 5.0  # rms correction of the pose, in standard errors
-TYPICAL = 0.9  # quantile of the readings to which all are scaled: many may be of dead transducers
 MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
@@ -85,8 +86,11 @@ class ScanFit:
     pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
         its centre [m] and the turn about its centre as a rotation vector [rad], (3,) each. pose_errors: errors of both,
         (6,).
-    pressure: mean P0 of the transducers that are not dead [microphone's unit x m]. pressure_error: its relative error,
-        without that of the microphone's sensitivity.
+    factors: gain and phase of the microphone in each file, complex, relative to the first, (F,). factor_errors: their
+        relative errors and those of their phases [rad], (F, 2). NaN if a file shares no transducer with the first, not
+        even through other files, so that its factor is taken as 1.
+    pressure: mean P0 of the transducers that are not dead [microphone's unit x m], with the gain of the first file.
+        pressure_error: its relative error, without that of the microphone's sensitivity.
     covariance: of the speed of sound, the absorption [1/m], the shift, the turn and ln P0, in this order, (9, 9).
     widened: the errors of positions, shift and turn that the scan shows, relative to the given errors, (3,). Above 1,
         the given error was too small. All errors include this factor.
@@ -113,6 +117,8 @@ class ScanFit:
     shift: Floats
     turn: Floats
     pose_errors: Floats
+    factors: Complexes
+    factor_errors: Floats
     pressure: float
     pressure_error: float
     covariance: Floats
@@ -126,6 +132,7 @@ def fit_scan(
     positions: ArrayLike,
     readings: Complexes,
     *,
+    files: ArrayLike = 0,
     position_error: float = POSITION_ERROR,
     shift_error: float = SHIFT_ERROR,
     turn_error: float = TURN_ERROR,
@@ -134,10 +141,12 @@ def fit_scan(
     """Fit the response of each of N transducers to a scan at M positions.
 
     array: array as described, without responses. positions: positions of the microphone [m], (M, 3). readings: complex
-    readings in any unit, (M, N); NaN if missing. A phase is positive where the sound leads. position_error: standard
-    error of each coordinate of a position [m]; above 1 mm the fit may converge a whole wavelength off. shift_error,
-    turn_error: standard errors of the array's place [m] and tilt [rad] in the frame of the positions; 0 if they are
-    exact. The fit increases these three errors if the scan shows that they are too small (`ScanFit.widened`).
+    readings in any unit, (M, N); NaN if missing. A phase is positive where the sound leads. files: number of the file
+    of each reading, from 0, broadcast to (M, N). Each file has its own gain of the microphone and phase reference.
+    position_error: standard error of each coordinate of a position [m]; above 1 mm the fit may converge a whole
+    wavelength off. shift_error, turn_error: standard errors of the array's place [m] and tilt [rad] in the frame of the
+    positions; 0 if they are exact. The fit increases these three errors if the scan shows that they are too small
+    (`ScanFit.widened`).
     speed_of_sound: [m/s]; fitted by default. Raises ArgumentError, also if the scan does not fit the array, or has
     fewer readings than unknowns.
     """
@@ -151,6 +160,7 @@ def fit_scan(
     X = np.asarray(readings, np.complex128)
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")
+    number = _check_files(files, X.shape)
     if len(q0) > MAX_POSITIONS:
         raise ArgumentError("positions", f"must be at most {MAX_POSITIONS}, not {len(q0)}")
     read = ~np.isnan(X)
@@ -159,6 +169,8 @@ def fit_scan(
     if len(q0) and not 0.0 < size < np.inf:
         raise ArgumentError("readings", "must be finite, and most of them not 0")
     X = np.where(read, X / max(size, MIN_SUM), 0.0)
+    group = _group_files(number, read)  # whose factor is 1: 0
+    own = group[number]
     prior = Prior(
         position_error,
         shift_error,
@@ -167,16 +179,16 @@ def fit_scan(
         Air(attenuation="absorbing").beta(array.transducer.frequency),
     )
     if len(q0) < MIN_POSITIONS:
-        vague = _find_vague(fit_model(array, q0, X, read, prior)) if len(q0) else ()
+        vague = _find_vague(fit_model(array, q0, X, read, own, prior)) if len(q0) else ()
         few = (
             f"must be {MIN_POSITIONS} to {MAX_POSITIONS}, better 12, not {len(q0)}: with fewer, errors of the "
             "positions cannot be distinguished from errors of the phases"
         )
         raise ArgumentError("positions", "; ".join([few, *vague]))
-    _check_count(read)
-    best = fit_model(array, q0, X, read, prior)
+    _check_count(read, int(group.max()))
+    best = fit_model(array, q0, X, read, own, prior)
     if best.residual > MAX_RESIDUAL:
-        turned = fit_model(array, q0, X.conj(), read, prior)
+        turned = fit_model(array, q0, X.conj(), read, own, prior)
         raise ArgumentError("readings", _advise(best.residual, turned.residual))
     moved = float(np.sqrt(np.mean((best.positions - q0) ** 2)))
     if moved > MAX_MOVE * position_error:
@@ -194,13 +206,41 @@ def fit_scan(
             f"{np.linalg.norm(best.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
             "again, and check the order of the channels",
         )
-    return _finish(best, size, best.prior.widths / prior.widths)
+    return _finish(best, size, best.prior.widths / prior.widths, group)
 
 
-def _check_count(read: Flags) -> None:
-    """Raise ArgumentError if there are fewer readings than unknowns. read: which there are, (M, N)."""
+def _check_files(files: ArrayLike, shape: tuple[int, int]) -> Longs:
+    """Return the number of the file of each reading, (M, N). Raises ArgumentError."""
+    given = np.asarray(files)
+    whole = given.dtype.kind in "iu"
+    if not whole or (given.size and not 0 <= int(given.min()) <= int(given.max()) < MAX_POSITIONS):
+        raise ArgumentError("files", f"must be whole numbers from 0 to {MAX_POSITIONS - 1}")
+    try:
+        return np.array(np.broadcast_to(given, shape), np.int64)
+    except ValueError:
+        raise ArgumentError("files", f"must broadcast to {shape}, not {given.shape}") from None
+
+
+def _group_files(files: Longs, read: Flags) -> Longs:
+    """Return 0 for files whose factor is 1, and 1, 2, ... for those with their own, (F,).
+
+    Files that share a transducer with each other can be compared. Of those that cannot be, each has the factor 1.
+    """
+    F = int(files.max(initial=0)) + 1
+    heard = np.array([(read & (files == f)).any(axis=0) for f in range(F)], np.int64)  # (F, N)
+    _, part = connected_components(heard @ heard.T, directed=False)
+    own = np.ones(F, np.bool_)
+    own[np.unique(part, return_index=True)[1]] = False
+    return np.where(own, np.cumsum(own), 0)
+
+
+def _check_count(read: Flags, factors: int) -> None:
+    """Raise ArgumentError if there are fewer readings than unknowns.
+
+    read: which there are, (M, N). factors: number of files with a factor of their own.
+    """
     M, T, count = len(read), int(read.any(axis=0).sum()), int(read.sum())
-    unknowns = 2 * T + 3 * M + len(SHARED)
+    unknowns = 2 * T + 3 * M + len(SHARED) + 2 * factors
     if 2 * count <= unknowns:
         raise ArgumentError(
             "readings",
@@ -230,11 +270,12 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
 
     If the scan determines only a combination of some parameters, they are named together.
     """
-    first, prior = 3 * len(model.p), model.prior.shared
+    prior = model.prior.shared
     asked = np.flatnonzero(
         [error > 1e-6 and name in REMEDIES for error, name in zip(prior, SHARED, strict=True)]
     )
-    after = model.cov[first:, first:][np.ix_(asked, asked)] / np.outer(prior[asked], prior[asked])
+    found = model.shared[asked]
+    after = model.cov[np.ix_(found, found)] / np.outer(prior[asked], prior[asked])
     gained = np.linalg.inv(after) - np.eye(len(asked))  # by the readings, relative to the priors
     values, vectors = np.linalg.eigh((gained + gained.T) / 2.0)
     unknown = vectors[:, values < MIN_INFORMATION]
@@ -262,10 +303,10 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
     return (*single, *together)
 
 
-def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
+def _finish(model: ScanModel, size: float, widened: Floats, group: Longs) -> ScanFit:
     """Normalise, find dead, unseen and reversed transducers, and propagate errors. Raises ArgumentError.
 
-    size: reading that was scaled to 1. widened: as in `ScanFit`.
+    size: reading that was scaled to 1. widened: as in `ScanFit`. group: number of each file's factor, (F,).
     """
     strength, noise = np.abs(model.s), model.response_noise
     mean, seen = 0.0, model.S > 0.0
@@ -285,20 +326,19 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         s = -s
     dead = ~unseen & ~seen
     s[dead], s[unseen] = 0.0, 1.0
-    M = len(model.p)
     weight = np.where(seen, strength, 0.0) / strength[seen].sum()  # of each response in the mean
-    common = model.J @ weight  # d ln mean / d (p, c, beta)
+    common = model.J @ weight  # d ln mean / d (p, c, beta, ln mu)
     J = model.J - common[:, None]
-    cov = model.cov[: 3 * M + 2, : 3 * M + 2]
+    cov = model.cov[: len(J), : len(J)]
     by_size, by_phase = (
         np.einsum("pn,pq,qn->n", K, cov, K, optimize=True) for K in (J.real, J.imag)
     )
     own = (noise / np.where(seen, strength, mean)) ** 2
     shared = float((weight**2 * own).sum())
     own = np.maximum(own * (1.0 - 2.0 * weight) + shared, 0.0)
-    K = np.zeros((9, 3 * M + 8))  # speed, absorption, shift, turn, ln P0
-    K[:8, 3 * M :] = np.eye(8)
-    K[8, : 3 * M + 2] = common.real
+    K = np.zeros((9, len(model.cov)))  # speed, absorption, shift, turn, ln P0
+    K[np.arange(8), model.shared] = 1.0
+    K[8, : len(J)] = common.real
     covariance = K @ model.cov @ K.T
     covariance[8, 8] += shared
     places = np.einsum("mip,pq,miq->mi", model.D, model.cov, model.D, optimize=True)
@@ -314,6 +354,9 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
     errors = np.sqrt(np.diag(covariance))
+    own_factors = np.diag(model.cov)[model.own][2:].reshape(-1, 2)
+    factor_errors = np.sqrt(np.concatenate([[[np.nan] * 2], own_factors]))[group]  # (F, 2)
+    factor_errors[0] = 0.0
     outlying = model.read & (model.W < OUTLIER_WEIGHT)
     sizes = np.maximum((np.abs(model.X) ** 2).sum(axis=0), MIN_SUM)
     missed = np.sqrt((np.abs(model.read * (model.X - model.F)) ** 2).sum(axis=0) / sizes)  # (N,)
@@ -336,6 +379,8 @@ def _finish(model: ScanModel, size: float, widened: Floats) -> ScanFit:
         shift=model.shift,
         turn=model.turn,
         pose_errors=errors[2:8],
+        factors=model.factors[group],
+        factor_errors=factor_errors,
         pressure=mean * size,
         pressure_error=float(errors[8]),
         covariance=covariance,

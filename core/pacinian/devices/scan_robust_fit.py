@@ -2,8 +2,9 @@
 
 Parameters: positions of the microphone in the array's own frame p, (M, 3); speed of sound c and absorption beta of the
 air; pose of the array in the frame of the scan, a shift t and a turn w about the array's centre. The readings depend on
-p, c and beta alone; the given positions q depend on p and the pose, q_m = T(p_m). For given p, c and beta, the response
-of each transducer has a closed form (variable projection, Golub and Pereyra 1973).
+p, c and beta alone; the given positions q depend on p and the pose, q_m = T(p_m). Each file after the first has a
+factor mu, the microphone's gain and phase relative to the first file; its logarithm is a parameter, too. For given p,
+c, beta and mu, the response of each transducer has a closed form (variable projection, Golub and Pereyra 1973).
 
 Readings far from the rest lose their weight (Cauchy's, iterated). The covariance is that of such an estimate, A^-1 V
 A^-1 (P. J. Huber, Robust Statistics, 1981, section 6.3), with the priors of positions, air and pose in A and V.
@@ -27,13 +28,16 @@ from pacinian.acoustics.propagation import matrix
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
-    from pacinian.types import Complexes, Flags, Floats
+    from pacinian.types import Complexes, Flags, Floats, Longs
 
 MIN_SPEED, MAX_SPEED = 318.0, 366.0  # speed of sound in air of -20 and 60 degC [m/s]
 TRIAL_STEP = 0.5  # step of the first grid search over the speed of sound [m/s]
 SPEED, SPEED_ERROR = 343.0, 10.0  # prior of the speed of sound: a room, give or take 17 K [m/s]
 # of the absorption of a room's air, relative: 15 to 30 degC, 25 to 75 % humidity
 ABSORPTION_ERROR = 0.2
+FACTOR_ERROR = 10.0  # of ln mu; so wide that it matters only if the readings say nothing
+MAX_LOUDNESS = 10.0  # of a reading, relative to a typical one, where the fit begins
+TYPICAL = 0.9  # quantile of the readings that stands for all: many may be of dead transducers
 KNOWN = 1e-9  # standard error of what is given
 MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
 MAX_WIDENINGS = 20  # of the priors
@@ -72,27 +76,55 @@ class Prior:
         return np.array([*air, *pose])
 
 
-def fit_model(array: Array, q: Floats, X: Complexes, read: Flags, prior: Prior) -> ScanModel:
-    """Return the likeliest fit: from the likeliest speed of sound, and from that which explains q as given best."""
-    if prior.speed is not None:
-        return ScanModel(array, q, X, read, prior, prior.speed)
-    starts = dict.fromkeys((_try_speeds(array, q, X, read), SPEED))
-    models = [ScanModel(array, q, X, read, prior, c) for c in starts]
+def fit_model(
+    array: Array, q: Floats, X: Complexes, read: Flags, files: Longs, prior: Prior
+) -> ScanModel:
+    """Return the likeliest fit: from the likeliest speed of sound, and from that which explains q as given best.
+
+    X, read, files: as for `ScanModel`.
+    """
+    grid = np.arange(MIN_SPEED, MAX_SPEED, TRIAL_STEP).tolist()
+    tried = (grid, [SPEED]) if prior.speed is None else ([prior.speed],)
+    starts = dict(_find_start(array, q, X, read, files, speeds) for speeds in tried)
+    models = [ScanModel(array, q, X, read, files, prior, *start) for start in starts.items()]
     return min(models, key=lambda model: model.cost)
 
 
-def _try_speeds(array: Array, q: Floats, X: Complexes, read: Flags) -> float:
-    """Return the speed of sound [m/s] of a coarse grid that explains the readings best."""
+def _find_start(
+    array: Array, q: Floats, X: Complexes, read: Flags, files: Longs, speeds: list[float]
+) -> tuple[float, Complexes]:
+    """Return the speed of sound [m/s] of `speeds` that explains the readings best, and there mu of each file, (F,).
+
+    sum_m conj(B_mn) X_mn of the readings of file f is about mu_f s_n S_n: a matrix of rank 1.
+    """
     B: Complexes = matrix(array, q, Air(speed_of_sound=SPEED))
     r = measure_distances(array, q)
     S = np.maximum((read * np.abs(B) ** 2).sum(axis=0), MIN_SUM)
+    parts = [read & (files == f) for f in range(int(files.max()) + 1)]
+    sizes = np.array([measure_size(X[part]) / measure_size(B[part]) for part in parts])
+    sizes /= sizes[0]
+    X = X / sizes[files]
+    loudest = MAX_LOUDNESS * measure_size(X[read])  # a single absurd reading must not decide
+    X = X * np.minimum(1.0, loudest / np.maximum(np.abs(X), MIN_SUM))
 
-    def explain(c: float) -> float:
+    def compare(c: float) -> tuple[Complexes, Floats]:
+        """Return the first left singular vector and the singular values."""
         turn = 2.0 * np.pi * array.transducer.frequency * (1.0 / c - 1.0 / SPEED)
-        heard = (B.conj() * np.exp(1j * turn * r) * X).sum(axis=0)
-        return float((np.abs(heard) ** 2 / S).sum())
+        heard = B.conj() * np.exp(1j * turn * r) * X / np.sqrt(S)
+        sums = np.array([(heard * part).sum(axis=0) for part in parts])
+        u, values, _ = np.linalg.svd(sums, full_matrices=False)
+        return u[:, 0], values
 
-    return float(max(np.arange(MIN_SPEED, MAX_SPEED, TRIAL_STEP), key=explain))
+    c = max(speeds, key=lambda c: float(compare(c)[1][0]))
+    u, _ = compare(c)
+    factors = sizes * np.exp(1j * np.angle(u * u[0].conj()))
+    factors[0] = 1.0  # without rounding
+    return c, factors
+
+
+def measure_size(values: Complexes) -> float:
+    """Return the size of a typical value; 1 if there is none, or it is 0."""
+    return float(np.quantile(np.abs(values), TYPICAL)) or 1.0 if values.size else 1.0
 
 
 def compare_noise(noise: float, expected: Complexes) -> float:
@@ -108,12 +140,33 @@ def measure_distances(array: Array, q: Floats) -> Floats:
 
 
 class ScanModel:
-    """A fit. X: readings, about 1, (M, N), 0 if missing. read: which there are, (M, N). c: first speed [m/s]."""
+    """A fit.
+
+    X: readings, about 1, (M, N), 0 if missing. read: which there are, (M, N). files: number of the file of each
+    reading, 0 to F - 1, (M, N). c, factors: first speed of sound [m/s], and first mu of each file, (F,), that of file 0
+    being 1.
+    """
 
     def __init__(
-        self, array: Array, q: Floats, X: Complexes, read: Flags, prior: Prior, c: float
+        self,
+        array: Array,
+        q: Floats,
+        X: Complexes,
+        read: Flags,
+        files: Longs,
+        prior: Prior,
+        c: float,
+        factors: Complexes,
     ) -> None:
-        self.array, self.given, self.X, self.read, self.prior = array, q, X, read, prior
+        self.array, self.given, self.read, self.files, self.prior = array, q, read, files, prior
+        self.X = X / factors[files]
+        self.first_factors, self.logs = factors, np.zeros(len(factors), np.complex128)
+        further = files == np.arange(1, len(factors))[:, None, None]  # (F - 1, M, N)
+        self.by_factors = np.stack([further, 1j * further], axis=1).reshape(-1, *files.shape)
+        """d ln F / d ln mu, by its real and its imaginary part, (2 (F - 1), M, N)."""
+        M, P = len(q), 3 * len(q) + 8 + 2 * len(further)
+        self.own = slice(3 * M, P - 6)  # parameters that all positions share, without the pose
+        self.shared = np.r_[3 * M, 3 * M + 1, P - 6 : P]  # speed, absorption and pose
         self.W = read.astype(np.float64)
         self.p = q.copy()
         self.pose = Pose()
@@ -139,7 +192,8 @@ class ScanModel:
             self.p += step[: 3 * M].reshape(M, 3)
             self.c = float(np.clip(self.c + step[3 * M], MIN_SPEED, MAX_SPEED))
             self.beta = max(self.beta + float(step[3 * M + 1]), 0.0)
-            self._move(np.asarray(step[3 * M + 2 :], np.float64))
+            self.logs[1:] += step[3 * M + 2 : -6 : 2] + 1j * step[3 * M + 3 : -6 : 2]
+            self._move(np.asarray(step[-6:], np.float64))
             if np.abs(step[: 3 * M]).max() < MAX_LAST_CORRECTION:
                 break
 
@@ -177,6 +231,11 @@ class ScanModel:
         return 4.0 * float(self.read.sum()) * math.log(self.noise) + self.surprise + 6.0 * widths
 
     @property
+    def factors(self) -> Complexes:
+        """mu of each file, (F,)."""
+        return np.asarray(self.first_factors * np.exp(self.logs))
+
+    @property
     def positions(self) -> Floats:
         """Corrected positions in the frame of the scan [m], (M, 3)."""
         return self.pose.points(self.p)
@@ -205,11 +264,12 @@ class ScanModel:
         B, slope = compute_slope(
             self.array, self.p, Air(speed_of_sound=self.c, absorption=self.beta)
         )
-        B, slope = B / self.array.transducer.pressure, slope / self.array.transducer.pressure
+        heard = np.exp(self.logs)[self.files] / self.array.transducer.pressure
+        B, slope = B * heard, slope * heard[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             by_place = np.where(B != 0.0, slope.transpose(1, 0, 2) / B, 0.0)  # d ln B / dp
         r, k = measure_distances(self.array, self.p), self._wavenumber()
-        self.T = np.concatenate([by_place, [1j * k / self.c * r, -r]])  # (5, M, N)
+        self.T = np.concatenate([by_place, [1j * k / self.c * r, -r], self.by_factors])
         F = B * self._respond(B)
         count = np.maximum(self.read.sum(axis=0), 1)  # readings of each transducer
         spent = np.sqrt(np.maximum(1.0 - 1.0 / count, 0.25))  # its response uses up one
@@ -220,32 +280,32 @@ class ScanModel:
         self.F = B * self.s
 
     def _normal(self) -> tuple[Floats, Floats]:
-        """Return the normal equations, responses eliminated: (3M + 8, 3M + 8), (3M + 8,)."""
+        """Return the normal equations, responses eliminated: (P, P), (P,), with P parameters."""
         M, N = self.X.shape
-        T, size = self.T, np.abs(self.s) ** 2
-        VT = self.V * T  # (5, M, N)
+        T, size, P = self.T, np.abs(self.s) ** 2, self.own.stop + 6
+        VT = self.V * T  # (5 + 2 (F - 1), M, N)
         own = np.einsum("imn,jmn->mij", T.conj(), VT * size).real
-        H = np.zeros((3 * M + 8, 3 * M + 8))
-        air, all_ = slice(3 * M, 3 * M + 2), slice(3 * M + 2)
+        H = np.zeros((P, P))
+        shared, all_ = self.own, slice(self.own.stop)
         for m in range(M):
             part = slice(3 * m, 3 * m + 3)
-            H[part, part], H[part, air] = own[m, :3, :3], own[m, :3, 3:]
-            H[air, part] = own[m, 3:, :3]
-        H[air, air] = own[:, 3:, 3:].sum(axis=0)
+            H[part, part], H[part, shared] = own[m, :3, :3], own[m, :3, 3:]
+            H[shared, part] = own[m, 3:, :3]
+        H[shared, shared] = own[:, 3:, 3:].sum(axis=0)
         pulled = np.concatenate([VT[:3].transpose(1, 0, 2).reshape(3 * M, N), VT[3:].sum(axis=1)])
-        self.J = -pulled / np.maximum(self.S, MIN_SUM)  # d ln s / d (p, c, beta), (3M + 2, N)
+        self.J = -pulled / np.maximum(self.S, MIN_SUM)  # d ln s / d (p, c, beta, ln mu), (P - 6, N)
         H[all_, all_] += ((pulled * size).conj() @ self.J.T).real
-        G = (T.conj() * (self.W * self.F.conj() * (self.X - self.F))).real.sum(axis=2)  # (5, M)
+        G = (T.conj() * (self.W * self.F.conj() * (self.X - self.F))).real.sum(axis=2)
         return H, np.r_[G[:3].T.ravel(), G[3:].sum(axis=1), np.zeros(6)]
 
     def _prior(self) -> tuple[Floats, Floats]:
-        """Return the curvature and slope of the priors: (3M + 8, 3M + 8), (3M + 8,)."""
+        """Return the curvature and slope of the priors: (P, P), (P,), with P parameters."""
         M, R = len(self.p), self.pose.matrix
-        D = np.zeros((M, 3, 3 * M + 8))  # d T(p_m)
+        D = np.zeros((M, 3, self.own.stop + 6))  # d T(p_m)
         for m in range(M):
             D[m, :, 3 * m : 3 * m + 3] = R
-        D[:, :, 3 * M + 2 : 3 * M + 5] = np.eye(3)
-        D[:, :, 3 * M + 5 :] = -_cross_matrix((self.p - self.array.centre) @ R.T)
+        D[:, :, -6:-3] = np.eye(3)
+        D[:, :, -3:] = -_cross_matrix((self.p - self.array.centre) @ R.T)
         self.D = D
         flat, error = D.reshape(3 * M, -1), self.prior.position
         away = (self.positions - self.given).ravel()
@@ -253,13 +313,17 @@ class ScanModel:
         speed = SPEED if self.prior.speed is None else self.prior.speed
         weight = self.prior.shared**-2.0
         shared = np.r_[self.c - speed, self.beta - self.prior.absorption, self.shift, self.turn]
-        self.surprise = float(away @ away) / error**2 + float(weight @ shared**2)
-        P[np.arange(3 * M, 3 * M + 8), np.arange(3 * M, 3 * M + 8)] += weight
-        pull[3 * M :] += weight * shared
+        logs = self.logs[1:].view(np.float64) / FACTOR_ERROR
+        self.surprise = float(away @ away) / error**2 + float(weight @ shared**2 + logs @ logs)
+        P[self.shared, self.shared] += weight
+        pull[self.shared] += weight * shared
+        ratios = np.arange(3 * M + 2, self.own.stop)
+        P[ratios, ratios] += FACTOR_ERROR**-2.0
+        pull[ratios] += logs / FACTOR_ERROR
         return P, pull
 
     def _compute_covariance(self) -> None:
-        """Compute `cov`, (3M + 8, 3M + 8), and correct the noise for the degrees of freedom that the fit uses up."""
+        """Compute `cov`, (P, P), and correct the noise for the degrees of freedom that the fit uses up."""
         H, _ = self._normal()
         P, _ = self._prior()
         weights = self.W[self.read]

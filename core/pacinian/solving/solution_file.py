@@ -21,23 +21,24 @@ from msgspec import Struct
 from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.argument_checks import check_near, check_numbers
+from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.atomic_file import replace_file
 from pacinian.errors import ArgumentError, SolutionFileError, describe_error
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.solving.problem import Limits, Targets
 from pacinian.solving.quiet_zone import Zone
+from pacinian.solving.solution_metrics import SolutionMetrics
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
-    from pacinian.solving.solution_metrics import SolutionMetrics
-    from pacinian.types import Complexes
+    from pacinian.types import Complexes, Floats
 
 FORMAT = "pacinian solution"
 VERSION = 1
 MAX_BYTES = 256 << 20  # largest size of a file [bytes]
 DIGEST_BYTES = 32  # size of a SHA-256 digest [bytes]
+ROUNDED = 1e-4  # excess of a gain over its limit, relative to it, that counts as rounding
 
 
 class Numbers(Struct, frozen=True, forbid_unknown_fields=True):
@@ -168,6 +169,7 @@ def save_values(solution: SolutionMetrics, path: str | Path) -> None:
             "`pacinian.DirectivityTable.sample(function)`, or with `pacinian.Piston`, `t4010a1` or `omni`",
         )
     facing, quiet, targets = solution.facing, kept.quiet, solution.targets
+    _check_evidence(solution)
     values: dict[str, Any] = {name: getattr(solution, name) for name in PLAIN}
     values |= {"status": solution.status.name, "violations": dict(solution.violations)}
     record = SolutionRecord(
@@ -274,21 +276,15 @@ def _make_values(record: SolutionRecord) -> dict[str, Any]:
     limits.exact_mask(M)
     if record.status not in Status.__members__:
         raise ArgumentError("status", f"must be one of {', '.join(Status.__members__)}")
-    if not record.gain_limit > 0.0:
-        raise ArgumentError("gain_limit", f"must be more than 0, not {record.gain_limit}")
     medium = Air(**msgspec.structs.asdict(record.medium))
     multipliers, phases = (
         _unpack_optional(record.multipliers, "c"),
         _unpack_optional(record.asked_phases, "f"),
     )
-    if multipliers is not None and multipliers.shape != (M,):
-        raise ArgumentError("multipliers", f"must have shape ({M},)")
-    if phases is not None and phases.shape != (M,):
-        raise ArgumentError("asked_phases", f"must have shape ({M},)")
     plain: dict[str, Any] = {name: getattr(record, name) for name in PLAIN}
     plain["status"] = Status[record.status]
     plain["felt"] = tuple(FeltRegion(*part) for part in record.felt)
-    return dict(
+    values = dict(
         **plain,
         gains=_finite("gains", _unpack(record.gains, "c"), N),
         array=array,
@@ -298,10 +294,35 @@ def _make_values(record: SolutionRecord) -> dict[str, Any]:
         limits=limits,
         sound_pressure=_finite("sound_pressure", _unpack(record.sound_pressure, "c"), M),
         facing=None if facing is None else _make_facing(facing, M),
-        multipliers=multipliers,
-        asked_phases=phases,
+        multipliers=None if multipliers is None else _finite("multipliers", multipliers, M),
+        asked_phases=None if phases is None else _finite("asked_phases", phases, M),
         versions=record.versions,
     )  # fmt: skip
+    _check_evidence(SolutionMetrics(**values))
+    return values
+
+
+def _check_evidence(solution: SolutionMetrics) -> None:
+    """Refuse numbers of a solution that no solve gives. Raises ArgumentError."""
+    for name in ("iterations", "seconds", "quiet_weight"):
+        check_number(name, getattr(solution, name), low=0.0)
+    for name in ("objective", "mu", "least_error"):  # NaN if not known
+        if not math.isnan(value := getattr(solution, name)):
+            check_number(name, value, low=0.0)
+    if math.isinf(solution.bound):
+        raise ArgumentError("bound", f"must be finite, or NaN, not {solution.bound}")
+    for name, value in solution.violations.items():
+        check_number(f"violations[{name!r}]", value, low=0.0)
+    for felt in solution.felt:
+        check_numbers("felt", felt, (len(FeltRegion._fields),))
+    top = math.inf if solution.limits.gain is None else solution.limits.gain
+    if solution.gain_limit != top:
+        raise ArgumentError(
+            "gain_limit", f"must be {top:g}, as in `limits`, not {solution.gain_limit:g}"
+        )
+    highest = float(np.abs(solution.gains).max(initial=0.0))
+    if highest > (1.0 + ROUNDED) * top and "gain" not in solution.violations:
+        raise ArgumentError("gains", f"must be at most {top:g}, their limit, not {highest:g}")
 
 
 def _make_array(record: ArrayRecord) -> Array:
@@ -320,7 +341,7 @@ def _make_facing(record: FacingRecord, count: int) -> SkinFacing:
     return facing
 
 
-def _finite(name: str, values: Complexes, count: int) -> Complexes:
+def _finite(name: str, values: Complexes | Floats, count: int) -> Complexes | Floats:
     if values.shape != (count,) or not np.isfinite(values).all():
         raise ArgumentError(name, f"must be {count} finite numbers")
     return values

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import dataclasses
 import math
+import pickle
 from typing import Any
 
 import pytest
@@ -66,6 +68,25 @@ def test_humid_air_is_slightly_faster_and_lighter() -> None:
 def test_what_is_given_overrides_the_ideal_gas() -> None:
     air = pc.Air(temperature=30.0, speed_of_sound=346.0, density=1.1)
     assert (air.speed_of_sound, air.density) == (346.0, 1.1)
+
+
+def test_a_replaced_temperature_changes_what_was_not_given() -> None:
+    room = pc.Air(temperature=20.0, humidity=0.3)
+    copied = pickle.loads(pickle.dumps(room))
+    read = pc.Air(**dataclasses.asdict(room, dict_factory=leave_out_exponent))  # as from a file
+    for air in (room, copied, read):
+        assert dataclasses.replace(air, temperature=30.0) == pc.Air(temperature=30.0, humidity=0.3)
+        assert dataclasses.replace(air, humidity=0.9) == pc.Air(temperature=20.0, humidity=0.9)
+        assert dataclasses.replace(air) == air
+    given_both = pc.Air(temperature=20.0, speed_of_sound=344.0, density=1.1)
+    warmer = dataclasses.replace(given_both, temperature=30.0)
+    assert (warmer.speed_of_sound, warmer.density) == (344.0, 1.1)
+    assert dataclasses.replace(room, speed_of_sound=340.0).speed_of_sound == 340.0
+    assert "_computed" not in repr(room)
+
+
+def leave_out_exponent(items: list[tuple[str, Any]]) -> dict[str, Any]:
+    return {name: value for name, value in items if name != "exponent"}
 
 
 @given(st.floats(-40.0, 50.0), st.floats(5e4, 1.5e5))

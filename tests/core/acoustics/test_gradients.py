@@ -165,6 +165,8 @@ def test_bad_arguments_are_named(function: Any) -> None:
     touching = Q.copy()
     touching[2] = R[4]
     for argument, change in (
+        ("array", {"array": None}),
+        ("medium", {"medium": None}),
         ("gains", {"gains": G[:3]}),
         ("gains", {"gains": np.nan * G}),
         ("gains", {"gains": "loud"}),

@@ -150,6 +150,8 @@ def test_many_points_are_taken_part_by_part() -> None:
 def test_bad_arguments_are_named() -> None:
     array, g, q = rig(OMNI)
     facing = SkinFacing([[0.0, 0.0, 1.0]])
+    with pytest.raises(pc.ArgumentError, match="array"):
+        intensity(None, g, q, medium=pc.Air())  # type: ignore[arg-type]
     with pytest.raises(pc.ArgumentError, match="gains"):
         intensity(array, g[:3], q, medium=pc.Air())
     with pytest.raises(pc.ArgumentError, match="points"):

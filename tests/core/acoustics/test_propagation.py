@@ -429,6 +429,11 @@ def test_a_bad_argument_is_refused_by_name(argument: str, given_as: dict[str, An
     for precision in ("single", "double"):
         with pytest.raises(pc.ArgumentError, match=f"`{argument}`"):
             pc.field(array, **{**call, "precision": precision, **given_as}, medium=pc.Air())
+    nothing: Any = None
+    with pytest.raises(pc.ArgumentError, match="`array`"):
+        pc.field(nothing, np.ones(9), [[0, 0, 0.1]], pc.Air())
+    with pytest.raises(pc.ArgumentError, match="`array`"):
+        pc.matrix(nothing, [[0, 0, 0.1]], pc.Air())
     if argument == "points":
         with pytest.raises(pc.ArgumentError, match="`points`"):
             pc.matrix(array, given_as["points"], pc.Air())

@@ -140,7 +140,11 @@ def test_no_points_have_no_band() -> None:
         ("points", {"points": Q[0]}),
         ("points", {"points": 1e3 * Q}),  # millimetres
         ("points", {"points": R[:2]}),
+        ("array", {"array": None}),
+        ("medium", {"medium": None}),
         ("uncertainty", {"uncertainty": 0.1}),
+        ("uncertainty", {"medium": pc.Air(temperature=95.0)}),  # some samples are above 100 degC
+        ("uncertainty", {"medium": pc.Air(temperature=-79.0)}),
         ("uncertainty", {"uncertainty": pc.Uncertainty(phase=[0.1, 0.2])}),
         ("confidence", {"confidence": 95.0}),  # percent
         ("samples", {"samples": 10}),

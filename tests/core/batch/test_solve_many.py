@@ -352,6 +352,7 @@ def test_what_only_a_script_knows_stays_in_its_process(monkeypatch: pytest.Monke
         ("phases", {"phases": np.inf}),
         ("regions", {"regions": np.zeros(3, int)}),
         ("regions", {"regions": 0.5}),
+        ("regions", {"regions": [[0, 0], [0]]}),
         ("scale", {"scale": "loud"}),
         ("medium", {"medium": "air"}),
         ("limits", {"limits": 1.0}),
@@ -365,3 +366,11 @@ def test_bad_arguments_are_named(argument: str, change: dict[str, Any]) -> None:
     with pytest.raises(pc.ArgumentError) as told:
         pc.solve_many(**(good | change))
     assert told.value.argument == argument
+
+
+def test_no_problems_have_arrays_of_the_usual_shapes() -> None:
+    none = pc.solve_many(ARRAY, np.empty((0, 4, 3)), 1.0)
+    for part in (none, none[:], pc.solve_many(ARRAY, POINTS, AMPLITUDES)[:0]):
+        assert part.gains.shape == (0, len(ARRAY))
+        assert part.errors.shape == (0,)
+    assert none.sound_pressure.shape == (0, 4)

@@ -145,6 +145,80 @@ def test_a_scan_becomes_a_calibration(bench: Bench, kind: str) -> None:
     assert "60 channels measured" in told
 
 
+def split(bench: Bench, factor: complex, places: Any, channels: Any = slice(None)) -> list[Path]:
+    """Write two files, of which the second has readings at `places` of `channels`, times `factor`."""
+    second = np.zeros(bench.X.shape, bool)
+    second[places, channels] = True
+    bench.X[second] *= factor
+    files = [bench.folder / "a.csv", bench.folder / "b.csv"]
+    for path, part in zip(files, (~second, second), strict=True):
+        rows = [row for row, here in zip(bench.rows(), part.ravel(), strict=True) if here]
+        path.write_text(HEAD + "".join(rows))
+    return files
+
+
+def test_files_may_differ_in_gain_and_phase_of_the_microphone(bench: Bench) -> None:
+    out = bench.folder / "out.csv"
+    files = split(bench, 1.5 * np.exp(2j), slice(5, None))
+    code, told = run("calibrate", bench.file, *files, "--out", out)
+    assert code == 0, told
+    assert re.search(
+        r"warning +files: b.csv has 1.5 times the gain of a.csv \(\+- 0.[0-9]%\), and leads by 1[0-9][0-9] \+- "
+        r"[0-9]+ deg\n.*nothing to do.*P0 has the gain of a.csv",
+        told,
+    ), told
+    assert "ok       fit" in told
+    alive = np.abs(bench.truth) > 0.0
+    z = bench.found(out)[alive] / bench.truth[alive]
+    np.testing.assert_allclose(z / z.mean(), 1.0, atol=0.06)
+    made = json.loads(run("calibrate", bench.file, *files, "--out", out, "--json")[1])
+    first, second = made["files"]
+    assert first == {
+        "file": str(files[0]),
+        "gain": 1.0,
+        "phase": 0.0,
+        "gain_error": 0.0,
+        "phase_error": 0.0,
+    }
+    assert second["gain"] == pytest.approx(1.5, abs=4.0 * second["gain_error"])
+    assert second["phase"] == pytest.approx(2.0, abs=4.0 * second["phase_error"])
+    assert made["pressure"] == pytest.approx(0.3 * 4.386 * np.abs(bench.truth).sum() / 58, rel=0.02)
+
+
+def test_files_that_do_not_differ_are_told_to_be_alike(bench: Bench) -> None:
+    files = split(bench, 1.0, slice(5, None))
+    _, told = run("calibrate", bench.file, *files, "--out", bench.folder / "out.csv")
+    assert re.search(
+        r"ok +files: b.csv has (0.99[0-9]|1|1.0[01]*) times the gain of a.csv", told
+    ), told
+
+
+def test_files_of_different_channels_cannot_be_compared(bench: Bench) -> None:
+    files = split(bench, 1.0, slice(None), slice(30, None))
+    out = bench.folder / "out.csv"
+    code, told = run("calibrate", bench.file, *files, "--out", out)
+    assert code == 0, told
+    assert re.search(
+        r"warning +files that cannot be compared: .*a.csv with b.csv\n.*must be the same", told
+    ), told
+    made = json.loads(run("calibrate", bench.file, *files, "--out", out, "--json")[1])
+    assert made["files"][1]["gain_error"] is None
+
+
+def test_a_gain_that_changes_within_a_file_is_a_large_residual(bench: Bench) -> None:
+    bench.X[5:] *= 1.5
+    code, told = run("calibrate", bench.file, bench.csv(), "--out", bench.folder / "out.csv")
+    assert code == 0
+    assert re.search(r"warning +fit: [12][0-9].*\n.*gain.*within a file", told), told
+
+
+@pytest.mark.parametrize("degrees", ["70", "-30", "nan", "warm"])
+def test_a_temperature_that_cannot_be_is_told_by_its_option(bench: Bench, degrees: str) -> None:
+    code, told = run("calibrate", bench.file, bench.csv(), "--temperature", degrees)
+    assert code == 2
+    assert "'--temperature'" in told
+
+
 def test_it_can_be_read_by_programs_and_the_temperature_given(bench: Bench) -> None:
     out = bench.folder / "out.csv"
     code, told = run(

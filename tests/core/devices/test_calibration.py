@@ -53,6 +53,7 @@ def device(tmp_path: Path) -> Path:
         (HEAD + "A,1,nan,0.0\n", "line 2.*`gain`.*finite"),
         (HEAD + "A,1,-1.0,0.0\n", "line 2.*`gain`"),
         (HEAD + "A,1,1.0,inf\n", "line 2.*`phase`"),
+        (HEAD + "A,0,1.0,120\nA,1,1.0,-95.5\n", "line 2.*`phase`.*were degrees given"),
         (HEAD + "A,1,1.0,0.0\nA,1,1.0,0.1\n", "line 3.*channel 1 of it again"),
         (HEAD + "C,1,1.0,0.0\n", "board 'C', which is not described"),
         (HEAD + "A,249,1.0,0.0\n", "channel 249 of 'A', which has 249"),

@@ -273,8 +273,18 @@ def turn(array: pc.Array, shift: Any, axis: Any) -> pc.Array:
     return pc.Array(r, array.normals @ R.as_matrix().T, array.transducer)
 
 
-def miss(seed: int) -> dict[str, Any]:
-    """Return the errors of a fit to a random scan, in standard errors, and whether the band contains the focus."""
+def choose_files(M: int, F: int, rng: np.random.Generator) -> tuple[Any, Any]:
+    """Return the file of each position, (M, 1), and gain and phase of the microphone in each file, (F,)."""
+    files = rng.permutation(np.arange(M) % F)[:, None]
+    factors = np.exp(rng.uniform(-1.0, 1.0, F) + 1j * rng.uniform(-3.0, 3.0, F))
+    return files, factors / factors[0]
+
+
+def miss(seed: int, F: int = 1) -> dict[str, Any]:
+    """Return the errors of a fit to a random scan, in standard errors, and whether the band contains the focus.
+
+    F: number of files.
+    """
     rng = np.random.default_rng(seed)
     nx, ny, M = rng.integers(4, 7), rng.integers(4, 7), rng.integers(9, 16)
     pitch, noise = rng.uniform(0.01, 0.016), rng.uniform(0.01, 0.06)
@@ -284,8 +294,9 @@ def miss(seed: int) -> dict[str, Any]:
     shift, axis = 1.5e-3 * rng.normal(size=3), 8e-3 * rng.normal(size=3)
     c, loss = 343.0 + 5.0 * rng.normal(), 1.365 * (1.0 + 0.2 * rng.normal())
     X = disturb(simulate(turn(array, shift, axis), q, c, loss) * truth, noise, rng)
+    files, factors = choose_files(M, F, np.random.default_rng([seed, F]))
     fit = fit_scan(
-        array, q + place_error * rng.normal(size=q.shape), X * np.exp(2j),
+        array, q + place_error * rng.normal(size=q.shape), X * np.exp(2j) * factors[files], files=files,
         position_error=place_error, shift_error=1.5e-3, turn_error=8e-3,
     )  # fmt: skip
     strength = np.abs(truth).mean()
@@ -312,18 +323,73 @@ def miss(seed: int) -> dict[str, Any]:
         "gain": (np.abs(fit.responses) / np.abs(s) - 1.0) / fit.gain_errors,
         "phase": np.angle(fit.responses / s) / fit.phase_errors,
         "positions": (fit.positions - q) / fit.position_errors,
+        "factors": np.log(fit.factors / factors)[1:].view(float).reshape(-1, 2)
+        / fit.factor_errors[1:],
         "band": np.where((band.low <= p) & (p <= band.high), 0.0, np.inf),
     }
 
 
 @pytest.mark.deep
-def test_of_200_scans_the_truth_lies_in_the_95_percent_intervals() -> None:
+@pytest.mark.parametrize("F", [1, 3])
+def test_of_200_scans_the_truth_lies_in_the_95_percent_intervals(F: int) -> None:
     """Random arrays, positions, noise, poses and air. A share of 200 independent trials is 0.95 +- 0.015."""
-    misses = [miss(seed) for seed in range(200)]
-    for name in misses[0]:
+    misses = [miss(seed, F) for seed in range(200)]
+    for name in misses[0] if F > 1 else misses[0].keys() - {"factors"}:
         share = np.mean(np.concatenate([np.abs(np.ravel(one[name])) for one in misses]) < 1.96)
         low = 0.92 if name in ("gain", "phase", "positions") else 0.89
         assert low < share < 0.99, (name, share)
+
+
+@pytest.mark.parametrize("F", [2, 3])
+def test_each_file_has_its_own_gain_and_phase_of_the_microphone(F: int) -> None:
+    """The calibration is the same whatever they are; taken as one scan, it was off by 10 degrees."""
+    rng = np.random.default_rng(F)
+    truth, q = scatter(63, rng), place(12, rng)
+    X = disturb(simulate(SPARSE, q) * truth, 0.03, rng)
+    X[3, 5], X[8, 7] = 1e6j, -50.0
+    given = q + 1e-3 * rng.normal(size=q.shape)
+    files, factors = choose_files(12, F, rng)
+    fit = fit_scan(SPARSE, given, X * factors[files], files=files)
+    same = fit_scan(SPARSE, given, X, files=files)
+    one = fit_scan(SPARSE, given, X)
+    np.testing.assert_allclose(fit.responses, same.responses, atol=1e-5)
+    np.testing.assert_allclose(fit.phase_errors, same.phase_errors, rtol=1e-3)
+    assert (
+        np.abs(differ(fit.responses, truth)).mean()
+        < 2.0 * np.abs(differ(one.responses, truth)).mean()
+    )
+    away = np.abs(np.log(fit.factors / factors)[1:].view(float).reshape(-1, 2))
+    assert (away < 4.0 * fit.factor_errors[1:]).all()
+    assert fit.factors[0] == 1.0
+    assert not fit.factor_errors[0].any()
+    mixed = fit_scan(SPARSE, given, X * factors[files])
+    assert fit.residual < 0.06 < mixed.residual
+
+
+def test_files_that_share_no_transducer_count_as_one() -> None:
+    """Their gains cannot be compared, but for a third file that shares transducers with both."""
+    rng = np.random.default_rng(3)
+    truth, q = scatter(63, rng), place(12, rng)
+    X = disturb(simulate(SPARSE, q) * truth, 0.02, rng)
+    halves = np.tile(np.arange(63) // 32, (12, 1))
+    fit, one = fit_scan(SPARSE, q, X, files=halves), fit_scan(SPARSE, q, X)
+    np.testing.assert_array_equal(fit.responses, one.responses)
+    assert np.isnan(fit.factor_errors).tolist() == [[False] * 2, [True] * 2]
+    assert fit.factors.tolist() == [1.0, 1.0]
+    halves[8:] = 2
+    factors = np.array([1.0, 1.4j, -0.8])
+    fit = fit_scan(SPARSE, q, X * factors[halves], files=halves)
+    assert (
+        np.abs(np.log(fit.factors / factors)[1:].view(float)).reshape(-1, 2)
+        < 4.0 * fit.factor_errors[1:]
+    ).all()
+    assert np.abs(differ(fit.responses, truth)).mean() < 0.03
+
+
+@pytest.mark.parametrize("files", [-1, 1000, 0.5, [0, 1], "first"])
+def test_numbers_of_files_that_cannot_be_are_refused(files: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match="`files`"):
+        fit_scan(**scan(), files=files)
 
 
 @pytest.mark.parametrize("scans", [20, pytest.param(40, marks=pytest.mark.deep)])

@@ -178,6 +178,21 @@ def numbers(values: Any) -> dict[str, Any]:
         ("status", "great"),
         ("status", KeyError),
         ("gain_limit", -1.0),
+        ("gain_limit", 1e-9),
+        ("gains", numbers(np.full(36, 50.0 + 0j))),
+        ("iterations", -5),
+        ("seconds", math.nan),
+        ("seconds", -1.0),
+        ("quiet_weight", -1.0),
+        ("quiet_weight", math.inf),
+        ("least_error", -4.0),
+        ("objective", -1.0),
+        ("mu", -1.0),
+        ("bound", math.inf),
+        ("violations", {"quiet": math.nan}),
+        ("felt", [[1.0, math.nan, 0.0, 0.0]]),
+        ("multipliers", numbers(np.full(3, np.nan + 0j))),
+        ("asked_phases", numbers([0.0, math.nan, 1.0])),
         ("multipliers", numbers(np.zeros(7, complex))),
         ("asked_phases", numbers([1.0])),
         ("felt", [[1.0]]),
@@ -217,6 +232,20 @@ def test_no_changed_byte_goes_unseen(place: int, flip: int, tmp_path: Path) -> N
     file.write_bytes(bytes(raw))
     with pytest.raises(pc.SolutionFileError):
         pc.Solution.load(file)
+
+
+def test_gains_above_their_limit_are_kept_if_the_solution_tells_it(tmp_path: Path) -> None:
+    """A certificate is also for gains that break limits."""
+    session = pc.Session(ARRAY, AIR)
+    made = session.solve(POINTS, [10.0, 20.0, 5.0])
+    broken = session.certify(np.full(len(ARRAY), 1.5 + 0j))
+    assert broken.violations["gain"] == pytest.approx(0.5)
+    broken.save(tmp_path / "it")
+    assert pc.Solution.load(tmp_path / "it").violations == broken.violations
+    with pytest.raises(pc.ArgumentError, match="gains"):
+        dataclasses.replace(made, gains=broken.gains).save(tmp_path / "it")
+    with pytest.raises(pc.ArgumentError, match="seconds"):
+        dataclasses.replace(made, seconds=math.nan).save(tmp_path / "it")
 
 
 def test_a_file_without_a_digest_is_read(tmp_path: Path) -> None:
