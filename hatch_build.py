@@ -67,12 +67,22 @@ class Hook(BuildHookInterface[BuilderConfig]):
 
 
 def _list_engine_packages(root: Path) -> dict[str, str]:
-    """For `pacinian unity` and `pacinian unreal`: files that git has, and their places in the wheel."""
+    """For `pacinian unity` and `pacinian unreal`: files that git has, and their places in the wheel.
+
+    The pages link to the pictures by relative paths, which are the same in the wheel.
+    """
     built = {"Binaries", "Intermediate", "Include", "Lib"}  # of a plugin that was built here
     return {
         str(file): f"pacinian/{file.relative_to(root).as_posix()}"
-        for folder in ("unity", "unreal/Pacinian")
-        for file in sorted((root / "adapters" / folder).rglob("*"))
+        for folder, pattern in (
+            ("adapters/unity", "*"),
+            ("adapters/unreal/Pacinian", "*"),
+            ("adapters/unreal/docs", "*"),
+            ("docs/pictures", "unity-*.png"),
+            ("docs/pictures", "unreal-*.png"),
+            ("docs/pictures", "scene-sliding-ball.png"),
+        )
+        for file in sorted((root / folder).rglob(pattern))
         if file.is_file() and not built & set(file.relative_to(root).parts)
     }
 

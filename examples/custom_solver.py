@@ -45,6 +45,6 @@ for k, solver in enumerate(solvers):
     )
 panel.axhline(5.0, color="0.3", lw=0.8, ls="--", label="asked")
 panel.set(xlabel="control point", ylabel="radiation pressure [Pa]", title="Twelve points of 5 Pa")
-panel.set_ylim(0.0, 8.0)
+panel.set(xlim=(-0.6, 11.6), ylim=(0.0, 8.0), xticks=range(12))
 panel.legend(fontsize=7, loc="upper right", ncols=2)
 save(page, sys.argv[1] if len(sys.argv) > 1 else "custom_solver.png")

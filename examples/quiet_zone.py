@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+from matplotlib.patches import Circle
 
 import pacinian as pc
 from pacinian.plot import figure, save
@@ -30,15 +31,22 @@ kept = pc.solve(array, points, amplitudes, limits=limits, medium=air)
 print(f"allowed: {pc.sound_pressure_level(ear.pressure):.1f} dB at the ear")
 print(f"without: {at_ear(free):.1f} dB at the ear, error {free.error:.2%}")
 print(f"with:    {at_ear(kept):.1f} dB at the ear, error {kept.error:.2%}")
-line = np.linspace(-0.06, 0.08, 400)  # [m] through two points and the ear
-row = np.stack([line, 0 * line, 0 * line + 0.2], axis=-1)
-page = figure(6.0, 3.4)
-panel = page.subplots()
-for solution, name in ((free, "without"), (kept, "with the quiet zone")):
-    level = pc.sound_pressure_level(pc.field(array, solution.gains, row, medium=air))
-    panel.plot(1e3 * line, level, lw=1.0, label=name)
-left, right = ear.position[0] - ear.radius, ear.position[0] + ear.radius
-panel.axvspan(1e3 * left, 1e3 * right, color="0.85", label="ear")
-panel.set(xlabel="x [mm]", ylabel="level [dB re 20 µPa]", title="A quiet zone", ylim=(75, None))
-panel.legend(loc="upper left", fontsize=8)
+x, y = np.linspace(-0.06, 0.08, 281), np.linspace(-0.04, 0.06, 201)  # [m]
+places = np.stack([*np.meshgrid(x, y), np.full((201, 281), 0.2)], axis=-1)
+page = figure(7.0, 4.6)
+grid = page.add_gridspec(2, 2, height_ratios=[1.2, 1.0])
+maps = [page.add_subplot(grid[0, k]) for k in range(2)]
+curves = page.add_subplot(grid[1, :])
+for panel, solution, name in zip(maps, (free, kept), ("without", "with"), strict=True):
+    level = pc.sound_pressure_level(pc.field(array, solution.gains, places, medium=air))
+    image = panel.imshow(level, vmin=80.0, vmax=155.0, origin="lower", extent=(-60, 80, -40, 60))
+    panel.add_patch(Circle((50.0, 0.0), 6.0, fill=False, color="white"))
+    panel.set(title=f"{name} the quiet zone", xlabel="x [mm]", ylabel="y [mm]")
+    curves.plot(1e3 * x, level[80], lw=1.0, label=name)  # at y = 0: two of the points, and the ear
+page.colorbar(image, ax=maps, label="level [dB re 20 µPa]", extend="min", fraction=0.05)
+allowed = float(pc.sound_pressure_level(ear.pressure))
+curves.axhline(allowed, color="0.3", lw=0.8, ls="--", label="allowed")
+curves.axvspan(44.0, 56.0, color="0.85", label="ear")
+curves.set(xlabel="x [mm], at y = 0", ylabel="level [dB re 20 µPa]", xlim=(-60, 80))
+curves.legend(loc="lower left", fontsize=8)
 save(page, sys.argv[1] if len(sys.argv) > 1 else "quiet_zone.png")

@@ -9,7 +9,19 @@ import pacinian as pc
 
 ASSUMED, HEIGHT = 22.0, 0.2  # [degC], [m]
 errors = np.arange(-10, 11)  # true minus assumed temperature [K]
-x, z = (v.ravel() for v in np.mgrid[-15:15.5:0.5, -15:15.5:0.5] / 1e3)  # around the focus [m]
+STEP = 5e-4  # [m] between the places around the focus
+x, z = (STEP * v.ravel() for v in np.mgrid[-30:31, -30:31])
+
+
+def find_peak(P: np.ndarray) -> np.ndarray:
+    """Return x and z of the maximum from the focus [m], by a parabola through its neighbours in each direction."""
+    P = P.reshape(61, 61)
+    at = np.clip(np.unravel_index(P.argmax(), P.shape), 1, 59)
+    below, above = P[at[0] - 1 : at[0] + 2, at[1]], P[at[0], at[1] - 1 : at[1] + 2]
+    shift = [0.5 * (a - c) / (a - 2.0 * b + c) for a, b, c in (below, above)]
+    return np.asarray(STEP * (at - 30 + np.array(shift)))
+
+
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
 for side, aside in ((1, 0.0), (3, 0.0), (3, 0.15)):
     array, name = pc.autd(side, side), f"{side * side} units" if side > 1 else "1 unit"
@@ -22,7 +34,7 @@ for side, aside in ((1, 0.0), (3, 0.0), (3, 0.15)):
         true = pc.Air(temperature=ASSUMED + error)
         P.append(pc.radiation_pressure(pc.field(array, gains, places, true), true))
     kept = np.array(P)[:, len(x) // 2] / P[10][len(x) // 2]  # fraction that remains at the focus
-    top = places[np.argmax(P, axis=1)]
+    top = np.array([find_peak(one) for one in P])
     moved = np.linalg.norm(top - top[10], axis=1)  # [m]
     name += f", {1e3 * aside:g} mm aside" if aside else ""
     left.plot(errors, 100.0 * kept, label=name)

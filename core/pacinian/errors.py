@@ -205,7 +205,7 @@ class SolutionFileError(PacinianError, ValueError):
 class MissingExtra(PacinianError, ImportError):
     """An optional library is not installed.
 
-    extra: name of the extra to install, as in `pip install ".[extra]"` in the folder of Pacinian's sources.
+    extra: name of the extra to install, as in `pip install "SOURCE[extra]"`.
     """
 
     def __init__(self, library: str, extra: str) -> None:
@@ -216,8 +216,8 @@ class MissingExtra(PacinianError, ImportError):
 def suggest_install(extras: str) -> str:
     """Return the command that installs extras of Pacinian, as in "plot,view".
 
-    Pacinian is not on PyPI yet. The command names the folder that Pacinian was installed from, if that is known and
-    still exists; otherwise the text says where to run it.
+    Pacinian is not on PyPI yet. The command names the folder or the wheel that Pacinian was installed from, if that is
+    known and still exists; otherwise the text says what to give in its place.
     """
     import importlib.metadata
     import json
@@ -228,10 +228,10 @@ def suggest_install(extras: str) -> str:
     try:
         text = importlib.metadata.distribution("pacinian").read_text("direct_url.json")
         origin = json.loads(text or "{}")
-        folder = Path(url2pathname(urlsplit(origin["url"]).path))
-        editable = "-e " if origin["dir_info"].get("editable") else ""
-        if (folder / "pyproject.toml").exists():
-            return f'python -m pip install {editable}"{folder}[{extras}]"'
+        source = Path(url2pathname(urlsplit(origin["url"]).path))
+        editable = "-e " if origin.get("dir_info", {}).get("editable") else ""
+        if source.is_file() or (source / "pyproject.toml").exists():
+            return f'python -m pip install {editable}"{source}[{extras}]"'
     except (importlib.metadata.PackageNotFoundError, KeyError, ValueError, OSError):
         pass
-    return f'run `python -m pip install ".[{extras}]"` in the folder of Pacinian\'s sources'
+    return f'python -m pip install "SOURCE[{extras}]", where SOURCE is the wheel or the source folder of Pacinian'

@@ -31,16 +31,20 @@ from pacinian.solving.error_lower_bound import MAX_POINTS
 from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import (
     MAX_CLIPPED_EXCESS,
+    enforce_joined_limits,
     enforce_limits,
-    enforce_quiet,
-    enforce_zones,
 )
 from pacinian.solving.problem import Budget, Limits, Targets, number_regions
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation, evaluate
 from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.solution import Solution
-from pacinian.solving.solution_check import determine_status, measure_violations, relative_error
+from pacinian.solving.solution_check import (
+    determine_status,
+    measure_pressures,
+    measure_violations,
+    relative_error,
+)
 from pacinian.solving.solution_status import Status
 from pacinian.solving.warm_start import carry_over
 
@@ -287,7 +291,7 @@ class Session:
         else:
             if propagator.quiet is None:
                 propagator.quiet = Propagator(self.array, self.medium, propagator.precision)
-            propagator.quiet.keep_quiet(nulls)
+            propagator.quiet.keep_quiet(None if nulls is None else nulls.of_quiet_points)
             if propagator.quiet.set_points(quiet):
                 propagator.version += 1
         return nulls is not None or not limits.zones
@@ -381,11 +385,8 @@ class Session:
         finite, scaled = enforce_limits(
             g, limits, "exact" if limits.solver_limits else targets.scale
         )
-        if propagator.nulls is not None:
-            enforce_zones(g, limits.gain, propagator.nulls, propagator, budget)
-        if result.late and propagator.quiet is not None and limits.quiet is not None:
-            enforce_quiet(g, limits.gain, propagator.quiet, np.asarray(limits.quiet[1], np.float64))
-        p = propagator.apply(g)
+        held = enforce_joined_limits(g, limits, propagator, budget, result.late)
+        p = measure_pressures(propagator, g)
         out[:] = g
         miss, bound, objective = relative_error(targets, p), result.bound, result.objective
         if result.mu != result.mu:
@@ -396,11 +397,13 @@ class Session:
             bound = min(bound, objective)  # any excess is rounding
         hard = limits.solver_limits or limits.zones
         broken = measure_violations(propagator, limits, targets, p, g) if hard else {}
+        if propagator.nulls is not None and (above := propagator.nulls.find_violation(g)):
+            broken["zones"] = max(above, broken.get("zones", above))
         status = Status.failed
         if finite:
             status = determine_status(
                 propagator, targets, miss,
-                broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited,
+                broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited or held,
                 unproven=result.unproven,
             )  # fmt: skip
         return Solution(

@@ -51,11 +51,17 @@ class Skips(NamedTuple):
     problems: dict[str, int]
 
     def __str__(self) -> str:
-        parts = [f"{count:,} {reason}" for reason, count in self.problems.items()]
+        parts = [_describe(reason, count) for reason, count in self.problems.items()]
         if self.saved:
             times = sum(self.saved.values())
             parts.append("work saved once" if times == 1 else f"work saved {times:,} times")
         return "; ".join(parts) or "nothing"
+
+
+def _describe(reason: str, count: int) -> str:
+    if reason == HANDS_LOST:  # one hand counts once in each tick
+        return f"a hand lost in {count:,} tick{'s' * (count != 1)}"
+    return f"{count:,} {reason}"
 
 
 def split_skips(skipped: Mapping[str, int]) -> Skips:

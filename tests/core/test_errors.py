@@ -118,9 +118,13 @@ def test_a_point_on_a_transducer_carries_every_index_but_shows_five() -> None:
             'python -m pip install -e "HERE[plot,view]"',
         ),
         ({"dir_info": {}, "url": "HERE"}, 'python -m pip install "HERE[plot,view]"'),
-        ({"dir_info": {}, "url": "HERE/moved"}, "in the folder of Pacinian's sources"),
-        ({"archive_info": {}, "url": "HERE/pacinian.whl"}, "in the folder of Pacinian's sources"),
-        (None, "in the folder of Pacinian's sources"),
+        ({"dir_info": {}, "url": "HERE/moved"}, "where SOURCE is the wheel or the source folder"),
+        (
+            {"archive_info": {}, "url": "HERE/pacinian.whl"},
+            'python -m pip install "HERE/pacinian.whl[plot,view]"',
+        ),
+        ({"archive_info": {}, "url": "HERE/moved.whl"}, "where SOURCE is the wheel or the source"),
+        (None, "where SOURCE is the wheel or the source folder"),
     ],
 )
 def test_extras_are_installed_from_where_pacinian_came_from(
@@ -132,6 +136,7 @@ def test_extras_are_installed_from_where_pacinian_came_from(
     folder = tmp_path / "a folder"
     folder.mkdir()
     (folder / "pyproject.toml").touch()
+    (folder / "pacinian.whl").touch()
     text = origin and json.dumps(origin).replace("HERE", folder.as_uri())
     monkeypatch.setattr(
         metadata, "distribution", lambda _: SimpleNamespace(read_text=lambda _: text)

@@ -18,6 +18,8 @@ def test_problems_are_listed_and_saved_work_is_folded() -> None:
     assert list(found.saved) == ["solve, nothing moved", "drive, nothing changed"]
     assert str(found) == "8 other; 7 missed ticks; work saved 1,200 times"
     assert str(split_skips({})) == "nothing"
+    assert str(split_skips({"hands lost": 1})) == "a hand lost in 1 tick"
+    assert str(split_skips({"hands lost": 2000})) == "a hand lost in 2,000 ticks"
 
 
 def test_the_page_calls_the_same_reasons_saved() -> None:

@@ -7,6 +7,7 @@ doctor_probes.py      what `doctor` measures: Python, libraries, kernels, proces
 doctor_rules.py       what `doctor` says about it, with advice
 engines.py            `pacinian unity`, `pacinian unreal`
 engine_package.py     copies an engine's package into a project, all or nothing, and keeps changed files
+package_links.py      links and pictures of the pages of such a copy
 serve.py              `pacinian serve`: runs the server
 stop.py               `pacinian stop`: emergency stop
 render.py             `pacinian render`: renders a scene file, without a server; `--record`

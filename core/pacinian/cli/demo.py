@@ -53,7 +53,14 @@ def demo(
         click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
 
     from pacinian.acoustics.array import autd
-    from pacinian.cli.run_output import ProcessorMeter, picture, print_summary, progress, summary
+    from pacinian.cli.run_output import (
+        ProcessorMeter,
+        describe_success,
+        picture,
+        print_summary,
+        progress,
+        summary,
+    )
     from pacinian.demo_scene import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer
@@ -73,4 +80,7 @@ def demo(
     title = "A circling ball and a button: radiation pressure"
     extra["picture"] = picture(renderer, out, title, quiet=as_json)
     less = "" if units == 1 else "fewer units (`--units 1`), or "
-    print_summary(summary(renderer, extra, others), as_json, f"try {less}a lower `--rate`")
+    figures = summary(renderer, extra, others)
+    if not as_json and (success := describe_success(figures)):
+        click.echo(success)
+    print_summary(figures, as_json, f"try {less}a lower `--rate`")

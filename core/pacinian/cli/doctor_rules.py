@@ -20,7 +20,7 @@ RIGHTS = (
     "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
 )
-INSTALL = "in a fresh virtual environment, run `python -m pip install .` in the folder of Pacinian's sources"
+INSTALL = "in a fresh virtual environment, run `python -m pip install SOURCE`, where SOURCE is the wheel or the folder"
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,8 @@ def clock(resolution: float, late: Sequence[float]) -> Finding:
     """Check the clock. resolution: of the clock [s]. late: lateness of sleeps of 1 ms [s]."""
     p99 = sorted(late)[math.ceil(0.99 * len(late)) - 1]
     text = (
-        f"resolution {1e9 * resolution:.0f} ns; 99 % of sleeps are late by up to {1e3 * p99:.2f} ms, "
-        f"the latest by {1e3 * max(late):.2f} ms"
+        f"resolution {1e9 * resolution:.0f} ns; the machine wakes a process at most {1e3 * p99:.2f} ms late (99 %), "
+        f"{1e3 * max(late):.2f} ms at worst"
     )
     if resolution > 1e-5:
         return Finding("clock", "problem", text, "a clock of 10 microseconds or better is needed")
@@ -183,7 +183,9 @@ def usb(libusb: bool, platform: str) -> Finding:
 
 def permissions(devices: int, usable: int) -> Finding:
     """Check how many of the USB devices this user may open (Linux)."""
+    if not devices:
+        return Finding("USB permissions", "ok", "no USB device")
     text = f"you can open {usable} of {devices} USB devices"
-    if devices and not usable:
+    if not usable:
         return Finding("USB permissions", "warning", text, f"if you have a USB array: {RIGHTS}")
     return Finding("USB permissions", "ok", text)

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from pacinian.cli.package_links import complete_links
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
@@ -78,7 +79,8 @@ def install(package: Package, target: Path, *, replace: bool) -> Installed:
 
     replace: even if the copy there is newer, or somebody has changed it. Raises PackageError; then all is as it was.
     """
-    ours = {path: file.read_bytes() for path, file in _list_files(package.folder)}
+    files = {path: file.read_bytes() for path, file in _list_files(package.folder)}
+    ours = complete_links(files, package.folder)
     try:
         target.parent.mkdir(exist_ok=True)
         _clean_up_interrupted(target)

@@ -76,10 +76,13 @@ def unreal(path: Path, replace: bool) -> None:
             "The project has no C++ code, which a plugin of sources needs: in the editor, Tools > New C++ Class, once."
         )
     click.echo(
-        "\nNext:\n  1. Start a server: pacinian serve\n"
+        "\nNext:\n"
+        "  1. Start a server:    pacinian serve\n"
         "  2. Generate the project files again, build, and open the editor.\n"
-        "  3. In your level: place a Haptic Array, add a Haptic Volume to a sphere 17.5 cm\n"
-        "     above it, and a Haptic Hand to your pawn. Press Play."
+        "  3. In your level: place a Haptic Array, add a Haptic Volume to a sphere 17.5 cm above it,\n"
+        "     and a Haptic Hand to an empty actor 21.5 cm above it. Without a headset, set its Source\n"
+        "     to Mouse. Press Play and hold the left mouse button.\n"
+        f"  Tutorial: {find_package('unreal') / 'docs' / 'touch-a-ball.md'}"
     )
 
 
@@ -98,9 +101,10 @@ def _install(package: Package, target: Path, replace: bool) -> None:
 
 def _find_project(path: Path, engine: str, has: str, fits: Callable[[Path], bool]) -> Path:
     """Return the folder of a project. Raises PackageError, which names a project nearby if there is one."""
+    article = "an" if engine == "Unreal" else "a"
     if not path.is_dir():
         raise PackageError(
-            f"{path} is no folder: give that of a project of {engine}, which has {has}"
+            f"{path} is not a folder: give the folder of {article} {engine} project, which contains {has}"
         )
     if fits(path):
         return path
@@ -112,7 +116,9 @@ def _find_project(path: Path, engine: str, has: str, fits: Callable[[Path], bool
             if folder.is_dir() and fits(folder)
         ]
     advice = f"; did you mean {near[0]}?" if near else ""
-    raise PackageError(f"{path} is no project of {engine}, which has {has}{advice}")
+    raise PackageError(
+        f"{path} is not {article} {engine} project, because it does not contain {has}{advice}"
+    )
 
 
 def _is_unity(folder: Path) -> bool:
@@ -134,7 +140,7 @@ def _check_unity(project: Path) -> None:
     if found and (int(found[1]), int(found[2])) < MIN_UNITY:
         least = ".".join(map(str, MIN_UNITY))
         raise PackageError(
-            f"{project} is of Unity {found[1]}.{found[2]}: the package needs {least} or newer"
+            f"{project} is a project of Unity {found[1]}.{found[2]}: the package needs {least} or newer"
         )
 
 
@@ -149,7 +155,7 @@ def _check_unreal(project: Path) -> None:
     if found and (int(found[1]), int(found[2])) < MIN_UNREAL:
         least = ".".join(map(str, MIN_UNREAL))
         raise PackageError(
-            f"{file} is of Unreal Engine {engine}: the plugin needs {least} or newer"
+            f"{file} is a project of Unreal Engine {engine}: the plugin needs {least} or newer"
         )
 
 

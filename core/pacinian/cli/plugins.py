@@ -50,10 +50,7 @@ def plugins(as_json: bool) -> None:
         listed = {"plugins": [_plain(o) for o in offers], "commands": commands, "failed": failed}
         click.echo(json.dumps(listed))
     else:
-        _tell(offers)
-        for command in commands:
-            click.echo(f"{command['name']}  command, from {command['from']}")
-            click.echo(f"    {command['summary']}")
+        _print(offers, commands)
         for error in broken.values():
             click.echo(str(error), err=True)
     if broken:
@@ -73,17 +70,23 @@ def _plain(offer: Offer) -> dict[str, Any]:
     }
 
 
-def _tell(offers: list[Offer]) -> None:
+def _print(offers: list[Offer], commands: list[dict[str, str]]) -> None:
+    """Print all at once: then `pacinian plugins | head -1` does not end as if a plug-in had not loaded."""
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
-    for offer in offers:
-        console.print(f"[bold]{offer.name}[/bold]  {offer.kind}, from {offer.distribution}")
-        console.print(f"    {_summary(offer)}", markup=False)
-        options = offer.options.items()
-        settings = [k if v is ... else f"{k}={v!r}" for k, v in options if _simple(v)]
-        if settings:
-            console.print(f"    settings: {', '.join(settings)}", markup=False)
+    with console.capture() as text:
+        for offer in offers:
+            console.print(f"[bold]{offer.name}[/bold]  {offer.kind}, from {offer.distribution}")
+            console.print(f"    {_summary(offer)}", markup=False)
+            options = offer.options.items()
+            settings = [k if v is ... else f"{k}={v!r}" for k, v in options if _simple(v)]
+            if settings:
+                console.print(f"    settings: {', '.join(settings)}", markup=False)
+        for command in commands:
+            console.print(f"{command['name']}  command, from {command['from']}", markup=False)
+            console.print(f"    {command['summary']}", markup=False)
+    click.echo(text.get(), nl=False)
 
 
 def _simple(value: object) -> bool:

@@ -66,6 +66,10 @@ def render(
     from pacinian.rendering.scene_renderer import make_renderer
     from pacinian.scene.file import load_scene_file
 
+    if out:  # before anything runs
+        from pacinian.plot.page import require
+
+        require()
     file = load_scene_file(scene)
     if solver:
         file = replace(file, solver=solver)

@@ -156,21 +156,19 @@ def judge_pace(figures: dict[str, Any], remedy: str) -> str:
 
     figures: a summary. remedy: what helps if the machine is too slow for the scene.
     """
-    planned = figures["ticks"] + figures["skipped"].get(MISSED_TICKS, 0)
-    timely = figures["ticks"] - figures["late_ticks"]
+    planned, timely = _count_ticks(figures)
     if not planned:
         return ""
     on_time = f"{timely / planned:.0%} of the {planned:,} planned ticks were on time"
     if timely >= TIMELY_SHARE * planned:
         return f"{on_time}.{_describe_early(figures)}"
     took, others, due = figures["tick_p50_ms"], figures["others_share"], 1e3 / figures["rate"]
-    most = f"one took {took:.1f} ms (median)"
-    if took < due <= figures["tick_p99_ms"]:
-        most += f", but one in a hundred {figures['tick_p99_ms']:.1f} ms or more"
-    most += f", and {figures['rate']:g} Hz leave {due:g} ms"
+    text = (
+        f"{on_time}. A tick has {due:g} ms; the median took {took:.1f} ms, "
+        f"the slowest 1% took {figures['tick_p99_ms']:.1f} ms or more."
+    )
     if figures["tick_p99_ms"] < due:
-        most += ", but many began late"
-    text = f"Only {on_time}: {most}."
+        text += " Many began late."
     text += _describe_early(figures)
     if others is not None and others >= OTHERS_SHARE:
         return (
@@ -178,7 +176,23 @@ def judge_pace(figures: dict[str, Any], remedy: str) -> str:
         )
     if took >= due:
         return f"{text} This machine is too slow for this scene at this rate: {remedy}."
-    return f"{text} For more, {remedy}."
+    return f"{text} To improve this, {remedy}."
+
+
+def describe_success(figures: dict[str, Any]) -> str:
+    """Return one sentence for a newcomer who asks only whether it worked; "" after a fault or an interruption."""
+    planned, timely = _count_ticks(figures)
+    if figures["fault_count"] or figures["interrupted"] or not timely:
+        return ""
+    if timely >= TIMELY_SHARE * planned:
+        return "It works."
+    return f"It works; this machine was too slow for {1.0 - timely / planned:.0%} of the ticks."
+
+
+def _count_ticks(figures: dict[str, Any]) -> tuple[int, int]:
+    """Return the number of ticks of a run that were planned, and of those on time."""
+    planned = figures["ticks"] + figures["skipped"].get(MISSED_TICKS, 0)
+    return planned, figures["ticks"] - figures["late_ticks"]
 
 
 def _describe_early(figures: dict[str, Any]) -> str:

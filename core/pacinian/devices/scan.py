@@ -138,7 +138,7 @@ def read_scan(path: Path, device: DeviceDescription) -> Scan:
     with np.errstate(invalid="ignore"):
         phases = np.angle(scan.readings[np.abs(scan.readings) > 0.0])
     if len(phases) and not np.ptp(phases):
-        raise SceneFileError(path, "", PHASELESS)
+        raise SceneFileError(path, "", PHASELESS.replace("has no phases", "all phases are equal"))
     return scan
 
 

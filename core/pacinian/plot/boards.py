@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.plot.page import figure
+from pacinian.plot.page import figure, set_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,13 +31,13 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
     The colour shows the channel number. The first channel is ringed; dead ones are crossed out. The area of a dot
     shows its strength.
     """
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
     shown = device.boards[:MAX_BOARDS]
     columns = int(np.ceil(np.sqrt(len(shown))))
     rows = -(-len(shown) // columns)
-    page = figure(14.0, 6.4)
+    page = figure(14.0, 6.4)  # before other imports from Matplotlib, because it raises MissingExtra
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     parts: Any = page.subfigures(1, 2, width_ratios=[1.0, 1.25])
     left, right = parts
     _space(left.add_subplot(projection="3d"), device.boards)
@@ -57,7 +57,7 @@ def boards(device: DeviceDescription, title: str = "") -> Figure:
     scale = ScalarMappable(Normalize(0, most), MAP)
     right.colorbar(scale, ax=panels.tolist(), label="channel", shrink=0.7)
     if title:
-        page.suptitle(f"{title}: {len(device.array())} transducers")
+        set_title(page, f"{title}: {len(device.array())} transducers")
     return page
 
 
@@ -74,7 +74,9 @@ def _space(panel: Any, boards: tuple[Board, ...]) -> None:
         way = board.pose.directions(np.array([0.0, 0.0, ARROW]))
         panel.quiver(*(1e3 * middle), *(1e3 * way), color="black", linewidth=1.2)
         tip = 1e3 * (middle + 1.15 * way)
-        panel.text(*tip, board.serial, ha="center", fontsize=8, bbox=LABEL, zorder=9)
+        panel.text(
+            *tip, board.serial, ha="center", fontsize=8, bbox=LABEL, zorder=9, parse_math=False
+        )
         corners += [r.min(axis=0), r.max(axis=0), middle + way]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     pad = np.maximum(0.0, 0.5 * (MIN_SIDE - (high - low)))
@@ -112,7 +114,7 @@ def _plan(panel: Any, board: Board) -> None:
     panel.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
     panel.tick_params(labelsize=6)
     note = f", {len(dead)} dead" if len(dead) else ""
-    panel.set_title(f"{board.serial or 'board'}{note}", fontsize=8)
+    panel.set_title(f"{board.serial or 'board'}{note}", fontsize=8, parse_math=False)
 
 
 def _circles(panel: Any, centres: Floats, sizes: Floats, **style: Any) -> Any:

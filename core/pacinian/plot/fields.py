@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import check_medium
 from pacinian.argument_checks import check_kind, check_numbers
-from pacinian.plot.page import figure, panels
+from pacinian.plot.page import figure, panels, set_title
 from pacinian.plot.planes import MAX_PLANE_DISTANCE, cut, draw, mark, middle_of
 from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
 from pacinian.plot.style import COLUMN, bar, dress
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 NONE = np.empty((0, 3))
 ABOVE = 1.5  # end of the colour scale, over the largest pressure at the points
 AWAY_ALPHA = 0.35  # opacity of the marks of points away from a horizontal slice
+TITLE_PAD = 0.07  # [inch] around panels below a title
 LABELS, BESIDE, BELOW = 0.6, 1.25, 0.6  # [inch] for labels; with a colour bar; and for a title
 TALLEST = 5.0  # [inch]
 MIN_FLAT_RATIO = 1.5  # width over height, from which a colour bar is below
@@ -121,7 +122,9 @@ def slices(
     axes = page.subplots(1, 2, width_ratios=[1.0, narrow])
     draw_both(page, array, gains, axes, both, q, medium)
     if title:
-        page.suptitle(title, wrap=True)
+        set_title(page, title, wrap=True)
+        layout: Any = page.get_layout_engine()
+        layout.set(h_pad=TITLE_PAD)  # else it touches the titles of the panels
     return page
 
 
@@ -146,15 +149,19 @@ def draw_both(
     both: Sequence[tuple[Plane, Floats]],
     points: Floats,
     medium: Air,
+    top: float | None = None,
 ) -> None:
     """Draw planes into panels with a common colour scale, and mark the points, (M, 3) [m].
 
-    With points, the scale ends slightly above the pressure at them, because behind a surface it may be far higher.
+    top: end of the scale [Pa]. By default, and with points, it is slightly above the pressure at them, because behind
+    a surface the pressure may be far higher.
     """
     image, radiation = None, QUANTITIES["radiation"]
     ends = max(limits(P, find_clear(array, plane.points, medium), "radiation") for plane, P in both)
     if len(points) and (felt := values(array, gains, points, medium, "radiation").max()) > 0.0:
         ends = ends[0], min(ends[1], ABOVE * float(felt))
+    if top is not None:
+        ends = ends[0], top
     for panel, (plane, P) in zip(panels, both, strict=True):
         image = draw(panel, plane, P, "radiation", ends)
         places, near = plane.project(points)

@@ -41,6 +41,27 @@ def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
     return NotebookFigure(figsize=(width, height), layout="constrained", dpi=DPI)
 
 
+def set_title(page: Figure, text: str, **style: Any) -> None:
+    """Set the title of a figure, which may be the name of a file.
+
+    Characters that the locale or Unicode lacks are drawn as U+FFFD, and dollar signs as they are.
+    """
+    page.suptitle(make_printable(text), parse_math=False, **style)
+
+
+def make_printable(text: str) -> str:
+    """Return a text without lone surrogates, which fonts cannot draw.
+
+    Python puts them into the name of a file in place of bytes that the locale cannot decode. If these bytes are UTF-8,
+    they are decoded; otherwise U+FFFD replaces them.
+    """
+    try:
+        data = text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:  # other surrogates
+        data = text.encode("utf-8", "replace")
+    return data.decode("utf-8", "replace")
+
+
 def panels(
     ax: Panel | Sequence[Panel] | None, heights: Sequence[float]
 ) -> tuple[Figure, list[Panel], bool]:
@@ -63,8 +84,9 @@ def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
     """Write a figure to a file; the extension selects the format: .pdf, .svg, .png, ...
 
     Text in vector files stays text. colours: of a PNG, 2 to 256; a small number makes the file a third as large,
-    but show steps in a field. Raises ArgumentError, OSError.
+    but show steps in a field. Raises ArgumentError, MissingExtra, OSError.
     """
+    require()
     from matplotlib import rc_context
 
     known = page.canvas.get_supported_filetypes()

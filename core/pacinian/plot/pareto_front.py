@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from pacinian.errors import ArgumentError, RecordingError
 from pacinian.plot.labels import label
-from pacinian.plot.page import figure, panels
+from pacinian.plot.page import figure, panels, set_title
 from pacinian.plot.style import BLUE, GREEN, PINK, RED, SMALL, dress
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def pareto(
         ).tolist()
     _axes(grid, sizes, counts, [1e3 * c.p50 for c in cells])
     if title:
-        page.suptitle(title, fontsize=9, wrap=True)
+        set_title(page, title, fontsize=9, wrap=True)
     if ours:
         dress(page)
     page.draw_without_rendering()  # lays the panels out, so that labels can be placed

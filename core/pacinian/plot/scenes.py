@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.argument_checks import check_number
 from pacinian.plot.discs import Discs, View, array_of, make_object, skin, towards
 from pacinian.plot.fields import check_array_and_medium, cut_both, draw_both
 from pacinian.plot.outlines import draw_outlines, find_pose
-from pacinian.plot.page import figure
+from pacinian.plot.page import figure, set_title
 from pacinian.plot.planes import middle_of
 from pacinian.scene.objects import Body
 
@@ -43,12 +44,16 @@ def scene(
     medium: Air,
     t: float = 0.0,
     title: str = "",
+    top: float | None = None,
 ) -> Figure:
     """Plot a scene at time t [s] from above and, close up, from below, and its field in two planes.
 
     samples: the targets. gains: (N,), or (K, N) for the mean field over K moments. medium: the air, with nothing in
-    it. Lines show the outlines of hands, and where objects cross the planes. Raises MissingExtra.
+    it. top: upper end of the field's colour scale [Pa]; by default slightly above the pressure at the samples. Lines
+    show the outlines of hands, and where objects cross the planes. Raises ArgumentError, MissingExtra.
     """
+    if top is not None:
+        check_number("top", top, low=0.0, above=True)
     check_array_and_medium(array, medium)
     both = cut_both(array, gains, samples.positions, medium)
     narrow = both[1][0].ratio
@@ -57,11 +62,11 @@ def scene(
     upper, lower = parts
     views = _views(upper, array, scene, samples, t)
     panels = lower.subplots(1, 2, width_ratios=[1.0, narrow])
-    draw_both(lower, array, gains, panels, both, samples.positions, medium)
+    draw_both(lower, array, gains, panels, both, samples.positions, medium, top)
     for panel, (plane, _) in zip(panels, both, strict=True):
         draw_outlines(panel, plane, scene, t)
     if title:
-        page.suptitle(title, wrap=True)
+        set_title(page, title, wrap=True)
     page.draw_without_rendering()
     for view in views:
         view.fit(page.dpi)

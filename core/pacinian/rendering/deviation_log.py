@@ -142,10 +142,15 @@ def describe_totals(reasons: Mapping[str, Total]) -> str:
     parts: list[str] = []
     for reason, (ticks, count, first, last) in reasons.items():
         if reason in BY_TICK:
-            text = f"{reason} in {max(ticks, count):,} ticks"
+            text = f"{reason} in {_count_ticks(max(ticks, count))}"
         else:
             kind = "samples " if reason in LEFT_OUT or reason in (WEAKENED, MISSED_TARGET) else ""
-            text = f"{kind}{reason} in {ticks:,} ticks"
+            text = f"{kind}{reason} in {_count_ticks(ticks)}"
             text += f" ({count / ticks:.3g} in each)" if kind else ""
-        parts.append(f"{text}, {round(first, 3) + 0.0:.3f} to {round(last, 3) + 0.0:.3f} s")
+        begin, end = (f"{round(time, 3) + 0.0:.3f}" for time in (first, last))
+        parts.append(f"{text}, " + (f"at {begin} s" if begin == end else f"{begin} to {end} s"))
     return "; ".join(parts)
+
+
+def _count_ticks(count: int) -> str:
+    return f"{count:,} tick{'s' * (count != 1)}"

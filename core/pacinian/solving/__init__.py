@@ -16,8 +16,10 @@ What solvers share
     back_propagation.py   gains for many points if the deadline leaves no time for the Gram matrix
     corrections.py        larger amplitudes where regularisation leaves pressure missing
     least_squares.py      gains of least norm for any shape and rank of B
-    quiet_subspace.py     gains that leave quiet zones quiet: computed once for each set of zones
-    limit_enforcement.py  limits of gain, power and quiet points, enforced whatever a solver has written; NaN to silence
+    quiet_subspace.py     gains that leave quiet zones quiet: prepared once for each set of zones
+    quiet_basis.py        the basis that these gains must not contain
+    loudest_places.py     search for the loudest places of a zone
+    limit_enforcement.py  limits of gain, power, quiet points and zones, whatever a solver writes; NaN to silence
     linalg.py             BLAS and LAPACK without the rest of SciPy
     blas.py               one BLAS thread for small problems
     buffer_pool.py        workspaces that repeated solves share

@@ -11,6 +11,7 @@ import numpy as np
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.error_lower_bound import least_error
 from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.loudest_places import find_peak
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution_check import (
     TOLERANCE,
@@ -59,11 +60,10 @@ def certify(
     if last.targets.scale == "max":
         objective = math.nan
     broken = measure_violations(propagator, limits, last.targets, p, g)
-    if (
-        nulls is not None
-        and (over := nulls.over(propagator.array, propagator.medium, g)) > TOLERANCE
-    ):
-        broken["zones"] = max(over, broken.get("zones", over))
+    for zone in limits.zones:
+        loudest = find_peak(propagator.array, propagator.medium, g, zone, points)
+        if (over := loudest / zone.pressure - 1.0) > TOLERANCE:
+            broken["zones"] = max(over, broken.get("zones", over))
     certified = dataclasses.replace(
         last,
         gains=g,

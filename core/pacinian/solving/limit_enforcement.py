@@ -14,18 +14,17 @@ if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.quiet_subspace import QuietSubspace
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes
 
 MAX_CLIPPED_EXCESS = 1e-5  # relative excess up to which only the gains over the limit are clipped
-MAX_PROJECTIONS = 32  # largest number of alternating projections of gains for quiet zones
+MAX_PROJECTIONS = 32  # largest number of steps that free gains of quiet zones within the limits
 MAX_QUIET_STEPS = 4  # largest number of corrections of gains for quiet points
 # Largest number of quiet points for which gains are corrected. For more, they are only scaled down.
 MAX_QUIET_ROWS = 512
 # Regularisation of the correction of gains for quiet points, relative to the mean power of the points' rows.
 QUIET_MU = 1e-6
-UNCHECKED_FACTOR = 1.25  # safety factor for the places of a zone that are not checked
 # Regularisation of the correction of pressures that quiet zones have changed, relative to the mean power of rows.
-CORRECTION_MU = 0.1
+CORRECTION_MU = 0.5
 # Largest pressure in a zone, relative to its limit, from the part of the excluded subspace that remains in the gains.
 MAX_LEAK = 0.02
 # Part of the excluded subspace that single precision leaves in gains g, relative to ||g||.
@@ -64,12 +63,38 @@ def enforce_limits(g: Complexes, limits: Limits, scale: str) -> tuple[bool, bool
     return True, over
 
 
-def enforce_quiet(g: Complexes, gain: float | None, quiet: Propagator, limit: Floats) -> None:
+def enforce_joined_limits(
+    g: Complexes, limits: Limits, propagator: Propagator, budget: Budget, late: bool
+) -> bool:
+    """Change gains, (N,), in place, so that zones and quiet points are quiet, and limits of gain and power still hold.
+
+    propagator: of the samples. late: whether the solver ran out of time, so that it may not have kept quiet points.
+    Returns whether the gains were scaled down.
+    """
+    nulls, quiet = propagator.nulls, propagator.quiet
+    if nulls is not None:
+        enforce_zones(g, limits, nulls, propagator, budget)
+    if quiet is not None and limits.quiet is not None and (late or nulls is not None):
+        enforce_quiet(g, limits, quiet)
+    if nulls is None:
+        return False
+    over = max(nulls.bound_excess(g), _compute_overdrive(g, limits))
+    if over > 1.0:
+        g /= over
+        kernels.limit_gains(g, 1.0, _find_top(limits))
+    return over > 1.0 + TOLERANCE
+
+
+def enforce_quiet(g: Complexes, limits: Limits, quiet: Propagator) -> None:
     """Remove from gains, (N,), in place, what exceeds the limits of quiet points; scale them down if needed.
 
-    gain: limit of |g_n|. quiet: propagator of the quiet points. limit: their limits, (K,) [Pa]. This changes the gains
-    of solves that had too little time.
+    quiet: propagator of the quiet points. This changes the gains of solves that had too little time, or that quiet
+    zones have changed.
     """
+    assert limits.quiet is not None
+    limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
+    if not len(limit):
+        return
     most = limit + 0.5 * TOLERANCE * compute_excess_unit(quiet, limit)
     for _ in range(MAX_QUIET_STEPS):
         p = quiet.apply(g)
@@ -81,9 +106,8 @@ def enforce_quiet(g: Complexes, gain: float | None, quiet: Propagator, limit: Fl
             break
         excess = p * (1.0 - np.minimum(limit / np.maximum(loud, 1e-30), 1.0))
         g -= quiet.adjoint(factor.solve(excess))
-        strongest = math.sqrt(kernels.peak(g))
-        if gain is not None and strongest > gain:
-            kernels.limit_gains(g, gain / strongest, gain * (1.0 - 2.0**-21))
+        if (over := _compute_overdrive(g, limits)) > 1.0:
+            kernels.limit_gains(g, 1.0 / over, _find_top(limits))
     over = float((np.abs(quiet.apply(g)) / np.maximum(most, 1e-30)).max())
     if not math.isfinite(over):
         g[:] = 0.0
@@ -92,28 +116,45 @@ def enforce_quiet(g: Complexes, gain: float | None, quiet: Propagator, limit: Fl
 
 
 def enforce_zones(
-    g: Complexes, gain: float | None, nulls: QuietSubspace, propagator: Propagator, budget: Budget
+    g: Complexes, limits: Limits, nulls: QuietSubspace, propagator: Propagator, budget: Budget
 ) -> None:
-    """Remove `nulls` from gains, (N,), in place, and scale them down until the zones are quiet and |g_n| <= `gain`.
+    """Remove `nulls` from gains, (N,), in place, up to rounding, and bring them near the limits of gain and power.
 
-    Alternates (projections onto convex sets) between clipping the gains and moving them to the nearest ones outside
-    `nulls` that produce the same pressures; then scales all gains down. propagator: of the samples.
+    Finds the gains without `nulls` and within these limits whose pressures are nearest to those of g, by ADMM
+    (alternating direction method of multipliers, Boyd et al. 2011): it alternates between shortening the gains and
+    moving them to the nearest ones outside `nulls` with about these pressures; `debt` sums up what was shortened.
+    propagator: of the samples.
     """
-    p = propagator.apply(g)
-    top = math.inf if gain is None else gain * (1.0 - 2.0**-21)
+    p, debt = propagator.apply(g), np.zeros_like(g)
     for turn in range(MAX_PROJECTIONS):
-        left = float(np.linalg.norm(nulls.sketch @ g.astype(np.complex64)))
-        most = MAX_LEAK / nulls.loudest + SINGLE_LEAK * math.sqrt(kernels.power(g))
-        if (left <= most and math.sqrt(kernels.peak(g)) <= top) or (turn and budget.spent):
+        rounding = SINGLE_LEAK * math.sqrt(kernels.power(g))
+        left = nulls.loudest * max(0.0, nulls.estimate_leak(g) - rounding)
+        near = _compute_overdrive(g, limits) <= 1.0 + (0.5 * TOLERANCE if turn else 0.0)
+        if (left <= MAX_LEAK and near) or (turn and budget.spent):
             break
-        kernels.limit_gains(g, 1.0, top)
+        debt += g
+        g[:] = debt
+        kernels.limit_gains(g, 1.0, _find_top(limits))
+        if (over := _compute_overdrive(g, limits)) > 1.0:
+            g /= over
+        debt -= g
+        g -= debt
         nulls.remove(g)
         factor = propagator.factor(CORRECTION_MU * propagator.power)
         if factor.definite:
             g += propagator.adjoint(factor.solve(p - propagator.apply(g)))
     if not math.isfinite(kernels.peak(g)):
         g[:] = 0.0
-    over = max(1.0, UNCHECKED_FACTOR * nulls.heard(g), math.sqrt(kernels.peak(g)) / top)
-    if over > 1.0:
-        g /= over
-        kernels.limit_gains(g, 1.0, top)
+
+
+def _find_top(limits: Limits) -> float:
+    """Return the highest gain that rounding cannot push over the limit; infinity for no limit."""
+    return math.inf if limits.gain is None else limits.gain * (1.0 - 2.0**-21)
+
+
+def _compute_overdrive(g: Complexes, limits: Limits) -> float:
+    """Return the factor by which gains, (N,), must be divided to keep the limits of gain and power, if above 1."""
+    over = math.sqrt(kernels.peak(g)) / _find_top(limits)
+    if limits.power is not None:
+        over = max(over, math.sqrt(kernels.power(g) / limits.power) / (1.0 - 2.0**-21))
+    return over

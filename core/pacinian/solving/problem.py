@@ -231,7 +231,7 @@ class Limits:
     hand is not taken into account.
     exact: the samples to meet exactly, as indices or as one flag for each sample.
     zones: `Zone`s, balls that stay quiet with any solver. They require a limit of gain or power. Each set of zones is
-    prepared once, which takes about a second.
+    prepared once, which takes half a second for one unit, and up to fifteen for nine.
     If a solver cannot keep a limit, the solve raises UnsupportedLimit; limits are never ignored. Limits that
     contradict each other or the targets result in `Status.infeasible`. Raises ArgumentError.
     """

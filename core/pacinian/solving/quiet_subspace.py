@@ -1,18 +1,16 @@
 """Quiet zones: the subspace to exclude from gains, so that the sound pressure in a ball stays below its limit.
 
-Let b(x) be the row of B for a point x, and V orthonormal rows that are excluded from gains g: V g = 0. Of b(x), this
-leaves c(x) = b(x) (1 - V^H V). Gains computed for points elsewhere are unrelated to c(x). Therefore |b(x) g| is about
-||c(x)|| times the root mean square of g, rms(g), and hardly ever exceeds LIKELY times that. V is enlarged until
-LIKELY ||c(x)|| rms(g) is at most the limit q at thousands of places in the zone, and then at thousands of new ones. V
-has few more rows than the number of waves that the array can resolve in the zone. `enforce_zones` checks each solution
-at some places and scales it down if necessary.
+`quiet_basis` finds its basis V. For all gains g without it, the sound pressure in the zones is at most
+`QuietSubspace.residual` ||g||, relative to the limit, wherever the foci are. Rounding leaves a little of V in g;
+`QuietSubspace.bound_excess` counts both.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock
 from typing import TYPE_CHECKING, ClassVar
 
@@ -20,9 +18,11 @@ import numpy as np
 
 from pacinian.acoustics.propagation import KernelData
 from pacinian.argument_checks import check_near
-from pacinian.errors import ArgumentError, PointOnTransducer
+from pacinian.errors import ArgumentError
 from pacinian.native import solving as kernels
 from pacinian.solving.blas import limit_blas_threads
+from pacinian.solving.loudest_places import find_peak_nearby
+from pacinian.solving.quiet_basis import leave_out, make_basis, make_limits, make_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,42 +30,38 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.solving.problem import Budget
+    from pacinian.solving.quiet_basis import ZoneLimit
     from pacinian.solving.quiet_zone import Zone
-    from pacinian.types import Complexes, Floats, Gains
+    from pacinian.types import Complexes, Flags, Floats, Gains
 
-MAX_ROWS_AT_ONCE = 64  # largest number of rows added to V at a time
-LIKELY = 4.0  # ratio of peak to root mean square that random pressures hardly ever exceed
-WATCHED = 256  # number of places of a zone at which each solution is checked
-# V is enlarged until pressures are at most this share of the limit, so that new places keep the limit.
-LIMIT_SHARE = 0.5
-MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this share of the limit
-# Rows that are weaker than this, relative to the strongest row of a block, are left to the next block.
-DISTINCT = 1e-4
-MAX_ROUNDS = 16  # largest number of rounds of new places
-MAX_DIMENSION_SHARE = 0.8  # largest share of the N dimensions that V may take
-MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
-# Number of random mixtures of V's rows. They estimate ||V g|| within a factor of 2.
-SKETCH_ROWS = 16
+WATCHED = 256  # number of places of a zone from whose loudest ones `measure_excess` climbs
+# Number of random mixtures of V's rows. They estimate ||V g|| within a factor of SKETCH_FACTOR.
+SKETCH_ROWS, SKETCH_FACTOR = 16, 2.0
+UNSEEN_FACTOR = (
+    1.5  # largest ratio of the highest pressure of speckle to what `measure_excess` finds
+)
 MAX_PREPARED = 4  # largest number of prepared sets of zones that are kept
 INSIDE = "contain a transducer: make them smaller, or move them away from the array"
-UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
 
 
 @dataclass(frozen=True, eq=False)
 class QuietSubspace:
     """The subspace that gains must not contain, so that zones stay quiet.
 
-    V: its basis, orthonormal rows, (R, N), complex64. sketch: random mixtures of V's rows, (S, N), so that ||sketch g||
-    is about ||V g||. watched: b(x) / q of the places that are checked, (W, N), where q is the limit, or the lowest one
-    that single precision keeps. raised: q over the limit at these places, (W,). loudest: largest ||b(x)|| / q.
+    array, medium, zones: those that it was made for; for quiet points, there are no zones. V: its basis, orthonormal
+    rows, (R, N), complex64. sketch: random mixtures of V's rows, (S, N), so that ||sketch g|| is about ||V g||. limits:
+    of the zones that any sound reaches. residual: largest ||c(x)|| / q, where q is the limit, or the lowest one that
+    single precision keeps. watched: b(x) / q of some places of each of `limits`, (W, N).
     """
 
+    array: Array
+    medium: Air
     zones: tuple[Zone, ...]
     V: Gains
     sketch: Gains
-    watched: Gains
-    raised: Floats
-    loudest: float
+    limits: tuple[ZoneLimit, ...]
+    residual: float
+    watched: tuple[Gains, ...]
 
     @classmethod
     def of(cls, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> QuietSubspace:
@@ -74,59 +70,83 @@ class QuietSubspace:
         rms: largest root mean square of gains. Raises ArgumentError if a zone contains a transducer, or if the zones
         leave too few dimensions for gains.
         """
-        wave, N = KernelData.prepare(array, medium), len(array)
+        wave, full = KernelData.prepare(array, medium), math.sqrt(len(array)) * rms
         check_near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
-        V, loudest = np.zeros((0, N), np.complex64), 0.0
-        watched: list[Gains] = []
-        raised: list[Floats] = []
-        for zone in zones:
-            if zone.holds(array.positions).any():
-                raise ArgumentError("limits.zones", INSIDE)
-            for k, places in enumerate(zone.places()):
-                rest = _rows(wave, places)
-                strongest = float(_norms(rest).max())
-                limit = max(zone.pressure, MIN_LIMIT * math.sqrt(N) * rms * strongest)
-                loudest = max(loudest, strongest / limit)
-                rest *= np.float32(1.0 / limit)
-                some = rest[:WATCHED].copy()
-                _leave_out(V, rest)
-                if LIKELY * rms * _norms(rest).max() <= 1.0:
-                    watched.append(some)
-                    raised.append(np.full(len(some), limit / zone.pressure))
-                    break
-                V = _enlarge_basis(V, rest, 1.0 / (LIKELY * rms))
-                if len(V) > MAX_DIMENSION_SHARE * N or k == MAX_ROUNDS:
-                    raise ArgumentError("limits.zones", UNUSABLE)
-        return cls(zones, V, _sketch(V), np.concatenate(watched), np.concatenate(raised), loudest)
+        if any(zone.holds(array.positions).any() for zone in zones):
+            raise ArgumentError("limits.zones", INSIDE)
+        limits = make_limits(wave, zones, full)
+        V, residual = make_basis(wave, limits, full)
+        watched = tuple(make_rows(wave, _watch(zone), q) for zone, q, _ in limits)
+        return cls(array, medium, zones, V, _sketch(V), tuple(limits), residual, watched)
 
-    def heard(self, g: Complexes) -> float:
-        """Return the highest ratio of sound pressure to q at the watched places, for gains (N,)."""
-        return float(np.abs(self.watched @ g.astype(np.complex64)).max())
+    @functools.cached_property
+    def loudest(self) -> float:
+        """Largest ||b(x)|| / q."""
+        return max((limit.loudest for limit in self.limits), default=0.0)
 
-    def compute_excess(self, g: Complexes) -> float:
-        """Return the highest ratio of sound pressure to limit at the watched places, for gains (N,)."""
-        return float((self.raised * np.abs(self.watched @ g.astype(np.complex64))).max())
+    @functools.cached_property
+    def raised(self) -> bool:
+        """Whether a limit is lower than single precision keeps."""
+        return any(q > zone.pressure for zone, q, _ in self.limits)
+
+    @functools.cached_property
+    def of_quiet_points(self) -> QuietSubspace:
+        """The same subspace for rows of quiet points, which have limits of their own in a zone, too."""
+        return replace(self, zones=())
+
+    def holds(self, points: Floats) -> Flags:
+        """Return whether each of `points`, (M, 3) [m], is in a zone, (M,)."""
+        found = np.zeros(len(points), np.bool_)
+        for zone in self.zones:
+            found |= zone.holds(points)
+        return found
 
     def leave_out(self, B: Complexes, points: Floats) -> None:
         """Remove V from the rows of B, (M, N), in place; set the rows of points in a zone to 0."""
-        _leave_out(self.V, B)
-        for zone in self.zones:
-            B[zone.holds(points)] = 0.0
+        leave_out(self.V, B)
+        B[self.holds(points)] = 0.0
 
     def remove(self, g: Complexes) -> None:
         """Remove V from gains, (N,), in place."""
-        g -= ((self.V @ g.astype(np.complex64)).conj() @ self.V).conj()
+        if len(self.V):
+            g -= ((self.V @ g.astype(np.complex64)).conj() @ self.V).conj()
 
-    def over(self, array: Array, medium: Air, g: Complexes) -> float:
-        """Return the highest ratio of sound pressure to limit at new places of the zones, minus 1, for gains (N,)."""
-        wave, most = KernelData.prepare(array, medium), 0.0
-        for zone in self.zones:
-            places = zone.places()
-            for _ in range(MAX_ROUNDS + 1):
-                next(places)
-            p = _rows(wave, next(places)) @ g.astype(np.complex64)
-            most = max(most, float(np.abs(p).max()) / zone.pressure)
-        return most - 1.0
+    def estimate_leak(self, g: Complexes) -> float:
+        """Return about ||V g|| of gains, (N,), within a factor of SKETCH_FACTOR."""
+        return float(np.linalg.norm(self.sketch @ g.astype(np.complex64))) if len(self.V) else 0.0
+
+    def bound_excess(self, g: Complexes) -> float:
+        """Return an upper bound of the ratio of sound pressure to q anywhere in the zones, for gains (N,)."""
+        leak = SKETCH_FACTOR * self.estimate_leak(g)
+        return self.residual * math.sqrt(kernels.power(g)) + self.loudest * leak
+
+    def find_violation(self, g: Complexes) -> float:
+        """Return by how much gains, (N,), may exceed limits that single precision cannot keep, as a ratio; else 0.
+
+        Other limits are always kept, once the bound is at most 1.
+        """
+        if not self.raised:
+            return 0.0
+        most = max(q / zone.pressure for zone, q, _ in self.limits)
+        if most * self.bound_excess(g) <= 1.0:
+            return 0.0
+        return max(0.0, UNSEEN_FACTOR * self.measure_excess(g) - 1.0)
+
+    def measure_excess(self, g: Complexes) -> float:
+        """Return the highest ratio of sound pressure to limit that is found in the zones, for gains (N,).
+
+        It climbs from the loudest of WATCHED places, which takes about a millisecond. Of speckle, which rounding makes,
+        the highest ratio is up to UNSEEN_FACTOR times as high.
+        """
+        single = np.asarray(g, np.complex64)
+        found = [
+            find_peak_nearby(
+                self.array, self.medium, single, zone, _watch(zone), np.abs(rows @ single)
+            )
+            / zone.pressure
+            for (zone, _, _), rows in zip(self.limits, self.watched, strict=True)
+        ]
+        return max(found, default=0.0)
 
 
 def evaluate(function: Callable[[], float]) -> float:
@@ -188,51 +208,14 @@ def _make(array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> Qui
         return QuietSubspace.of(array, medium, zones, rms)
 
 
-def _rows(wave: KernelData, places: Floats) -> Gains:
-    """Return B for places of a zone. Raises ArgumentError if a place is on a transducer."""
-    B = np.empty((len(places), len(wave.array)), dtype=np.complex64)
-    try:
-        wave.matrix(places, B)
-    except PointOnTransducer:
-        raise ArgumentError("limits.zones", UNUSABLE) from None
-    return B
-
-
-def _norms(B: Gains) -> Floats:
-    """Return the norm of each row."""
-    made = np.empty(len(B))
-    kernels.powers(B, made)
-    return np.sqrt(made)
+def _watch(zone: Zone) -> Floats:
+    """Return the watched places of a zone, (W, 3) [m]."""
+    return zone.spread(0, WATCHED if zone.radius else 1)
 
 
 def _sketch(V: Gains) -> Gains:
+    """Return SKETCH_ROWS random mixtures of V's rows."""
     draw = np.random.default_rng(1).normal(
         scale=math.sqrt(0.5 / SKETCH_ROWS), size=(SKETCH_ROWS, len(V), 2)
     )
     return np.asarray(draw.view(np.complex128)[..., 0] @ V, np.complex64)
-
-
-def _leave_out(V: Gains, B: Complexes) -> None:
-    B -= (V @ B.conj().T).conj().T @ V
-
-
-def _enlarge_basis(V: Gains, rest: Gains, most: float) -> Gains:
-    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most LIMIT_SHARE times `most`.
-
-    Removes the new rows from `rest`, in place.
-    """
-    while True:
-        size = _norms(rest)
-        block = np.argsort(-size)[:MAX_ROWS_AT_ONCE]
-        block = block[size[block] > max(LIMIT_SHARE * most, 0.1 * size[block[0]])]
-        if not len(block):
-            return V
-        X = rest[block].astype(np.complex128)
-        for _ in range(2):  # twice, because of rounding
-            _leave_out(V, X)
-        power, ways = np.linalg.eigh(X @ X.conj().T)
-        kept = power > max((MIN_PRESSURE_SHARE * most) ** 2, DISTINCT * DISTINCT * power[-1])
-        new = (ways[:, kept].conj().T @ X) / np.sqrt(power[kept])[:, None]
-        new = new.astype(np.complex64)
-        V = np.concatenate([V, new])
-        _leave_out(new, rest)

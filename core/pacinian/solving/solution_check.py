@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.propagation import matrix
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
@@ -70,6 +71,27 @@ def _compute_zone_excess(propagator: Propagator, limits: Limits, targets: Target
     )
 
 
+def _has_target_in_zone(propagator: Propagator, targets: Targets) -> bool:
+    """Return whether any target that is not 0 is in a quiet zone, where gains make no sound."""
+    nulls = propagator.nulls
+    return nulls is not None and bool(targets.amplitudes[nulls.holds(propagator.points)].any())
+
+
+def measure_pressures(propagator: Propagator, g: Complexes) -> Complexes:
+    """Return the sound pressures of gains, (N,), at the points, (M,) [Pa], also at those in quiet zones.
+
+    The propagator has rows of 0 for these, so that solvers ask for nothing there.
+    """
+    p, nulls, points = propagator.apply(g), propagator.nulls, propagator.points
+    inside = np.zeros(0, np.intp) if nulls is None else np.flatnonzero(nulls.holds(points))
+    if len(inside):
+        B = matrix(propagator.array, points[inside], propagator.medium)
+        if (facing := propagator.facing) is not None:
+            B *= facing.weights(points, propagator.array.positions)[inside]
+        p[inside] = B @ g
+    return p
+
+
 def compute_bound(
     B: Complexes, p: Complexes, y: Complexes, mu: float, gain: float | None, weights: Floats
 ) -> float:
@@ -112,11 +134,12 @@ def determine_status(
     """Return the status, given the relative error `miss` and reports of the solver and of the limits.
 
     broken: a limit is broken. late: the deadline passed. scaled: the gains were scaled down to the limits. limited: the
-    solver was held back by a limit. unproven: with `scale="max"`, stronger gains may exist.
+    solver was held back by a limit. unproven: with `scale="max"`, stronger gains may exist. A target in a quiet zone
+    counts as broken, because nothing is made there.
     """
     if not targets.norm:
         return Status.silent
-    if broken:
+    if broken or _has_target_in_zone(propagator, targets):
         return Status.deadline if late else Status.infeasible
     if targets.scale == "max":
         if late:

@@ -28,8 +28,8 @@ class Status(Enum):
         "(are they behind the array, or does the skin face away from it?)"
     )
     infeasible = (
-        "the limits cannot all be kept (see `violations`), so this is the best compromise; "
-        "lower the amplitudes, move the quiet points, or ask for fewer exact samples"
+        "the limits cannot all be kept (see `violations`), or a target is in a quiet zone, so this is the best "
+        "compromise; lower the amplitudes, move the quiet points or zones, or ask for fewer exact samples"
     )
     deadline = "the deadline passed: this is the best result so far"
     failed = "no usable result, so the gains are zero; try solver 'pseudo-inverse'"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.shared import make_folder, print_tables, units
+from pacinian_lab.commands.shared import make_folder, print_tables, require_matplotlib, units
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
@@ -155,6 +155,7 @@ def _measure_contacts(array: Array, as_json: bool) -> None:
 def _draw(array: Array, names: tuple[str, ...], folder: Path) -> None:
     from pacinian_lab.regions.pictures import draw
 
+    require_matplotlib()
     make_folder(folder, "--pictures")
     for path in draw(array, names, folder):
         click.echo(f"wrote {path}")

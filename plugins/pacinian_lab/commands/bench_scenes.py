@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.shared import print_tables, units
+from pacinian_lab.commands.shared import print_tables, require_matplotlib, units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,6 +109,7 @@ def _try(out: Path | None, pictures: Path | None) -> None:
             out.parent.mkdir(parents=True, exist_ok=True)
             out.touch()
         if pictures is not None:
+            require_matplotlib()
             pictures.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise click.BadParameter(str(error), param_hint="--out or --pictures") from error

@@ -50,6 +50,8 @@ def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) ->
 
     from pacinian_lab.server.viewer import measure
 
+    _check_extra()
+
     rows: list[Row] = []
     for row in measure(side, seconds, rounds, browser):
         rows.append(row)
@@ -57,6 +59,18 @@ def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) ->
             click.echo(_line(row))
     if as_json:
         click.echo(json.dumps({"units": side * side, "rows": msgspec.to_builtins(rows)}))
+
+
+def _check_extra() -> None:
+    """Check that the viewer's libraries are installed, before anything is measured. Raises MissingExtra."""
+    from importlib.util import find_spec
+
+    from pacinian.cli.serve import VIEWER
+    from pacinian.errors import MissingExtra
+
+    for library in VIEWER:
+        if find_spec(library) is None:
+            raise MissingExtra(library, "view")
 
 
 def _line(row: Row) -> str:

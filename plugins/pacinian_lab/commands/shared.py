@@ -39,6 +39,13 @@ def print_tables(tables: Iterable[Table]) -> None:
         console.print()
 
 
+def require_matplotlib() -> None:
+    """Check, before anything is measured, that pictures can be drawn. Raises MissingExtra."""
+    from pacinian.plot.page import require
+
+    require()
+
+
 def make_folder(folder: Path, option: str) -> None:
     """Make a folder if it does not exist. Raises BadParameter, which names the option."""
     try:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.finite_range import FiniteRange
-from pacinian_lab.commands.shared import print_tables, units
+from pacinian_lab.commands.shared import print_tables, require_matplotlib, units
 from pacinian_lab.server import soak_drift
 
 if TYPE_CHECKING:
@@ -44,6 +44,8 @@ def soak(minutes: float, short: bool, side: int, picture: Path | None, as_json: 
     """
     from pacinian_lab.solvers.report import about
 
+    if picture is not None:
+        require_matplotlib()
     rows, interrupted = _measure(side, SHORT if short else 60.0 * minutes)
     found = soak_drift.verdicts(rows) if rows else []
     if picture is not None and rows:

@@ -13,6 +13,7 @@ import click
 if TYPE_CHECKING:
     from pacinian_lab.study.store import Folder, Table
     from pacinian_lab.study.tasks import Plan
+    from pacinian_lab.study.worker import Row
 
 MAX_REASONS = 5  # largest number of reasons that are printed why tasks failed
 
@@ -67,19 +68,20 @@ def study(
         return
     if file is None:
         raise click.UsageError("Missing argument 'FILE'.")
-    from pacinian_lab.study.store import Folder
     from pacinian_lab.study.study_run import make_plan, todo
 
     if scheduler is not None and (workers is not None or dashboard):
         raise click.UsageError(
             "--workers and --dashboard apply to local workers only: leave --scheduler out"
         )
-    plan = make_plan(file)
-    folder = Folder(out or Path(file.stem))
-    missing = sum(map(len, todo(plan, folder, retry=retry)))
+    plan, place = make_plan(file), out or Path(file.stem)
     if listed:
-        _list(plan, folder, missing, as_json=as_json)
+        _list(plan, place, retry=retry, as_json=as_json)
         return
+    from pacinian_lab.study.store import Folder
+
+    folder = Folder(place)
+    missing = sum(map(len, todo(plan, folder.rows(), retry=retry)))
     _changes(plan, folder, missing)
     table = _run(
         plan, folder, missing, workers=workers, scheduler=scheduler, retry=retry,
@@ -107,10 +109,18 @@ def study(
         raise SystemExit(1)
 
 
-def _list(plan: Plan, folder: Folder, missing: int, *, as_json: bool) -> None:
-    from pacinian_lab.study.store import describe_task
+def _list(plan: Plan, folder: Path, *, retry: bool, as_json: bool) -> None:
+    """Print the tasks. Only results that are there need the extra `study`."""
+    from pacinian_lab.study.study_run import todo
+    from pacinian_lab.study.tasks import describe_task
 
-    rows, done = [describe_task(task) for task in plan.tasks], folder.rows()
+    done: dict[str, Row] = {}
+    if folder.exists():
+        from pacinian_lab.study.store import Folder
+
+        done = Folder(folder).rows()
+    missing = sum(map(len, todo(plan, done, retry=retry)))
+    rows = [describe_task(task) for task in plan.tasks]
     if as_json:
         for row in rows:  # JSON has no infinity: write it as in the study's file
             row["level"] = "inf" if row["level"] == math.inf else row["level"]

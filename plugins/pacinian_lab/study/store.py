@@ -17,6 +17,7 @@ from pacinian.atomic_file import replace_file
 from pacinian.errors import MissingExtra, RecordingError
 from pacinian.exclusive_lock import try_lock
 from pacinian_lab.study.measures import MEASURES
+from pacinian_lab.study.tasks import describe_task
 
 try:
     import pyarrow as pa
@@ -29,7 +30,7 @@ Table = Any  # pyarrow.Table; pyarrow has no type hints
 if TYPE_CHECKING:
     from collections.abc import Generator, Sequence
 
-    from pacinian_lab.study.tasks import Plan, Task
+    from pacinian_lab.study.tasks import Plan
     from pacinian_lab.study.worker import Row
 
 DIGEST = b"pacinian_lab.study"
@@ -149,31 +150,6 @@ class Folder:
     def _write(self, table: Table, path: Path) -> None:
         with replace_file(path) as file:
             pq.write_table(table, file)
-
-
-def describe_task(task: Task) -> dict[str, Any]:
-    """Return the row of a task before it runs: its key, labels and settings."""
-    place = task.place
-    row: dict[str, Any] = {
-        "key": task.key,
-        "layout": place.layout.label,
-        "plane": place.plane.label,
-        "pattern": place.pattern.label,
-        "solver": task.method.label,
-        "level": task.level,
-    }
-    for part, item in (
-        ("layout", place.layout.value),
-        ("plane", place.plane.value),
-        ("pattern", place.pattern.value),
-    ):
-        if tag := item.__struct_config__.tag:
-            row[f"{part}.type"] = tag
-        for name in item.__struct_fields__:
-            value = getattr(item, name)
-            if name != "name" and isinstance(value, (int, float, str)):
-                row[f"{part}.{name}"] = value
-    return row
 
 
 def _read_table(path: Path) -> Table:

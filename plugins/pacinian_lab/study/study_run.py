@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from pacinian.argument_checks import check_integer
 from pacinian_lab.study.file import Study, read
-from pacinian_lab.study.store import Folder, Table
 from pacinian_lab.study.tasks import Plan
 from pacinian_lab.study.worker import measure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Sequence
+    from collections.abc import Callable, Generator, Mapping, Sequence
 
+    from pacinian_lab.study.store import Table
     from pacinian_lab.study.tasks import Task
     from pacinian_lab.study.worker import Row
 
@@ -40,12 +40,14 @@ def run(
     Local processes import the calling program, so guard it with `if __name__ == "__main__"`. Raises SceneFileError,
     ArgumentError, RecordingError, ServerError, MissingExtra, OSError.
     """
+    from pacinian_lab.study.store import Folder
+
     plan = study if isinstance(study, Plan) else make_plan(study)
     if workers is not None:
         check_integer("workers", workers, low=0)
     folder = Folder(Path(out))
     with folder.lock():
-        batches = todo(plan, folder, retry=retry)
+        batches = todo(plan, folder.rows(), retry=retry)
         folder.set_aside_unreadable()
         folder.ask(plan)
         with closing(_work(plan, batches, workers, scheduler, dashboard)) as done:
@@ -56,7 +58,12 @@ def run(
 
 
 def load(out: str | Path) -> Table:
-    """Return the pyarrow.Table of a study's folder: a row for each finished task, in order. Raises RecordingError."""
+    """Return the pyarrow.Table of a study's folder: a row for each finished task, in order.
+
+    Raises RecordingError, MissingExtra.
+    """
+    from pacinian_lab.study.store import Folder
+
     return Folder(Path(out)).join_table()
 
 
@@ -67,9 +74,9 @@ def make_plan(study: Study | str | Path) -> Plan:
     return Plan(read(study), str(study))
 
 
-def todo(plan: Plan, folder: Folder, *, retry: bool) -> list[Sequence[Task]]:
-    """Return the batches of unfinished tasks; with `retry`, also of failed ones."""
-    done = {key for key, row in folder.rows().items() if row["failure"] is None or not retry}
+def todo(plan: Plan, rows: Mapping[str, Row], *, retry: bool) -> list[Sequence[Task]]:
+    """Return the batches of unfinished tasks; with `retry`, also of failed ones. rows: the measurements, by key."""
+    done = {key for key, row in rows.items() if row["failure"] is None or not retry}
     return plan.batches(task.key for task in plan.tasks if task.key not in done)
 
 

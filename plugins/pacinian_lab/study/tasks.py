@@ -221,3 +221,28 @@ def _plain(item: Layout | Plane | Pattern) -> Any:
 def _source(solver: str) -> str:
     """Return the distribution that ships a solver, with its version."""
     return registry.discover_plugins().find("solver", solver).distribution
+
+
+def describe_task(task: Task) -> dict[str, Any]:
+    """Return the row of a task before it runs: its key, labels and settings."""
+    place = task.place
+    row: dict[str, Any] = {
+        "key": task.key,
+        "layout": place.layout.label,
+        "plane": place.plane.label,
+        "pattern": place.pattern.label,
+        "solver": task.method.label,
+        "level": task.level,
+    }
+    for part, item in (
+        ("layout", place.layout.value),
+        ("plane", place.plane.value),
+        ("pattern", place.pattern.value),
+    ):
+        if tag := item.__struct_config__.tag:
+            row[f"{part}.type"] = tag
+        for name in item.__struct_fields__:
+            value = getattr(item, name)
+            if name != "name" and isinstance(value, (int, float, str)):
+                row[f"{part}.{name}"] = value
+    return row

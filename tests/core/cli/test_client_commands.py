@@ -123,7 +123,10 @@ def test_names_that_clients_choose_cannot_move_the_cursor() -> None:
     assert "?[2J??silent" in shown.get()
 
 
-def test_a_pipe_has_neither_colours_nor_broken_sentences(server: Fake, path: str) -> None:
+def test_a_pipe_has_neither_colours_nor_broken_sentences(
+    server: Fake, path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
     fault = "the device went away " * 6
     answer(
         server,

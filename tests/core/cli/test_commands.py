@@ -20,8 +20,9 @@ import pytest
 from click.testing import CliRunner
 
 import pacinian as pc
+from pacinian.cli.console import UNSEEN_WIDTH, make_console
 from pacinian.cli.main import GROUPS, cli, main
-from pacinian.cli.run_output import judge_pace
+from pacinian.cli.run_output import describe_success, judge_pace
 from pacinian.cli.standard_input import call_at_end_of_input
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
@@ -87,6 +88,7 @@ def test_demo_says_at_once_what_it_does_and_at_the_end_where_the_picture_is(
     assert result.stderr.startswith("A ball circles a button above one simulated AUTD unit")
     assert "drawing the picture" in result.stderr
     assert result.stdout.splitlines()[-1] == f"Picture: {tmp_path / 'it.png'}"
+    assert result.stdout.startswith("It works")
     assert "100% of the 100 planned ticks were on time." in result.stdout
 
 
@@ -108,13 +110,13 @@ def paced(**given: Any) -> dict[str, Any]:
     ("told", "says", "not_says"),
     [
         (paced(late_ticks=40), "96% of the 1,000 planned ticks were on time.$", "Only|close|slow"),
-        (paced(late_ticks=60), "Only 94% of the 1,000.*took 0.2 ms.*one in a hundred 1.4 ms.*For more, buy",
-         "close|too slow"),
-        (paced(late_ticks=60, tick_p99_ms=0.4), "took 0.2 ms .*leave 1 ms, but many began late", "one in a hundred"),
+        (paced(late_ticks=60), "^94% of the 1,000.*A tick has 1 ms; the median took 0.2 ms, the slowest 1% .*buy",
+         "close|too slow|Only"),
+        (paced(late_ticks=60, tick_p99_ms=0.4), "took 0.2 ms.* took 0.4 ms or more. Many began late", "too slow"),
         (paced(ticks=100, late_ticks=90, skipped={"missed ticks": 900}, tick_p50_ms=9.0, tick_p99_ms=12.0),
-         "Only 1% of the 1,000.*9.0 ms.*leave 1 ms.*too slow.*buy a faster one", "close|began late"),
+         "^1% of the 1,000.*has 1 ms.*9.0 ms.*too slow.*buy a faster one", "close|began late"),
         (paced(late_ticks=900, others_share=0.75),
-         "Only 10%.*programs took 75% of the processors: close them, or buy", "too slow"),
+         "^10%.*programs took 75% of the processors: close them, or buy", "too slow"),
         (paced(late_ticks=900, tick_p50_ms=8.0, others_share=None), "too slow", "programs"),
         (paced(statuses={"ok": 10, "deadline": 90}), "on time. 90 of 100 solves ran out of time", "Only"),
         (paced(ticks=0), "^$", "on time"),
@@ -124,6 +126,28 @@ def test_late_ticks_are_explained_in_words(told: dict[str, Any], says: str, not_
     text = judge_pace(told, "buy a faster one")
     assert re.search(says, text)
     assert not re.search(not_says, text)
+
+
+@pytest.mark.parametrize(
+    ("told", "says"),
+    [
+        (paced(late_ticks=40), "It works."),
+        (paced(late_ticks=160), "It works; this machine was too slow for 16% of the ticks."),
+        (paced(ticks=100, skipped={"missed ticks": 900}), "It works; this machine was too slow for 90% of the ticks."),
+        (paced(late_ticks=1000), ""),
+        (paced(fault_count=1), ""),
+        (paced(interrupted=True), ""),
+        (paced(ticks=0), ""),
+    ],
+)  # fmt: skip
+def test_demo_says_first_whether_it_worked(told: dict[str, Any], says: str) -> None:
+    assert describe_success({"fault_count": 0, "interrupted": False, **told}) == says
+
+
+def test_tables_in_a_pipe_are_as_wide_as_columns_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    for columns, width in (("70", 70), ("", UNSEEN_WIDTH), ("wide", UNSEEN_WIDTH)):
+        monkeypatch.setenv("COLUMNS", columns)
+        assert make_console().width == width
 
 
 def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
@@ -516,3 +540,13 @@ def test_an_unknown_command_tells_of_plugins_that_did_not_load(
     assert result.exit_code == 2
     assert "No such command 'tune'" in result.stderr
     assert "does not load: no numpy" in result.stderr
+
+
+def test_a_reader_of_the_first_line_does_not_look_like_a_plug_in_that_failed() -> None:
+    """As in `pacinian plugins | head -1`."""
+    command = [sys.executable, "-m", "pacinian", "plugins"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        assert process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(60.0) == 0

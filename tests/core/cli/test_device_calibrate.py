@@ -304,7 +304,7 @@ def test_what_was_not_scanned_is_left_as_described_and_told(bench: Bench) -> Non
         ("", "line 1: must be x,y,z,serial,channel,amplitude,phase"),
         (HEAD, "no reading"),
         ("x,y,z,serial,channel,amplitude\n0,0,0.2,A,0,1\n", "no phases.*lock-in"),
-        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,0\n", "no phases"),
+        (HEAD + "0,0,0.2,A,0,1,0\n0,0,0.2,A,1,1,0\n", "all phases are equal.*lock-in"),
         (HEAD + "0,0,0.2,A,0,1\n", "line 2: must have 7 values, not 6"),
         (HEAD + "0,0,0.2,A,0,1,0.1\n\n0,0,0.2,A,zero,1,0\n", "line 4: must be numbers"),
         (HEAD + "0,0,0.2,A,1.5,1,0\n", "line 2.*`channel`.*whole"),

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from pacinian.cli import engine_package
 from pacinian.cli.engine_package import LIST, WORK, Package, PackageError, find_package, install
 from pacinian.cli.main import cli
+from pacinian.cli.package_links import complete_links
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,7 +84,8 @@ def test_a_project_of_unity_gets_the_package(unity: Path) -> None:
     said = run("unity", unity)
     made = read(unity / UNITY)
     made.pop(LIST)
-    assert made == read(find_package("unity"))
+    for path, data in read(find_package("unity")).items():
+        assert path.endswith(".md") or made[path] == data
     assert f"is in {unity / UNITY} now" in said
     assert "pacinian serve" in said
     assert "nothing was changed" in run("unity", unity)
@@ -91,10 +93,37 @@ def test_a_project_of_unity_gets_the_package(unity: Path) -> None:
     assert "Remove that line" in run("unity", unity)
 
 
+def test_links_of_the_pages_work_in_the_project(unity: Path) -> None:
+    """Pictures come along; a page that stays in the repository is named."""
+    run("unity", unity)
+    pages = sorted((unity / UNITY).rglob("*.md"))
+    links = [
+        (page, target)
+        for page in pages
+        for target in re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8"))
+        if "://" not in target
+    ]
+    assert [target for page, target in links if not (page.parent / target).exists()] == []
+    assert any(target == "pictures/unity-walkthrough-play.png" for _, target in links)
+    text = (unity / UNITY / "Documentation~" / "index.md").read_text(encoding="utf-8")
+    assert "the server without Python (`docs/standalone.md` in Pacinian's repository)" in text
+    assert "the table (`adapters/FEATURES.md` in Pacinian's repository)" in text
+
+
+def test_a_picture_that_is_not_there_is_replaced_by_its_words(tmp_path: Path) -> None:
+    pages = {"a.md": b"![a ball](../b.png), ![c](c.png), [d](https://d.org/../e.md), [f](#f)"}
+    made = complete_links(pages, tmp_path / "package")
+    assert made == {"a.md": b"*a ball*, ![c](c.png), [d](https://d.org/../e.md), [f](#f)"}
+
+
 def test_a_project_of_unreal_gets_the_plugin_and_is_told_what_is_missing(unreal: Path) -> None:
     said = run("unreal", unreal / "Level.uproject")
     assert (unreal / UNREAL / "Pacinian.uplugin").is_file()
     assert "Generate the project files" in said
+    assert "set its Source\n     to Mouse" in said  # without it, nothing is felt
+    tutorial = re.search(r"Tutorial: (.*)", said)
+    assert tutorial
+    assert Path(tutorial[1]).is_file()
     assert "no C++ code" not in said
     (unreal / "Source").rmdir()
     said = run("unreal", unreal)
@@ -106,7 +135,7 @@ def test_what_is_no_project_is_refused_and_one_nearby_named(unity: Path, unreal:
     assert f"did you mean {unity}?" in run("unity", unity.parent, code=2)
     assert f"did you mean {unity.resolve()}?" in run("unity", unity / "Assets", code=2)
     assert f"did you mean {unreal}?" in run("unreal", unreal.parent, code=2)
-    assert "is no folder" in run("unity", unity / "none", code=2)
+    assert "is not a folder" in run("unity", unity / "none", code=2)
     assert not (unity / UNITY).exists()
 
 

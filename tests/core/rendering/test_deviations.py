@@ -401,3 +401,12 @@ def test_the_valley_of_a_texture_is_not_skin_that_faces_away() -> None:
     with renderer:
         renderer.tick(0.0)
     assert FACES_AWAY not in renderer.report.deviations.totals.get("ball", {})
+
+
+def test_totals_are_said_in_the_singular_and_the_plural() -> None:
+    one, two = named.Total(1, 1, 0.1716, 0.1718), named.Total(2000, 2000, -0.0001, 1.5)
+    assert named.describe_totals({named.UNEVEN: one}) == "measured uneven in 1 tick, at 0.172 s"
+    assert (
+        named.describe_totals({named.UNEVEN: two})
+        == "measured uneven in 2,000 ticks, 0.000 to 1.500 s"
+    )

@@ -136,15 +136,16 @@ def test_two_boards_of_a_description(port: Port, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("count", "message"),
     [
-        (249, "sonicsurface: the array has 249 transducers, and its 1 boards 256"),
-        (257, "sonicsurface: the array has 257 transducers, and its 2 boards 512"),
-        (747, "sonicsurface: a port has one or two boards of 256 transducers, not 256, 256, 256"),
+        (249, "sonicsurface: the array has 249 transducers, and its boards drive 256"),
+        (257, "sonicsurface: the array has 257 transducers, and its boards drive 512"),
+        (747, "sonicsurface: the array has 747 transducers, a port drives 256 or 512"),
     ],
 )
 def test_arrays_of_another_size(count: int, message: str) -> None:
     r = pc.autd(3, 1).positions[:count]
     array = pc.Array(r, np.tile([0.0, 0.0, 1.0], (count, 1)))
-    refused(lambda: SonicSurface(port=NAME).open(array), message)
+    fix = "set `array` in the server's settings (docs/sonicsurface.md)"
+    refused(lambda: SonicSurface(port=NAME).open(array), f"{message}: {fix}")
 
 
 def test_the_examples_channels_are_where_the_array_has_them() -> None:

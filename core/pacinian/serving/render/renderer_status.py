@@ -80,17 +80,16 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 
 
 def _zones(renderer: Renderer) -> dict[str, Any]:
-    """Return a status if quiet zones are louder than their limit, because of rounding."""
-    nulls = renderer.session.propagator.nulls
+    """Return a status if quiet zones are louder than their limit, and the reason if the solved gains keep it."""
+    nulls, solution = renderer.session.propagator.nulls, renderer.solution
     if nulls is None:
         return {}
-    loudest = max((nulls.compute_excess(g) for g in renderer.cycle_gains), default=0.0)
+    loudest = max((nulls.measure_excess(g) for g in renderer.cycle_gains), default=0.0)
     if loudest <= 1.0:
         return {}
-    above = 20.0 * math.log10(loudest)
-    return {
-        "status": f"quiet zones {above:.1f} dB above their limit, because levels and numbers are rounded"
-    }
+    rounded = solution is not None and nulls.bound_excess(solution.gains) <= 1.0
+    reason = ", because levels and numbers are rounded" if rounded else ""
+    return {"status": f"quiet zones {20.0 * math.log10(loudest):.1f} dB above their limit{reason}"}
 
 
 def _encode_felt(renderer: Renderer, labels: list[str]) -> bytes:

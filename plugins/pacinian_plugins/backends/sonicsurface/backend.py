@@ -114,6 +114,11 @@ class SonicSurface(pc.Backend):
                 pc.Wiring("", BOARD, channels, BOARD * b + channels)
                 for b in range(max(1, -(-N // BOARD)))
             )
+        if not self.description and N > 2 * BOARD:
+            raise pc.BackendError(
+                f"{self.name}: the array has {N} transducers, a port drives {BOARD} or {2 * BOARD}: set `array` in the "
+                "server's settings (docs/sonicsurface.md)"
+            )
         if len(wirings) not in (1, 2) or any(wiring.size != BOARD for wiring in wirings):
             raise pc.BackendError(
                 f"{self.name}: a port has one or two boards of {BOARD} transducers, not "
@@ -122,6 +127,7 @@ class SonicSurface(pc.Backend):
         driven = sum(len(wiring.indices) for wiring in wirings)
         if driven != N:
             raise pc.BackendError(
-                f"{self.name}: the array has {N} transducers, and its {len(wirings)} boards {driven}"
+                f"{self.name}: the array has {N} transducers, and its boards drive {driven}: set `array` "
+                "in the server's settings (docs/sonicsurface.md)"
             )
         return self.port or wirings[0].serial, wirings

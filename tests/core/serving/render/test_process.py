@@ -459,7 +459,11 @@ def test_quiet_zones_are_kept_whatever_the_solver(make: Callable[..., Server], s
     after = np.abs(pc.field(ARRAY, server.loop.renderer.emitted_gains, around, medium=pc.Air()))
     assert before.max() > 10.0 * ZONE.pressure
     assert after.max() < 3.0 * ZONE.pressure  # due to rounding, not to the solver, and reported
-    assert ("dB above" in server.report.state["status"]) <= (after.max() > 0.7 * ZONE.pressure)
+    (kept,) = server.loop.renderer.limits.zones  # larger than the zone, which may move
+    within = np.abs(
+        pc.field(ARRAY, server.loop.renderer.emitted_gains, kept.spread(0, 4000), medium=pc.Air())
+    )
+    assert ("dB above" in server.report.state["status"]) <= (within.max() > 0.7 * ZONE.pressure)
     server.change(zones())
     server.tick(10)
     assert not server.loop.renderer.limits.zones

@@ -1,5 +1,6 @@
 """The renderer's status."""
 
+import dataclasses
 from typing import Any
 
 import msgspec
@@ -164,4 +165,31 @@ def test_times_of_ticks_are_counted_by_their_size() -> None:
 def test_before_the_first_tick_none_is_counted() -> None:
     renderer = ticked(pc.Scene((A,)), 0)
     assert make_status(renderer, 0.0)["tick_counts"] == bytes(256)
+    renderer.close()
+
+
+def test_zones_that_are_too_loud_are_reported_and_rounding_is_blamed_only_for_what_it_makes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    zone = pc.Zone((0.08, 0.0, 0.2), pressure=0.5, radius=0.02)
+    limits = pc.Limits(zones=(zone,))
+    pc.solve(ARRAY, [A.position], [500.0], limits=limits)  # prepares the zone
+    renderer = ticked(pc.Scene((A,)), 10, limits=limits)
+    solution = renderer.solution
+    assert solution is not None
+    focus = pc.solve(ARRAY, [[0.08, 0.0, 0.178]], [500.0]).gains
+    noise = np.exp(1j * np.arange(len(ARRAY)) ** 2)
+    rows = matrix(ARRAY, zone.spread(0, 6000), pc.Air())
+    for solved, emitted, reason in (
+        (solution.gains, solution.gains + 0.01 * noise, "rounded"),
+        (focus, focus, "limit"),
+    ):
+        played = dataclasses.replace(solution, gains=solved)
+        monkeypatch.setattr(type(renderer), "solution", played)
+        monkeypatch.setattr(type(renderer), "cycle_gains", np.array([emitted], np.complex64))
+        status = make_status(renderer, 0.01)["status"]
+        loudest = np.abs(rows @ emitted).max() / zone.pressure
+        assert loudest > 1.0
+        assert status.endswith(reason)
+        assert float(status.split()[2]) == pytest.approx(20.0 * np.log10(loudest), abs=2.0)
     renderer.close()
