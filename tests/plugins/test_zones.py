@@ -473,6 +473,27 @@ def test_a_target_in_a_zone_is_infeasible_however_weak_and_measured_nevertheless
     assert silent.status is not pc.Status.infeasible
 
 
+def test_pressures_on_skin_in_a_zone_are_weighed_without_the_slow_reference(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With nine units and a hand, the reference takes ten seconds for each solve."""
+    zone = pc.Zone(EAR.position, pressure=20.0, radius=EAR.radius)
+    points = np.vstack([POINTS[:1], [EAR.position]])
+    capsules = np.array([[0.05, -0.02, 0.22, 0.05, 0.02, 0.22, 0.006, 0.007]])
+    facing = pc.SkinFacing.of(np.array([[0.0, 0.0, -1.0], [-0.3, 0.0, -0.95]]), capsules)
+    weights = facing.weights(points, ARRAY.positions)
+
+    def refuse(*_: object) -> Any:
+        raise AssertionError
+
+    monkeypatch.setattr(pc.SkinFacing, "weights", refuse)
+    session = pc.Session(ARRAY, AIR)
+    found = session.solve(points, [800.0, 5.0], facing=facing, limits=pc.Limits(zones=(zone,)))
+    made = (weights * pc.matrix(ARRAY, points, AIR)) @ found.gains
+    np.testing.assert_allclose(found.sound_pressure, made, atol=0.02)
+    assert abs(made[1]) > 0.0
+
+
 @pytest.mark.parametrize("pressure", [1e-9, 1e-4])
 def test_a_limit_that_single_precision_cannot_keep_is_reported(pressure: float) -> None:
     zone = pc.Zone(EAR.position, pressure=pressure, radius=EAR.radius)

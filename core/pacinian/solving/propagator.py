@@ -144,6 +144,15 @@ class Propagator:
         if B is not self._B:
             self._B[rows] = B
 
+    def compute_rows(self, rows: Indices) -> Complexes:
+        """Return the rows of B of the points `rows`, (K,), as they would be without quiet zones, (K, N)."""
+        points, every = self._points[rows], np.arange(len(rows))
+        made = np.empty((len(rows), self._B.shape[1]), self.dtype)
+        self._wave.matrix(points, made, every)
+        if self.facing is not None:
+            self.facing.only(rows).weigh(points, self._wave, every, made)
+        return made
+
     def _find_changed(self, points: Floats, facing: SkinFacing | None) -> Indices:
         """Return the rows of B that `points`, (M, 3) [m], or their facing change."""
         before, rows = self.facing, np.empty(len(points), np.int64)

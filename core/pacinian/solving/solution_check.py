@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.propagation import matrix
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
@@ -85,10 +84,7 @@ def measure_pressures(propagator: Propagator, g: Complexes) -> Complexes:
     p, nulls, points = propagator.apply(g), propagator.nulls, propagator.points
     inside = np.zeros(0, np.intp) if nulls is None else np.flatnonzero(nulls.holds(points))
     if len(inside):
-        B = matrix(propagator.array, points[inside], propagator.medium)
-        if (facing := propagator.facing) is not None:
-            B *= facing.weights(points, propagator.array.positions)[inside]
-        p[inside] = B @ g
+        p[inside] = propagator.compute_rows(inside) @ g
     return p
 
 
