@@ -106,7 +106,8 @@ def workers(pid: int) -> list[psutil.Process]:
     found = list[psutil.Process]()
     for child in psutil.Process(pid).children(recursive=True):
         with contextlib.suppress(psutil.Error):  # it has just ended
-            if "spawn_main" in " ".join(child.cmdline()):
+            title = " ".join(child.cmdline())
+            if "spawn_main" in title or "dask worker" in title:  # with setproctitle, which renames it
                 found.append(child)
     return found
 
