@@ -39,11 +39,11 @@ maps = [page.add_subplot(grid[0, k]) for k in range(2)]
 curves = page.add_subplot(grid[1, :])
 for panel, solution, name in zip(maps, (free, kept), ("without", "with"), strict=True):
     level = pc.sound_pressure_level(pc.field(array, solution.gains, places, medium=air))
-    image = panel.imshow(level, vmin=80.0, vmax=155.0, origin="lower", extent=(-60, 80, -40, 60))
+    panel.imshow(level, vmin=80.0, vmax=155.0, origin="lower", extent=(-60, 80, -40, 60))
     panel.add_patch(Circle((50.0, 0.0), 6.0, fill=False, color="white"))
     panel.set(title=f"{name} the quiet zone", xlabel="x [mm]", ylabel="y [mm]")
     curves.plot(1e3 * x, level[80], lw=1.0, label=name)  # at y = 0: two of the points, and the ear
-page.colorbar(image, ax=maps, label="level [dB re 20 µPa]", extend="min", fraction=0.05)
+page.colorbar(maps[0].images[0], ax=maps, label="level [dB re 20 µPa]", extend="min", fraction=0.05)
 allowed = float(pc.sound_pressure_level(ear.pressure))
 curves.axhline(allowed, color="0.3", lw=0.8, ls="--", label="allowed")
 curves.axvspan(44.0, 56.0, color="0.85", label="ear")

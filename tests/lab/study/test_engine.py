@@ -107,7 +107,9 @@ def workers(pid: int) -> list[psutil.Process]:
     for child in psutil.Process(pid).children(recursive=True):
         with contextlib.suppress(psutil.Error):  # it has just ended
             title = " ".join(child.cmdline())
-            if "spawn_main" in title or "dask worker" in title:  # with setproctitle, which renames it
+            if (
+                "spawn_main" in title or "dask worker" in title
+            ):  # with setproctitle, which renames it
                 found.append(child)
     return found
 
