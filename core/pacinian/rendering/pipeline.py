@@ -340,6 +340,7 @@ class Pipeline:
         self, scene: Scene, limits: Limits, solver: Solver, t: float, stages: StageTimer, *, beside: bool
     ) -> Callable[[], SolveResult]:  # fmt: skip
         """Return a function that samples and solves. beside: whether it runs beside the ticks."""
+        rests = self.schedule.rests and not self._changed
         if self._changed:  # even if it has changed back since
             self.sampler.invalidate()
         self._changed = False
@@ -351,7 +352,7 @@ class Pipeline:
             time *= self._deadline_factor
         deadline = DEADLINE_SHARE * time if self._adaptive else math.inf
         rows = self.played.solutions.rows
-        self._unhurried = beside and self.schedule.rests and bool(rows) and rows[0].awaits_rest
+        self._unhurried = beside and rests and bool(rows) and rows[0].awaits_rest
         if self._unhurried:
             deadline = math.inf
         at = self._find_play_time(t, beside)

@@ -283,6 +283,7 @@ class SampleSolver:
                 final=final,
                 failed_improvements=failures,
                 retry=retry,
+                awaits_rest=False,
             )
         hurried = deadline < math.inf and made.solution.seconds <= MAX_HURRIED_TIME
         refines = self.refines_at_rest and made.final and hurried and not joint

@@ -33,6 +33,7 @@ from pacinian.serving.ipc.messages import (
     open_wakes,
 )
 from pacinian.serving.ipc.refused_setting import take_refused_setting
+from pacinian.serving.ipc.spawned_process import list_files
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection_file import (
     Connection,
@@ -316,14 +317,9 @@ def _has_open_files() -> bool:
     Files that it has inherited do not count: they are inheritable, and those that Python opens are not.
     """
     try:
-        numbers = [int(number) for number in os.listdir("/dev/fd")]
+        return any(not os.get_inheritable(number) for number in list_files())
     except OSError:
         return True
-    opened = 0
-    for number in numbers:
-        with contextlib.suppress(OSError):  # the list's own, which is closed again
-            opened += number > 2 and not os.get_inheritable(number)
-    return opened > 0
 
 
 @contextlib.contextmanager

@@ -295,6 +295,27 @@ def test_a_region_at_rest_is_solved_once_without_a_deadline() -> None:
         assert renderer.solution.error < 1.2 * patient.solution.error
 
 
+@pytest.mark.parametrize("rested", [90, 400])
+def test_what_begins_to_move_after_a_rest_has_a_deadline_at_once(rested: int) -> None:
+    """Before the solve without a deadline, and after it."""
+    disc = pc.Surface(
+        name="disc", shape=pc.Disc(0.015), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=1.0
+    )
+    scene = [pc.Scene((disc,))]
+    renderer, _ = make(lambda t: scene[0])
+    with renderer:
+        renderer.tick(0.0)
+        solve_beside(renderer)
+        for k in range(1, rested):
+            renderer.tick(k * TICK)
+        assert renderer._pipeline.schedule.rests
+        for k in range(rested, rested + 50):
+            x = 1e-4 * (k - rested + 1)
+            scene[0] = pc.Scene((replace(disc, pose=pc.Pose((x, 0.0, 0.15))),))
+            renderer.tick(k * TICK)
+            assert not renderer._pipeline._unhurried
+
+
 def test_equal_limits_of_each_tick_are_the_same_limits() -> None:
     """A scene function may set them in each tick; only new values end the solves beside the ticks."""
     renderer, _ = make(at)

@@ -14,10 +14,9 @@ import threading
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ServerError
+from pacinian.serving.ipc.spawned_process import list_files
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from pacinian.serving.ipc.spawned_process import SystemProcess
 
 BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
@@ -133,10 +132,6 @@ class ChildPipes:
 
 
 def _pass_on_no_files() -> None:
-    numbers: Iterable[str] = ()
     with contextlib.suppress(OSError):  # where the system does not list them
-        numbers = os.listdir("/dev/fd")
-    for number in map(int, numbers):
-        if number > 2:
-            with contextlib.suppress(OSError):  # the list's own
-                os.set_inheritable(number, False)
+        for number in list_files():
+            os.set_inheritable(number, False)

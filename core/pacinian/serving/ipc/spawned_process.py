@@ -87,6 +87,16 @@ class PosixProcess:
         return self._code
 
 
+def list_files() -> list[int]:
+    """Return the file descriptors of this process but the standard ones. Raises OSError if the system has no list."""
+    found = []
+    for number in map(int, os.listdir("/dev/fd")):
+        with contextlib.suppress(OSError):  # the list's own, which is closed again
+            os.fstat(number)
+            found.append(number)
+    return [number for number in found if number > 2]
+
+
 def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
     """Start a program by its path and arguments. stdin: file descriptor of its standard input. Raises OSError."""
     # Own session: Ctrl-C goes to the parent only, which then ends its children in order.
@@ -136,10 +146,8 @@ def _separate(command: Sequence[str], stdin: int) -> None:
             own = signal.default_int_handler if name is signal.SIGINT else signal.SIG_DFL
             signal.signal(name, own)
     os.dup2(stdin, 0)
-    for number in map(int, os.listdir("/dev/fd")):
-        if number > 2:
-            with contextlib.suppress(OSError):  # the list's own
-                os.close(number)
+    for number in list_files():
+        os.close(number)
     os.environ.update(SAFE_PATH)
     if not sys.flags.safe_path:
         del sys.path[0]  # the folder of the program, or the one in which it was started
