@@ -66,7 +66,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
     settings = _with(load(config) if config else Settings(), given)
     imported = _find_plugins(settings)
     if view:
-        _check_viewer()
+        check_viewer()
     with contextlib.ExitStack() as stack:
 
         def ready(path: Path) -> None:
@@ -111,7 +111,7 @@ def _find_plugins(settings: Settings) -> bool:
     return imported
 
 
-def _check_viewer() -> None:
+def check_viewer() -> None:
     """Check that the viewer's libraries are installed, before anything starts. Raises MissingExtra."""
     from importlib.util import find_spec
 

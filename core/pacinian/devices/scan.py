@@ -57,9 +57,9 @@ SIZES = {
 }  # to the base unit
 MAX_AMPLITUDE = 1e12  # reading, in the scan's unit
 MAX_CONDITION = 100.0  # condition number of the drives, by which noise may grow
-PHASELESS = (
-    "has no phases, and they cannot be computed from the amplitudes. Read amplitude and phase, with a lock-in "
-    "amplifier or with an oscilloscope that the drive triggers"
+READ_PHASES = (
+    "Phases cannot be computed from the amplitudes. Read amplitude and phase, with a lock-in amplifier or with an "
+    "oscilloscope that the drive triggers"
 )
 
 
@@ -138,7 +138,7 @@ def read_scan(path: Path, device: DeviceDescription) -> Scan:
     with np.errstate(invalid="ignore"):
         phases = np.angle(scan.readings[np.abs(scan.readings) > 0.0])
     if len(phases) and not np.ptp(phases):
-        raise SceneFileError(path, "", PHASELESS.replace("has no phases", "all phases are equal"))
+        raise SceneFileError(path, "", f"all phases are equal. {READ_PHASES}")
     return scan
 
 
@@ -167,7 +167,7 @@ def _read_csv(path: Path, device: DeviceDescription) -> Scan:
         lines = csv.reader(file, skipinitialspace=True)
         head, units = _read_head(path, next(lines, []))
         if "amplitude" in head and "phase" not in head:
-            raise SceneFileError(path, "line 1", PHASELESS)
+            raise SceneFileError(path, "line 1", f"has no phases. {READ_PHASES}")
         if head != COLUMNS:
             wanted = f"{','.join(COLUMNS)}, with units in brackets if others than m and rad"
             raise SceneFileError(path, "line 1", f"must be {wanted}")
@@ -316,7 +316,7 @@ def _make_scan(path: Path, parts: dict[str, Any], device: DeviceDescription) -> 
     if readings.dtype.names and {"real", "imag"} <= set(readings.dtype.names):  # by MATLAB
         readings = readings["real"] + 1j * readings["imag"]
     if not np.iscomplexobj(readings):
-        raise SceneFileError(path, "readings", PHASELESS)
+        raise SceneFileError(path, "readings", f"has no phases. {READ_PHASES}")
     q = check_numbers("positions", parts["positions"], (None, 3))
     C = sum(board.layout.count for board in device.boards)
     if "drives" not in parts:

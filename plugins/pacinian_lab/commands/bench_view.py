@@ -48,9 +48,10 @@ def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) ->
     """
     import msgspec
 
+    from pacinian.cli.serve import check_viewer
     from pacinian_lab.server.viewer import measure
 
-    _check_extra()
+    check_viewer()
 
     rows: list[Row] = []
     for row in measure(side, seconds, rounds, browser):
@@ -59,18 +60,6 @@ def view(seconds: float, rounds: int, side: int, browser: str, as_json: bool) ->
             click.echo(_line(row))
     if as_json:
         click.echo(json.dumps({"units": side * side, "rows": msgspec.to_builtins(rows)}))
-
-
-def _check_extra() -> None:
-    """Check that the viewer's libraries are installed, before anything is measured. Raises MissingExtra."""
-    from importlib.util import find_spec
-
-    from pacinian.cli.serve import VIEWER
-    from pacinian.errors import MissingExtra
-
-    for library in VIEWER:
-        if find_spec(library) is None:
-            raise MissingExtra(library, "view")
 
 
 def _line(row: Row) -> str:
