@@ -237,7 +237,7 @@ def test_in_silence_the_process_starts_so_that_the_first_sound_is_seen_at_once(
     assert not workers()
     found = asyncio.run(fields.pressure(HERE, quiet, lambda: True))
     assert found == bytes(4 * 30 * 40)
-    (worker,) = workers()
+    (worker,) = eventually(workers)  # when it has begun to run its program
     assert computed(fields, HERE) != [found]
     assert workers() == [worker]
 
