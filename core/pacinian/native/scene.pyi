@@ -2,18 +2,19 @@
 from pacinian.types import Flags, Floats, Longs
 
 
-def spread(points: Floats, normals: Floats, fingers: Longs, spacing: float, order: Longs, apart: Floats, nearest: Longs) -> int:
+def spread(points: Floats, normals: Floats, fingers: Longs, spacings: Floats, order: Longs, apart: Floats, nearest: Longs, counts: Longs) -> None:
     """
-    Choose points one after the other, each the one farthest from those before it: see `levels.spread`.
+    Choose points one after the other, each the one farthest from those before it: see `skin_lod.spread_pressure`.
 
-    points, normals: (N, 3). fingers: (N,). spacing: [m]. order, apart, nearest: written, (N,). Returns how many.
+    points, normals: (N, 3). fingers: (N,). spacings: of each level, coarse to fine, (L,) [m]. order, apart: written,
+    (N,). nearest: written, (L, N). counts: of the points of each level, written, (L,).
     """
 
-def share(points: Floats, normals: Floats, fingers: Longs, nodes: int, indices: Longs, weights: Floats) -> None:
+def share(points: Floats, normals: Floats, fingers: Longs, nodes: int, spacing: float, indices: Longs, weights: Floats) -> None:
     """
-    Share every point among the nearest of the first `nodes`: see `levels.share`.
+    Share every point among the nearest of the first `nodes`: see `skin_lod.share_pressure`.
 
-    points, normals: (N, 3). fingers: (N,). indices, weights: written, (N, 3); zero before.
+    points, normals: (N, 3). fingers: (N,). spacing: of the nodes [m]. indices, weights: written, (N, 3); zero before.
     """
 
 def capsules(joints: Floats, radii: Floats, ends: Longs, out: Floats) -> None:

@@ -199,7 +199,10 @@ def test_what_lies_outside_the_workspace_or_at_one_place_is_named() -> None:
 @pytest.mark.parametrize("frames", [1, 2])
 @pytest.mark.parametrize("pressure", [0.002, 0.1, 40.0])
 def test_what_the_array_cannot_make_is_named(pressure: float, frames: int) -> None:
-    """By object, with the number of samples that get less than 0.9 of their target, by a field of double precision."""
+    """By object, with the number of samples that get less than 0.9 of their target, by a field of double precision.
+
+    A region is named only if these lose more than 1.5 % of its force, all of it 3 %, or one sample half of its own.
+    """
     plate = pc.Surface(
         shape=pc.Rectangle(0.03, 0.02), pose=pc.Pose((0.0, 0.0, 0.1)), radiation_pressure=pressure, name="plate"
     )  # fmt: skip
@@ -224,7 +227,20 @@ def test_what_the_array_cannot_make_is_named(pressure: float, frames: int) -> No
     told = at(renderer.report, 39)
     for k, name in enumerate(("plate", "ring")):
         own, count = samples.objects == k, told.get(name, {}).get(named.MISSED_TARGET, 0)
-        assert count == pytest.approx(np.count_nonzero(before_rounding[own] < 0.9), abs=1)
+        force = (samples.radiation_pressure * samples.area)[own]
+        lost = (1.0 - before_rounding[own]) * force / force.sum()
+        low = before_rounding[own] < 0.9
+        losses = (
+            lost[low].sum() / 0.015,
+            lost.sum() / 0.03,
+            (1.0 - before_rounding[own]).max() / 0.5,
+        )
+        if (
+            name == "plate" and max(losses) < 1.05 and not count
+        ):  # rounding decides about the last 5 %
+            continue
+        assert name == "ring" or not count or max(losses) > 0.95
+        assert count == pytest.approx(np.count_nonzero(low), abs=1)
         least, most = np.count_nonzero(share[own] < 0.89), np.count_nonzero(share[own] < 0.91)
         assert least <= count <= most
     assert pressure < 1.0 or not renderer.report.as_asked

@@ -172,7 +172,7 @@ class _Spread(NamedTuple):
         if finely:
             order, apart, area, between = spread_finely(surface, area, spacing)
         else:
-            order, apart, nearest = spread_pressure(surface, spacing)
+            order, apart, _, (nearest,) = spread_pressure(surface, [spacing])
             area = gather_pressure(nearest, area)
         nodes = surface.only(order[: len(apart)])
         along, axial, sides = (values[order] for values in place)
@@ -207,7 +207,7 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
 def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
     """Return which points of a capsule are not inside others. Where surfaces coincide, the first owns the skin."""
     free = flesh.distance_to_skin(shapes[:c], points) > ON
-    free &= flesh.distance_to_skin(shapes[c + 1 :], points) > -ON
+    free[free] = flesh.distance_to_skin(shapes[c + 1 :], points[free]) > -ON
     return free
 
 
@@ -224,7 +224,8 @@ def _back(shapes: Floats, c: int, around: _Around) -> Flags:
         joints = [(every == k, 1.0) for k in np.flatnonzero(c == PARENTS)]
     back = np.zeros(len(around.area), dtype=np.bool_)
     for moves, end in joints:
-        hidden = flesh.distance_to_skin(shapes[moves], around.points) <= -ON
-        free = flesh.distance_to_skin(shapes[~moves & (every != c)], around.points) > -ON
-        back |= hidden & free & (around.along == end)
-    return np.asarray(back & (around.axial != 0.0), dtype=np.bool_)
+        cap = np.flatnonzero((around.along == end) & (around.axial != 0.0))
+        covered = cap[flesh.distance_to_skin(shapes[moves], around.points[cap]) <= -ON]
+        others = shapes[~moves & (every != c)]
+        back[covered] |= flesh.distance_to_skin(others, around.points[covered]) > -ON
+    return back

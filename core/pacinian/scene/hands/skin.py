@@ -57,7 +57,10 @@ class Skin(ABC):
         self.surface, self.area, self.bone, self.hidden = surface, area, bone, hidden
         self.slack = np.where(hidden, 0.0, CREASE)
         self.counts = tuple(int((apart >= spacing).sum()) for spacing in self.levels)
-        self.share = tuple(share_pressure(surface, count) for count in self.counts)
+        self.share = tuple(
+            share_pressure(surface, count, spacing)
+            for count, spacing in zip(self.counts, self.levels.tolist(), strict=True)
+        )
 
     def __len__(self) -> int:
         return len(self.area)

@@ -44,14 +44,15 @@ struct Cube {
     Index begin, end, first;
     f8 most, low[3], high[3];
 
-    f8 squared(View<const f8, 2> points, Index i) const {  // distance of point i from the box
+    f8 squared(const f8* place) const {  // distance of a place from the box
         f8 sum = 0.0;
-        for (int k = 0; k < 3; ++k) sum += square(std::max({low[k] - points(i, k), points(i, k) - high[k], 0.0}));
+        for (int k = 0; k < 3; ++k) sum += square(std::max({low[k] - place[k], place[k] - high[k], 0.0}));
         return sum;
     }
 };
 
-constexpr f8 CUBE = 4.0;           // side of a cube, in spacings
+constexpr f8 CUBE = 4.0;           // side of a cube for the search of the farthest point, in spacings
+constexpr f8 NODE_CUBE = 2.0;      // side of a cube for the search of the nearest nodes, in spacings
 constexpr f8 BARELY = 1.0 - 1e-9;  // leaves room for rounding in distances from boxes
 
 // The cubes of a surface by their cell in a grid.
@@ -121,29 +122,37 @@ struct Candidate {
 
 // Only cubes that have a point farther from all chosen ones than from the new one are visited. No point is farther from the
 // chosen ones than the new one, so these cubes are near it.
-inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, f8 spacing,
-                    View<i8, 1> order, View<f8, 1> apart, View<i8, 1> nearest) {
+inline void spread(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, View<const f8, 1> spacings,
+                   View<i8, 1> order, View<f8, 1> apart, View<i8, 2> nearest, View<i8, 1> counts) {
     const Surface surface{points, normals, fingers};
-    const Index N = surface.size();
-    require(order.size() == N && apart.size() == N && nearest.size() == N, "spread: the shapes differ");
+    const Index N = surface.size(), L = spacings.size();
+    require(order.size() == N && apart.size() == N && counts.size() == L, "spread: the shapes differ");
+    require(L > 0 && nearest.shape[0] == L && nearest.shape[1] == N, "spread: the shapes differ");
+    require(spacings[L - 1] > 0.0, "spread: there is no spacing");
     std::vector<Index> sorted;
-    Grid grid = sort_into_cubes(points, CUBE * spacing, sorted);
+    Grid grid = sort_into_cubes(points, CUBE * spacings[L - 1], sorted);
     std::vector<f8> away(N, ENDLESS);
+    std::vector<i8> to(N, 0);  // the nearest chosen point
     std::priority_queue<Candidate> farthest;
-    Index chosen = 0, K = 0;
-    while (K < N && away[chosen] >= spacing * spacing) {
+    Index chosen = 0, K = 0, level = 0;
+    while (true) {
+        for (; level < L && (K == N || !(away[chosen] >= square(spacings[level]))); ++level) {
+            counts[level] = K;
+            std::copy(to.begin(), to.end(), nearest.row(level));
+        }
+        if (level == L) return;
         order[K] = chosen;
         apart[K] = std::sqrt(away[chosen]);
         grid.visit_near(points.row(chosen), apart[K] / BARELY, [&](Index at) {
             Cube& cube = grid.cubes[at];
-            if (!(BARELY * cube.squared(points, chosen) < cube.most)) return;
+            if (!(BARELY * cube.squared(points.row(chosen)) < cube.most)) return;
             cube.most = -1.0;
             for (Index n = cube.begin; n < cube.end; ++n) {
                 const Index i = sorted[n];
                 const f8 d = surface.squared(i, chosen);
                 if (d < away[i] && surface.cosine(i, chosen) > 0.0) {
                     away[i] = d;
-                    nearest[i] = K;
+                    to[i] = K;
                 }
                 if (away[i] > cube.most) {
                     cube.most = away[i];
@@ -161,46 +170,73 @@ inline Index spread(View<const f8, 2> points, View<const f8, 2> normals, View<co
         require(!farthest.empty(), "spread: the points are not finite");
         chosen = farthest.top().first;
     }
-    return K;
 }
 
-inline void share(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, i8 nodes,
+// The nodes with the smallest D from a point, nearest first; of equal ones, the first.
+struct NearestNodes {
+    f8 D[SHARERS + 1];
+    i8 which[SHARERS + 1] = {};
+
+    NearestNodes() { std::fill(D, D + SHARERS + 1, ENDLESS); }
+    void add(f8 distance, i8 node) {
+        const auto before = [&](int i) { return distance < D[i] || (distance == D[i] && node < which[i]); };
+        int i = SHARERS;
+        if (!before(i)) return;
+        for (; i > 0 && before(i - 1); --i) {
+            D[i] = D[i - 1];
+            which[i] = which[i - 1];
+        }
+        D[i] = distance;
+        which[i] = node;
+    }
+};
+
+// Return the nodes with the smallest D from point k, of those in the cubes near it. D is at least the distance, so that the
+// search ends once no node outside of its radius could be nearer.
+inline NearestNodes find_nodes(const Surface& surface, const Grid& grid, const std::vector<Index>& sorted, Index k) {
+    const f8* place = surface.points.row(k);
+    for (f8 radius = grid.side;; radius *= 2.0) {
+        NearestNodes found;
+        Index visited = 0;
+        grid.visit_near(place, radius, [&](Index at) {
+            const Cube& cube = grid.cubes[at];
+            visited += 1;
+            if (BARELY * cube.squared(place) >= square(found.D[SHARERS])) return;
+            for (Index n = cube.begin; n < cube.end; ++n) {
+                const f8 squared = surface.squared(k, sorted[n]);
+                if (squared > square(found.D[SHARERS])) continue;
+                const f8 cosine = surface.cosine(k, sorted[n]);
+                if (cosine > 0.0) found.add(std::sqrt(squared / cosine), sorted[n]);
+            }
+        });
+        if (found.D[SHARERS] <= BARELY * radius || visited == static_cast<Index>(grid.cubes.size())) return found;
+    }
+}
+
+// spacing: of the nodes [m].
+inline void share(View<const f8, 2> points, View<const f8, 2> normals, View<const i8, 1> fingers, i8 nodes, f8 spacing,
                   View<i8, 2> indices, View<f8, 2> weights) {
     const Surface surface{points, normals, fingers};
     const Index N = surface.size();
     require(0 < nodes && nodes <= N && indices.shape[0] == N && weights.shape[0] == N, "share: the shapes differ");
     require(indices.shape[1] == SHARERS && weights.shape[1] == SHARERS, "share: the shapes differ");
+    require(spacing > 0.0, "share: there is no spacing");
+    std::vector<Index> sorted;
+    const Grid grid = sort_into_cubes({points.data, {nodes, 3}}, NODE_CUBE * spacing, sorted);
     for (Index k = 0; k < N; ++k) {
         if (k < nodes) {
             std::fill(indices.row(k), indices.row(k) + SHARERS, k);
             weights(k, 0) = 1.0;
             continue;
         }
-        f8 best[SHARERS + 1];
-        i8 which[SHARERS + 1] = {};
-        std::fill(best, best + SHARERS + 1, ENDLESS);
-        for (Index n = 0; n < nodes; ++n) {
-            const f8 squared = surface.squared(k, n);
-            int i = SHARERS;
-            if (best[i] * best[i] <= squared) continue;  // because D is at least the distance
-            const f8 cosine = surface.cosine(k, n);
-            if (cosine <= 0.0) continue;
-            const f8 D = std::sqrt(squared / cosine);
-            if (best[i] <= D) continue;
-            for (; i > 0 && best[i - 1] > D; --i) {
-                best[i] = best[i - 1];
-                which[i] = which[i - 1];
-            }
-            best[i] = D;
-            which[i] = n;
-        }
+        const auto [D, which] = find_nodes(surface, grid, sorted, k);
         std::fill(indices.row(k), indices.row(k) + SHARERS, which[0]);
-        const f8 beyond = (1.0 - 1e-6) / best[SHARERS];
+        const f8 beyond = (1.0 - 1e-6) / D[SHARERS];
         f8 total = 0.0;
         for (int i = 0; i < SHARERS; ++i) {
-            if (best[i] < ENDLESS) {
+            if (D[i] < ENDLESS) {
                 indices(k, i) = which[i];
-                weights(k, i) = square(1.0 / best[i] - beyond);
+                weights(k, i) = square(1.0 / D[i] - beyond);
                 total += weights(k, i);
             }
         }
@@ -210,13 +246,14 @@ inline void share(View<const f8, 2> points, View<const f8, 2> normals, View<cons
 
 inline void define_levels(nb::module_& m) {
     kernel(m, "spread", &spread,
-           "Choose points one after the other, each the one farthest from those before it: see `levels.spread`.\n\n"
-           "points, normals: (N, 3). fingers: (N,). spacing: [m]. order, apart, nearest: written, (N,). Returns how many.",
-           "points", "normals", "fingers", "spacing", "order", "apart", "nearest");
+           "Choose points one after the other, each the one farthest from those before it: see `skin_lod.spread_pressure`.\n\n"
+           "points, normals: (N, 3). fingers: (N,). spacings: of each level, coarse to fine, (L,) [m]. order, apart: written,\n"
+           "(N,). nearest: written, (L, N). counts: of the points of each level, written, (L,).",
+           "points", "normals", "fingers", "spacings", "order", "apart", "nearest", "counts");
     kernel(m, "share", &share,
-           "Share every point among the nearest of the first `nodes`: see `levels.share`.\n\n"
-           "points, normals: (N, 3). fingers: (N,). indices, weights: written, (N, 3); zero before.",
-           "points", "normals", "fingers", "nodes", "indices", "weights");
+           "Share every point among the nearest of the first `nodes`: see `skin_lod.share_pressure`.\n\n"
+           "points, normals: (N, 3). fingers: (N,). spacing: of the nodes [m]. indices, weights: written, (N, 3); zero before.",
+           "points", "normals", "fingers", "nodes", "spacing", "indices", "weights");
 }
 
 }  // namespace pacinian::scene

@@ -14,6 +14,8 @@ from pacinian.errors import ArgumentError
 from pacinian.native import scene as kernels
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pacinian.types import Floats, Indices
 
 # Finest spacing, a fifth of a wavelength [m]. Pressure falls from full to 0 within 3 mm of a rim.
@@ -90,25 +92,26 @@ def spread_finely(surface: SkinNodes, area: Floats, spacing: float) -> FineSprea
 
     area: of each of the N candidates, (N,) [m^2].
     """
-    order, apart, nearest = spread_pressure(surface, spacing)
-    K, N = len(order), len(area)
-    levels = [spread_pressure(surface, share * spacing) for share in BETWEEN[1:]]
+    N, shares = len(area), (1.0, *reversed(BETWEEN[1:]))
+    order, apart, (K, *counts), (nearest, *others) = spread_pressure(
+        surface, [share * spacing for share in shares]
+    )
     away = np.zeros(N)  # from the points chosen before
-    for chosen, distance, _ in reversed(levels):
-        away[chosen] = distance
+    away[order] = apart
     rest = np.ones(N, np.bool_)
-    rest[order] = False
+    rest[order[:K]] = False
     more = np.flatnonzero(rest)
     more = more[np.argsort(nearest[more], kind="stable")]
-    every = np.concatenate([order, more])
+    every = np.concatenate([order[:K], more])
     place = np.empty(N, np.intp)  # of each candidate, in the result
     place[every] = np.arange(N)
     areas = [area[every]]
-    areas += [gather_pressure(place[chosen][near], area, N) for chosen, _, near in levels]
+    for count, near in zip(reversed(counts), reversed(others), strict=True):
+        areas.append(gather_pressure(place[order[:count]][near], area, N))
     first = np.searchsorted(nearest[more], np.arange(K + 1))
     spacings = tuple(share * spacing for share in BETWEEN)
     between = Between(first, away[more], spacings, tuple(areas))
-    return FineSpread(every, apart, gather_pressure(nearest, area, K), between)
+    return FineSpread(every, apart[:K], gather_pressure(nearest, area, K), between)
 
 
 def join_between(parts: list[Between], counts: list[int]) -> Between:
@@ -129,20 +132,34 @@ def join_between(parts: list[Between], counts: list[int]) -> Between:
     )
 
 
-def spread_pressure(surface: SkinNodes, spacing: float) -> tuple[Indices, Floats, Indices]:
+class Spread(NamedTuple):
+    """Points chosen one after the other.
+
+    order: which points, (K,). apart: distance of each from those before it, which never increases, (K,) [m]. counts:
+    how many of them belong to each level, (L,). nearest: the chosen point nearest to each of the N points, of those of
+    each level, (L, N).
+    """
+
+    order: Indices
+    apart: Floats
+    counts: tuple[int, ...]
+    nearest: Indices
+
+
+def spread_pressure(surface: SkinNodes, spacings: Sequence[float]) -> Spread:
     """Choose points one after the other, each the farthest from those already chosen.
 
-    Stops when no point is `spacing` [m] away from all chosen points on its side. Returns the indices of the chosen
-    points, (K,); the distance of each from those before it, (K,) [m], which never increases; and the nearest chosen
-    point to each of the N points, (N,). Raises ArgumentError.
+    spacings: of L levels, coarse to fine, above 0 [m]. A level ends when no point is its spacing away from all chosen points on
+    its side. Raises ArgumentError.
     """
-    N = len(surface.points)
+    N, L = len(surface.points), len(spacings)
     if not np.isfinite(surface.points).all():
         raise ArgumentError("points", "must be finite")
     order, apart = np.empty(N, dtype=np.intp), np.empty(N)
-    nearest = np.zeros(N, dtype=np.intp)
-    K = kernels.spread(*surface, spacing, order, apart, nearest)
-    return order[:K].copy(), apart[:K].copy(), nearest
+    nearest, counts = np.zeros((L, N), dtype=np.intp), np.empty(L, dtype=np.intp)
+    kernels.spread(*surface, np.array(spacings), order, apart, nearest, counts)
+    K = int(counts[-1])
+    return Spread(order[:K].copy(), apart[:K].copy(), tuple(counts.tolist()), nearest)
 
 
 def gather_pressure(to: Indices, area: Floats, count: int = 0) -> Floats:
@@ -150,16 +167,16 @@ def gather_pressure(to: Indices, area: Floats, count: int = 0) -> Floats:
     return np.asarray(np.bincount(to, area, count), dtype=np.float64)
 
 
-def share_pressure(surface: SkinNodes, nodes: int) -> Share:
-    """Share every point among the nearest of the first `nodes` points.
+def share_pressure(surface: SkinNodes, nodes: int, spacing: float) -> Share:
+    """Share every point among the nearest of the first `nodes` points, which are about `spacing` [m] apart.
 
     The weights are (1/D - 1/D_4)^2, normalised. D is the distance over the square root of the cosine between the
     normals, and D_4 is D of the fourth nearest node, so that the weight of a node is 0 when it enters or leaves the
-    nearest three [1]. A point that is a node belongs to itself alone.
+    nearest three [1]. A point that is a node belongs to itself alone. `spacing` changes only the time that this takes.
 
     [1] Franke and Nielson, Smooth interpolation of large sets of scattered data, 1980 (modified Shepard).
     """
     K = len(surface.points)
     out = Share(np.zeros((K, SHARERS), dtype=np.intp), np.zeros((K, SHARERS)))
-    kernels.share(*surface, nodes, *out)
+    kernels.share(*surface, nodes, spacing, *out)
     return out
