@@ -206,8 +206,11 @@ def _around(shapes: Floats, c: int, grain: float) -> _Around:
 
 def _shown(shapes: Floats, c: int, points: Floats) -> Flags:
     """Return which points of a capsule are not inside others. Where surfaces coincide, the first owns the skin."""
-    free = flesh.distance_to_skin(shapes[:c], points) > ON
-    free[free] = flesh.distance_to_skin(shapes[c + 1 :], points[free]) > -ON
+    centres, radii = np.split(flesh.find_bounds(shapes), [3], axis=1)
+    apart = np.linalg.norm(centres - centres[c], axis=1)
+    near = apart <= (radii + radii[c])[:, 0] + ON
+    free = flesh.distance_to_skin(shapes[:c][near[:c]], points) > ON
+    free[free] = flesh.distance_to_skin(shapes[c + 1 :][near[c + 1 :]], points[free]) > -ON
     return free
 
 

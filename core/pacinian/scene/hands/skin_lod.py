@@ -149,8 +149,8 @@ class Spread(NamedTuple):
 def spread_pressure(surface: SkinNodes, spacings: Sequence[float]) -> Spread:
     """Choose points one after the other, each the farthest from those already chosen.
 
-    spacings: of L levels, coarse to fine, above 0 [m]. A level ends when no point is its spacing away from all chosen points on
-    its side. Raises ArgumentError.
+    spacings: of L levels, coarse to fine, above 0 [m]. A level ends when no point is its spacing away from all chosen
+    points on its side. Raises ArgumentError.
     """
     N, L = len(surface.points), len(spacings)
     if not np.isfinite(surface.points).all():
